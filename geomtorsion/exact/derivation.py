@@ -8,6 +8,7 @@ from flint import fmpq
 
 from geomtorsion.exact import kept, polynomials
 from geomtorsion.exact.element import Element
+from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.functions import jet
 
 if TYPE_CHECKING:
@@ -23,8 +24,10 @@ if TYPE_CHECKING:
     Rule = Callable[[Tower, Generator, sympy.Symbol], Element]
 
 
-def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
+def derivative(field: Tower, element: Element, symbol: sympy.Symbol, /) -> Element:
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
+    if symbol not in field._symbol_elements:
+        symbol = counted_as([symbol], field.symbols).get(symbol, symbol)
     if element._level is None:
         return kept.derivative(field, element, symbol)
     num = field.lift(element)
@@ -35,7 +38,7 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
         terms.append((1, Element(field, part, den, field.level), inner))
     for index, exponent in den:
         inner = _factor_derivative(field, index, symbol)
-        if inner._num:
+        if inner.is_kept or inner._num:
             # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
             once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
             terms.append((-exponent, element, inner, once))
@@ -62,7 +65,7 @@ def _parts(
         grown = field.ctx.nvars() - poly.context().nvars()
         poly = polynomials.lifted(field.ctx, poly, grown)
     for generator, inner in zip(names, inners, strict=True):
-        if inner._num:
+        if inner.is_kept or inner._num:
             found.append((poly.derivative(field.generators.index(generator)), inner))
     return found
 
@@ -131,7 +134,7 @@ def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
     terms = []
     for k, argument in enumerate(arguments):
         inner = argument.diff(symbol)
-        if inner._num:
+        if inner.is_kept or inner._num:
             up = tuple(n + (j == k) for j, n in enumerate(orders))
             terms.append((1, jet(field, name, up, arguments), inner))
     return field.sum(terms)

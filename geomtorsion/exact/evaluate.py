@@ -13,7 +13,7 @@ from geomtorsion.errors import MissingValueError, SingularPointError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.kept import in_order, leaves
+from geomtorsion.exact.kept import in_order, inside_out, leaves
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.radical_denominators import roots_restored
 from geomtorsion.precision import ball_precision, working_precision
@@ -247,34 +247,46 @@ def _number_of(ball: arb) -> mpmath.mpf:
 
 
 def _generator(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
-    """The value of one generator, computed once per point."""
-    if generator.name not in known:
-        known[generator.name] = _computed(generator, given, known)
+    """The value of one generator, computed once per point after those that it is made of."""
+    for one in inside_out(generator, _made_of, lambda inner: inner.name in known):
+        known[one.name] = _computed(one, given, known)
     return known[generator.name]
 
 
-def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
+def _arguments(generator: Generator) -> tuple[Element, ...]:
+    """The elements of which a generator is a function."""
     kind, argument = generator.kind, generator.argument
+    if kind in ("cos", "sin", "cosh", "sinh", "chebyshev"):
+        return (argument[0],)
+    if kind in ("exp", "log"):
+        return (argument,)
+    if kind == "primitive":
+        return argument[2]
+    return () if generator.tail is None else (generator.tail,)
+
+
+def _made_of(generator: Generator) -> list[Generator]:
+    """The generators whose values that of one needs."""
+    return [inner for part in _arguments(generator) for inner in part.field.generators_of(part)]
+
+
+def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
+    """The value of one generator from those of its arguments."""
+    kind = generator.kind
     if kind in ("symbol", "jet"):
         return given(generator)
-    if kind in ("cos", "sin", "cosh", "sinh", "chebyshev"):
-        angle = values(argument[0], given, known)
-        return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(angle)
-    if kind in ("exp", "log"):
-        inner = values(argument, given, known)
-        if kind == "log" and not inner:
-            raise SingularPointError(f"{generator.shown} has no finite value here")
-        return getattr(mpmath, kind)(inner)
-    if kind == "root":
-        tail = generator.tail
-        assert tail is not None
-        return mpmath.root(values(tail, given, known), generator.degree)
     if kind == "imaginary":
         return mpmath.mpc(0, 1)
+    if kind in ("opaque", "constant"):
+        return _by_sympy(generator, given)
+    arguments = [values(part, given, known) for part in _arguments(generator)]
+    if kind == "log" and not arguments[0]:
+        raise SingularPointError(f"{generator.shown} has no finite value here")
+    if kind == "root":
+        return mpmath.root(arguments[0], generator.degree)
     if kind == "primitive":
-        function = getattr(mpmath, type(generator.shown).__name__)
-        return function(*(values(part, given, known) for part in argument[2]))
-    return _by_sympy(generator, given)
+        kind = type(generator.shown).__name__
+    return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(*arguments)
 
 
 def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:

@@ -11,7 +11,6 @@ from geomtorsion.exact import algebraic_constants, kept
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import PROVED, Certainty, Element
-from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.generic_point import GenericPoint
@@ -60,6 +59,9 @@ class Field(Tower):
     >>> (h * h).sympy, h.diff(r) * h == field.read(M / r**2)
     ((-2*M + r)/r, True)
     """
+
+    # Functions of a field, each in a file of its own.
+    derivative, root = derivative, root
 
     def __init__(
         self,
@@ -181,10 +183,6 @@ class Field(Tower):
         """An element multiplied out, if that takes little."""
         return kept.multiplied_out(self, element, briefly=True)
 
-    def root(self, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
-        """The root of an order, positive at the sample point; adds a generator if it must."""
-        return root(self, element, order, radical)
-
     def conjugate(self, element: Element) -> Element:
         """The element with I replaced by -I, also inside roots, logs and exponents."""
         if not self.is_complex:
@@ -200,12 +198,6 @@ class Field(Tower):
         }
         return Element(self, self.ctx.from_dict(flipped), element._den, self.level)
 
-    def derivative(self, element: Element, symbol: sympy.Symbol) -> Element:
-        """The partial derivative of an element."""
-        if symbol not in self._symbol_elements:
-            symbol = counted_as([symbol], self.symbols).get(symbol, symbol)
-        return derivative(self, element, symbol)
-
     def decide_zero(self, element: Element) -> bool | None:
         """Whether an element vanishes that is kept, or whose generators may depend on others."""
         unsure = [] if self.all_sure else [g for g in self.generators_of(element) if not g.sure]
@@ -215,6 +207,9 @@ class Field(Tower):
             return self._decide_by_numbers(element)
         image = self._image(element)
         if image is None and element.is_kept:
+            # Of very many roots no point is found; what has a value does not vanish.
+            if self.sample.is_surely_nonzero(element):
+                return False
             element = self.whole(element)
         if image == 0 if image is not None else not element._num:
             return True

@@ -154,7 +154,8 @@ class ModularPoint:
         """The next place: other values of all symbols, modulo another prime now and then."""
         place = self._place + 1
         # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
-        if place > _BITS * prod(self._degrees()):
+        # With more than ten square roots one may be missed, after some 20 s; with 40 all would be.
+        if place > _BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
         # product, need another prime, which takes more time to find.
@@ -209,8 +210,7 @@ class ModularPoint:
 
     def _random(self, generator: Generator) -> fmpz_mod:
         """A number made from the name, so that it is the same in every process."""
-        text = f"{generator.shown} {generator.name} {self._place}"
-        digest = hashlib.sha512(text.encode()).digest()
+        digest = hashlib.sha512(f"{generator.name} {self._place}".encode()).digest()
         return self._ring(int.from_bytes(digest, "big"))
 
     def _unity(self, order: int) -> fmpz_mod:

@@ -167,9 +167,14 @@ def express(
     Each vector is a sequence of elements; all have one length.  Monomials over a common
     denominator are independent, so this is linear algebra on their coefficients.
     """
-    columns = [dict[tuple[int, tuple[int, ...]], fmpq]() for _ in range(len(basis) + 1)]
+    answer = [fmpq(0)] * len(basis)
+    places = _without_own_poles(target, basis)
+    if places is None:
+        return None
+    chosen = [basis[place] for place in places]
+    columns = [dict[tuple[int, tuple[int, ...]], fmpq]() for _ in range(len(chosen) + 1)]
     for row in range(len(target)):
-        entries = [vector[row] for vector in basis] + [target[row]]
+        entries = [vector[row] for vector in chosen] + [target[row]]
         common: Denominator = ()
         for entry in entries:
             common = field.lcm(common, entry._den)
@@ -179,16 +184,44 @@ def express(
                 column[row, tuple(monomial)] = value
     keys = sorted({key for column in columns for key in column})
     if not keys:
-        return [fmpq(0)] * len(basis)
+        return answer
     matrix = fmpq_mat(
         len(keys), len(columns), [c.get(key, fmpq(0)) for key in keys for c in columns]
     )
     reduced, rank = matrix.rref()
-    last = len(basis)
-    answer = [fmpq(0)] * last
+    last = len(chosen)
     for row in range(rank):
         pivot = next(j for j in range(last + 1) if reduced[row, j] != 0)
         if pivot == last:
             return None
-        answer[pivot] = reduced[row, last]
+        answer[places[pivot]] = reduced[row, last]
     return answer
+
+
+def _without_own_poles(
+    target: Sequence[Element], basis: Sequence[Sequence[Element]]
+) -> list[int] | None:
+    """The places of the vectors that may have a share in the target; None if it is in no span.
+
+    What has a factor below the line to a higher power than all others has no share in a sum
+    without it.  To see this is cheap; a common denominator has 2**n terms for n nested logarithms.
+    """
+    # The target comes last.
+    vectors, left = [*basis, target], list(range(len(basis) + 1))
+    while True:
+        own: set[int] = set()
+        for row in range(len(target)):
+            highest: dict[int, int] = {}
+            holders: dict[int, list[int]] = {}
+            for place in left:
+                for factor, exponent in vectors[place][row]._den:
+                    if exponent > highest.get(factor, 0):
+                        highest[factor], holders[factor] = exponent, []
+                    if exponent == highest[factor]:
+                        holders[factor].append(place)
+            own.update(places[0] for places in holders.values() if len(places) == 1)
+        if len(basis) in own:
+            return None
+        if not own:
+            return left[:-1]
+        left = [place for place in left if place not in own]

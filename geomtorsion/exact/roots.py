@@ -23,8 +23,13 @@ if TYPE_CHECKING:
     from geomtorsion.exact.tower import Tower
 
 
-def root(field: Tower, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
-    """The root of an order: odd part first, then square roots one by one."""
+def root(
+    field: Tower, element: Element, order: int, radical: sympy.Expr | None = None, /
+) -> Element:
+    """The root of an order, positive at the sample point; it may add a generator.
+
+    The odd part comes first, then square roots one by one.
+    """
     if not element._num:
         return field.zero
     value = element

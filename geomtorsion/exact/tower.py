@@ -120,11 +120,11 @@ class Tower(ABC):
         """1 over an element, kept as it is where it shall be brief and would not be."""
 
     @abstractmethod
-    def root(self, element: Element, order: int, radical: sympy.Expr | None = None) -> Element:
+    def root(self, element: Element, order: int, radical: sympy.Expr | None = None, /) -> Element:
         """The root of an order, positive at the generic point."""
 
     @abstractmethod
-    def derivative(self, element: Element, symbol: sympy.Symbol) -> Element:
+    def derivative(self, element: Element, symbol: sympy.Symbol, /) -> Element:
         """The partial derivative of an element."""
 
     @abstractmethod

@@ -89,7 +89,7 @@ class Components:
             return self._compute(index)
 
     def _compute(self, index: Index) -> Element | None:
-        """Ask the rule (at the representative) and keep the answer."""
+        """Ask the rule at a representative, take the rest from there; the answer is kept."""
         canonical = self._canonical
         sign, representative = (1, index) if canonical is None else canonical[index]
         if sign == 0:
@@ -102,16 +102,10 @@ class Components:
             # All representatives are known by now: what is missing vanishes.
             value = self.independent.get(index)
         else:
-            return self._asked(index)
-        self._known[index] = value
-        return value
-
-    def _asked(self, index: Index) -> Element | None:
-        """What the rule says of a representative; it is kept."""
-        value = self._rule(index)
-        if value is not None and value.is_zero:
-            self.zeros[index] = value
-            value = None
+            value = self._rule(index)
+            if value is not None and value.is_zero:
+                self.zeros[index] = value
+                value = None
         self._known[index] = value
         return value
 
@@ -130,7 +124,7 @@ class Components:
             return found
         found, known = {}, self._known
         for index in self._orbits.representatives:
-            value = known[index] if index in known else self._asked(index)
+            value = known[index] if index in known else self._compute(index)
             if value is not None:
                 found[index] = value
         return found
@@ -144,8 +138,15 @@ class Components:
     @cached_property
     def nonzero(self) -> dict[Index, Element]:
         """All non-vanishing components, in order of their indices."""
-        found = {index: self.get(index) for index in self.support}
-        return {index: value for index, value in found.items() if value is not None}
+        known, orbits = self._known, self._orbits
+        found: dict[Index, Element] = {}
+        for first, value in self.independent.items():
+            for index in orbits.members[first]:
+                at = known.get(index)
+                if at is None:
+                    at = known[index] = value if orbits.of(index)[0] > 0 else -value
+                found[index] = at
+        return dict(sorted(found.items()))
 
     @cached_property
     def rows(self) -> tuple[Row, ...]:
