@@ -55,6 +55,7 @@ def _heading(space: Space, *, greek: bool) -> str:
     else:
         rows = ("[" + written(frame.eta[i, j] for j in range(n)) + "]" for i in range(n))
         facts.append(f"frame metric [{', '.join(rows)}]")
+    facts += [f"{written([name])} = {written([what])}" for name, what in frame.names.items()]
     facts += [
         f"root {written([b.radical])} read as {written([b.read_as])}: right where {b.condition}"
         for b in frame.field.branches
@@ -71,7 +72,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     if not components:
         return f"{title}  {label} = 0"
     if not tensor.slots:
-        value = expression_text(components[()].sympy, greek=greek)
+        value = expression_text(chosen.written(components[()]), greek=greek)
         return f"{title}  {symbol} = {value}"
     # Equal signs stand below each other.
     lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
@@ -82,7 +83,8 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     width = max(map(_width, labels.values()))
     for index, element in components.items():
         gap = " " * (width - _width(labels[index]))
-        lines.append(f"  {labels[index]}{gap} = {expression_text(element.sympy, greek=greek)}")
+        value = expression_text(chosen.written(element), greek=greek)
+        lines.append(f"  {labels[index]}{gap} = {value}")
     total = len(chosen.nonzero)
     if total > len(components):
         rest = total - len(components)
@@ -97,7 +99,9 @@ def _width(label: str) -> int:
 
 def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = False) -> str:
     """One align* environment for each quantity; needs amsmath."""
-    parts = [f"% {space.name}: {space.title}\n% needs \\usepackage{{amsmath}}"]
+    head = [f"{space.name}: {space.title}", r"needs \usepackage{amsmath}"]
+    head += [f"{name} = {what}" for name, what in space.frame.names.items()]
+    parts = ["\n".join(f"% {line}" for line in head)]
     parts += [aligned(chosen, every=every) for chosen in quantities]
     return "\n\n".join(parts)
 

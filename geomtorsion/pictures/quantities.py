@@ -14,6 +14,8 @@ from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces.checking import CONNECTION_QUANTITIES
 
 if TYPE_CHECKING:
+    import sympy
+
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Tensor
     from geomtorsion.spaces.space import Space
@@ -214,6 +216,11 @@ class Quantity:
     def text_label(self) -> str:
         """Symbol with index letters."""
         return text_label(self.entry.symbol, self.letters, self.tensor.slots)
+
+    def written(self, element: Element) -> sympy.Expr:
+        """A component as it is printed: by the names of the frame, if it has some."""
+        frame = self.tensor.frame
+        return frame.written(element) if frame.names else element.sympy
 
     @cached_property
     def independent(self) -> dict[tuple[int, ...], Element]:

@@ -85,6 +85,7 @@ def _header(space: Space, sections: Sequence[str]) -> str:
         ("Coordinates", _symbols([symbol.name for symbol in frame.coordinates])),
         ("Parameters", _symbols([symbol.name for symbol in frame.parameters])),
         ("Domain", _domain(frame.domain)),
+        ("Names", _names(frame.names)),
         ("Frame metric", _frame_metric(space)),
         ("Source", escape(space.source)),
         ("Note", _prose(space.notes)),
@@ -103,6 +104,13 @@ def _header(space: Space, sections: Sequence[str]) -> str:
 
 def _symbols(names: Sequence[str]) -> str:
     return mathml(", ".join(map(latex_name, names))) if names else ""
+
+
+def _names(found: Mapping[sp.Symbol, sp.Expr]) -> str:
+    """What is printed by names, as markup."""
+    return ", ".join(
+        mathml(f"{latex_name(name.name)} = {latex_text(what)}") for name, what in found.items()
+    )
 
 
 def _domain(relations: Sequence[Relational]) -> str:

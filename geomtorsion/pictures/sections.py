@@ -46,7 +46,7 @@ def _body(quantity: Quantity) -> str:
         return f'<div class="zero">{_displayed(f"{label} = 0")}</div>'
     if not slots:
         [value] = quantity.independent.values()
-        return _displayed(f"{label} = {latex_text(value.sympy)}")
+        return _displayed(f"{label} = {latex_text(quantity.written(value))}")
     if len(slots) == 2 and _fits(quantity):
         return _displayed(f"{label} = {_matrix(quantity)}")
     return _listed(quantity)
@@ -57,13 +57,15 @@ def _fits(quantity: Quantity) -> bool:
     n = quantity.tensor.frame.dimension
     widths = [0] * n
     for (_, column), value in quantity.nonzero.items():
-        widths[column] = max(widths[column], _width(value))
+        widths[column] = max(widths[column], _width(quantity, value))
     return sum(widths) + 2 * n <= STYLE.line
 
 
 def _matrix(quantity: Quantity) -> str:
     n = range(quantity.tensor.frame.dimension)
-    known = {index: latex_text(value.sympy) for index, value in quantity.nonzero.items()}
+    known = {
+        index: latex_text(quantity.written(value)) for index, value in quantity.nonzero.items()
+    }
     return latex_matrix([[known.get((i, j), "0") for j in n] for i in n])
 
 
@@ -71,12 +73,12 @@ def _listed(quantity: Quantity) -> str:
     """Components in columns; the later ones of a long list are folded away."""
     tensor = quantity.tensor
     lines = []
-    narrow = all(_width(value) <= STYLE.third for value in quantity.independent.values())
+    narrow = all(_width(quantity, value) <= STYLE.third for value in quantity.independent.values())
     columns = "components" if narrow else "components two"
     for index, value in quantity.independent.items():
         label = latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots)
-        wide = " wide" if _width(value) > STYLE.half else ""
-        formula = mathml(f"{label} = {latex_text(value.sympy)}", tall=True)
+        wide = " wide" if _width(quantity, value) > STYLE.half else ""
+        formula = mathml(f"{label} = {latex_text(quantity.written(value))}", tall=True)
         lines.append(f'<div class="scroll{wide}">{formula}</div>')
     shown = f'<div class="{columns}">{"".join(lines[: STYLE.unfolded])}</div>'
     if len(lines) > STYLE.unfolded:
@@ -99,14 +101,14 @@ def aligned(chosen: Quantity, *, every: bool = False) -> str:
     lines = []
     for index, element in components.items():
         left = latex_label(entry.latex, latex_marks(tensor, index), tensor.slots)
-        lines.append(f"  {left} &= {sympy.latex(element.sympy)}")
+        lines.append(f"  {left} &= {sympy.latex(chosen.written(element))}")
     if not lines:
         lines = [f"  {latex_label(entry.latex, chosen.letters, tensor.slots)} &= 0"]
     body = " \\\\\n".join(lines)
     return f"% {entry.title}\n\\begin{{align*}}\n{body}\n\\end{{align*}}"
 
 
-def _width(value: Element) -> int:
+def _width(quantity: Quantity, value: Element) -> int:
     """About how many letters wide a value is, a fraction being as wide as its longer half."""
-    halves = sympy.fraction(value.sympy)
+    halves = sympy.fraction(quantity.written(value))
     return max(len(re.sub(r"sqrt|[*^ ]", "", expression_text(half))) for half in halves)

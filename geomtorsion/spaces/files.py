@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from geomtorsion.checks import did_you_mean, shown
-from geomtorsion.errors import FileFormatError
+from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import (
     Connection,
@@ -27,7 +28,7 @@ from geomtorsion.spaces.vocabulary import (
 )
 
 TEXT_KEYS = ("name", "title", "story", "source", "notes")
-SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain")
+SYMBOL_KEYS = ("coordinates", "parameters", "functions", "domain", "names")
 SHAPE_KEYS = ("coframe", "frame", "metric", "structure_constants")
 CONNECTION_KEYS = ("spin_connection", "contortion", "connection")
 CHART_KEYS = ("edge", "margin", "charts")
@@ -61,6 +62,9 @@ def read_file(path: str | PathLike[str]) -> Space:
         antisymmetrically.
     signature
         List of signs, or a constant symmetric matrix; plus signs if it is left out.
+    names
+        Table name -> quantity that is printed by this name: ``Sigma = "r**2 + a**2"``; a quantity
+        may hold names above it (see `Frame.named`).
     complex
         true if legs may be complex.
     spin_connection, contortion, connection
@@ -104,7 +108,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     shape = _only(file, data, SHAPE_KEYS, required=True)
     words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
     name = _text(file, data, "name") or path.stem
-    frame = _frame(words, data, shape, name)
+    frame = _named(words, data, _frame(words, data, shape, name))
     if any(key in data for key in CHART_KEYS):
         # Motions load scipy, which files without charts do not need.
         from geomtorsion.spaces.file_charts import attach_charts
@@ -130,7 +134,7 @@ def _check_keys(file: str, data: Mapping[str, object]) -> None:
                 f"{file}: unknown key {shown(key)}. {did_you_mean(key, KEYS)}"
                 f"Known are {', '.join(KEYS)}."
             )
-    for table in ("parameters", "functions"):
+    for table in ("parameters", "functions", "names"):
         inside = data.get(table)
         for key in inside if isinstance(inside, dict) else ():
             if key in KEYS and key not in data:
@@ -180,6 +184,24 @@ def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str)
         return Frame.from_metric(words.coordinates, entries, signature, **known)
     maker = Frame if shape == "coframe" else Frame.from_frame
     return maker(words.coordinates, entries, signature, complex=is_complex, **known)
+
+
+def _named(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> Frame:
+    """The frame, printed by the names that the file gives."""
+    given = data.get("names", {})
+    if not isinstance(given, dict):
+        raise FileFormatError(
+            f"{words.file}: names: a table was needed, but {shown(given)} came. Write "
+            '[names] and below it Sigma = "r**2 + a**2*cos(theta)**2".'
+        )
+    try:
+        for name, value in given.items():
+            # A quantity is written in the names above it, too.
+            wider = replace(words, parameters=(*words.parameters, *frame.names))
+            frame = frame.named(**{name: wider.expression(value, f"names: {name}")})
+    except ArgumentError as error:
+        raise FileFormatError(f"{words.file}: names: {error}") from error
+    return frame
 
 
 def _without(file: str, data: Mapping[str, object], shape: str, *keys: str) -> None:

@@ -129,6 +129,23 @@ def test_pages_of_files(name, tmp_path):
     assert ("connection_torsion" in page.ids) == (space.connection is not None)
 
 
+def test_names_are_stated_and_used(tmp_path):
+    """What a name stands for is among the facts, and components are written by it."""
+    space = load("kerr")
+    named = replace(space, frame=space.frame.named(Delta="r**2 - 2*M*r + a**2"))
+    plain, html = (
+        write_report(one, tmp_path / str(k), pictures=False).read_text("utf-8")
+        for k, one in enumerate((space, named))
+    )
+    assert "<dt>Names</dt>" not in plain
+    assert "<dt>Names</dt>" in html
+    metric, inverse = html.split('id="metric"')[1].split('id="inverse_metric"')
+    assert "Δ" in metric
+    assert "Δ" in inverse
+    assert "Δ" not in plain.split('id="metric"')[1].split('id="torsion"')[0]
+    structure(html)
+
+
 def test_text_from_a_file_is_escaped(tmp_path):
     """A story cannot smuggle markup into the page."""
     evil = "<script>alert(1)</script>"

@@ -1,5 +1,6 @@
 """Tetrad files: what they say becomes a space; what they get wrong is named, with the remedy."""
 
+import copy
 from pathlib import Path
 
 import pytest
@@ -150,6 +151,20 @@ def test_assumptions_may_be_a_list(read):
     assert b.is_nonzero
 
 
+def test_names_of_quantities(read):
+    """They may hold parameters, unknown functions and names above them, and stay with the frame."""
+    text = PLANE + (
+        'parameters = ["b"]\nfunctions = {f = ["r"]}\n'
+        'coframe = [["f(r)**2 + b", 0], [0, "r*(f(r)**2 + b) + b"]]\n'
+        '[names]\nF = "f(r)**2 + b"\nG = "r*F + b"\n'
+    )
+    frame = read(text).frame
+    assert [str(name) for name in frame.names] == ["F", "G"]
+    assert str(frame.metric).splitlines()[1:] == ["  g[0, 0] = F**2", "  g[1, 1] = G**2"]
+    assert str(frame.metric[0, 0]) == "(b + f(r)**2)**2"
+    assert list(copy.deepcopy(frame).names) == list(frame.names)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -185,6 +200,12 @@ def test_assumptions_may_be_a_list(read):
         (PLANE + 'parameters = {r = "real"}\n' + COFRAME, "r is declared 2 times"),
         (PLANE + 'functions = {a = ["t"]}\n' + COFRAME, "its argument 't' is neither a coord"),
         (PLANE + 'functions = {phi = ["r"]}\n' + COFRAME, "phi is declared 2 times"),
+        (PLANE + COFRAME + 'names = "F"', "names: a table was needed, but 'F' came"),
+        (PLANE + COFRAME + 'names = {r = "phi"}', "names: r: a name that has no meaning here"),
+        (PLANE + COFRAME + 'names = {"2F" = "r"}', "names: 2F: a name that has no meaning here"),
+        (PLANE + COFRAME + "names = {F = [1]}", "names: F: an integer or an expression in quotes"),
+        (PLANE + COFRAME + 'names = {F = "r - r"}', "names: F = 0: a short quantity"),
+        (PLANE + '[names]\nF = "r**2"\n' + COFRAME, "coframe stands under .names."),
         (PLANE + COFRAME + 'domain = ["r"]', "'r' compares nothing"),
         (PLANE + COFRAME + 'domain = "r"', "'r' compares nothing"),
         (PLANE + COFRAME + "domain = 3", "domain: a list of texts was needed"),

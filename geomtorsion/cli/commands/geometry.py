@@ -69,6 +69,7 @@ def geometry(
       domain = ["r > 2*M"]          inequalities
       parameters = {M = "positive"}
       functions = {f = ["r"]}
+      names = {F = "f(r)**2"}       what is printed by a name
     and, as needed, name, title, story, source, notes, complex = true, and one of
     spin_connection, contortion, connection.
     """

@@ -62,6 +62,25 @@ def test_roots_are_stated():
     assert "read as" in shown("schwarzschild", "--only", "determinant")
 
 
+def test_names_of_a_file(tmp_path):
+    """Text and LaTeX are printed by the names of the file, and say what they are; JSON is not."""
+    file = tmp_path / "disc.toml"
+    file.write_text(
+        'coordinates = ["r", "phi"]\ncoframe = [[1, 0], [0, "r*(1 + r**2)"]]\n'
+        '[names]\nSigma = "1 + r**2"\n',
+        "utf-8",
+    )
+    text = shown(str(file), "--only", "metric,determinant")
+    assert "\nΣ = r^2 + 1\n" in text
+    assert "  g_{φφ} = Σ^2*r^2" in text
+    assert "e = Σ*r" in text
+    latex = shown(str(file), "--only", "metric", "--format", "latex")
+    assert "% Sigma = r**2 + 1\n" in latex
+    assert r"\Sigma^{2} r^{2}" in latex
+    assert "Sigma" not in shown(str(file), "--only", "metric", "--format", "python")
+    assert "Sigma" not in shown(str(file), "--only", "metric", "--format", "json")
+
+
 def test_a_terminal_without_greek():
     """Letters are spelled out, and nothing is outside ASCII."""
     space = load("kerr")
