@@ -350,7 +350,7 @@ class Frame:
     # -- named quantities -----------------------------------------------------------------------
 
     def quantity(self, name: str) -> Tensor:
-        """A named quantity of this frame (see plan.QUANTITIES); only what it needs is computed.
+        """A named quantity of this frame (see `quantities.QUANTITIES`); only what it needs is computed.
 
         Raises
         ------

@@ -38,8 +38,11 @@ class Substitution:
         """An expression or relation with the values in place, all at once."""
         found = expression.xreplace(dict(self.symbols))
         if self.functions:
-            for function, value in self.functions.items():
-                found = found.replace(function, value)
+            # One pass for all: what one of them becomes may hold another one, which stays there.
+            found = found.replace(
+                lambda one: isinstance(one, AppliedUndef) and one.func in self.functions,
+                lambda one: self.functions[one.func](*one.args),
+            )
             # What was the derivative of an unknown function can be taken now.
             found = found.replace(_is_derivative, lambda one: one.doit())
         return with_roots(found)
@@ -93,7 +96,9 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
             )
         checked(name, put)
         if isinstance(key, AppliedUndef):
-            known[key.func] = _function(key, put, functions, coordinates)
+            twins = counted_as([*key.free_symbols, *put.free_symbols], exact.symbols)
+            applied = key.xreplace(twins)
+            known[key.func] = _function(applied, put.xreplace(twins), functions, coordinates)
         else:
             symbol = _parameter(key, given, parameters, coordinates)
             constant[symbol] = _constant(symbol, put, coordinates, exact.symbols)

@@ -78,6 +78,28 @@ def test_all_at_once():
     assert frame.subs({a: new / b}).parameters == (b, new)
 
 
+def test_unknown_functions_all_at_once():
+    """The same of functions, also where one stands in the argument of the other."""
+    f, g = sp.Function("f"), sp.Function("g")
+    frame = gt.Frame([t, phi], [[f(t), 0], [0, g(t) * f(g(t))]])
+    swapped = frame.subs({f(t): g(t), g(t): f(t)})
+    assert (swapped.coframe[0, 0], swapped.coframe[1, 1]) == (g(t), f(t) * g(f(t)))
+    other = frame.subs({f(t): 1 + g(t) ** 2, g(t): 3 * t})
+    assert other.coframe[0, 0] == 1 + g(t) ** 2
+    assert swapped.metric.subs({f(t): sp.exp(t), g(t): f(t)})[0, 0] == f(t) ** 2
+
+
+def test_names_mean_one_thing_in_functions_too():
+    """A coordinate without its assumptions is the coordinate of its name: a(t) lacks phi."""
+    a, twin = sp.Function("a"), sp.Symbol("phi")
+    frame = gt.Frame([t, phi], [[1, 0], [0, a(t)]])
+    with pytest.raises(CoordinateError, match="a\\(t\\) does not depend on phi"):
+        frame.subs({a(t): twin * t})
+    plain = sp.Symbol("t")
+    for key, value in ((plain, t), (t, plain), (plain, plain)):
+        assert frame.subs({a(key): value**2}).coframe[1, 1] == t**2
+
+
 def test_unknown_functions_become_known():
     """The flat universe with exp(H t) is that of de Sitter: R = 12 H^2, and Einstein's by hand."""
     universe = gt.spaces.load("frw_flat").frame
