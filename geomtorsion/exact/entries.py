@@ -67,8 +67,8 @@ def checked(where: str, value: Any, declared: Iterable[sympy.Symbol] | None = No
         seen.add(part)
         reason = _reason(part)
         if reason:
-            of = "" if part == value else f" in {_short(value)}"
-            raise ExpressionError(f"{where}: {_short(part)}{of} {reason}")
+            of = "" if part == value else f" in {cut(str(value), 60)}"
+            raise ExpressionError(f"{where}: {cut(str(part), 60)}{of} {reason}")
         stack.extend(part.args)
     if declared is None or not {part for part in seen if part.is_Symbol}.difference(declared):
         return value
@@ -96,12 +96,6 @@ def _reason(part: sympy.Basic) -> str:
     if isinstance(part, sympy.Symbol) and part.is_commutative is False:
         return "does not commute; coordinates and parameters are numbers"
     return ""
-
-
-def _short(expr: sympy.Basic) -> str:
-    """The text of an expression, cut where it is long."""
-    text = str(expr)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def counted_as(

@@ -1,4 +1,4 @@
-"""Sample: one generic point of the domain, at which signs are read off numerically."""
+"""Generic point: one point of the domain, at which signs are read off numerically."""
 
 from __future__ import annotations
 

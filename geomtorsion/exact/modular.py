@@ -16,7 +16,7 @@ import sympy
 from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 from flint.utils.flint_exceptions import DomainError
 
-from geomtorsion.exact.algebraic_constants import is_algebraic_constant
+from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.polynomials import as_fmpq
 
@@ -266,16 +266,14 @@ class ModularPoint:
 
     def _trigonometric(self, generator: Generator) -> fmpz_mod:
         """cos and sin of parts of a turn by roots of unity; other constants are random."""
-        shown = generator.shown
-        if isinstance(shown, sympy.cos | sympy.sin):
-            share = shown.args[0] / (2 * sympy.pi)
-            if share.is_Rational and _ORDER % int(share.q) == 0:
-                up = self._unity(int(share.q)) ** int(share.p)
-                down = up**-1
-                if isinstance(shown, sympy.cos):
-                    return (up + down) / 2
-                return (up - down) / (2 * self._unity(4))
-        return self._random(generator)
+        share = part_of_turn(generator)
+        if share is None or _ORDER % int(share.q):
+            return self._random(generator)
+        up = self._unity(int(share.q)) ** int(share.p)
+        down = up**-1
+        if isinstance(generator.shown, sympy.cos):
+            return (up + down) / 2
+        return (up - down) / (2 * self._unity(4))
 
     # -- certainty -------------------------------------------------------------------------------
 

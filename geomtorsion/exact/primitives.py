@@ -1,4 +1,4 @@
-"""Additive: logarithms and inverse functions, kept independent by their derivatives.
+"""Primitives: logarithms and inverse functions, kept independent by their derivatives.
 
 Functions with derivatives in the field are algebraically dependent exactly when a constant
 combination of them lies in the field (Ostrowski 1946, Kolchin 1968).  Each new one is

@@ -1,4 +1,4 @@
-"""Exchange: elements as JSON-ready mappings and back, through the whitelist parser."""
+"""Serialization: elements as JSON-ready mappings and back, through the whitelist parser."""
 
 from __future__ import annotations
 

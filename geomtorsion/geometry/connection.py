@@ -128,15 +128,7 @@ class Connection:
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
         """The contortion by its definition in terms of the torsion, whatever the connection."""
-        lower = self.torsion.S.lowered(2).components.get
-
-        def rule(index: Index) -> Element | None:
-            a, b, c = index
-            parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
-            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
-
-        tensor = Tensor(self.frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion")
-        return tensor.raised(2)
+        return contortion_of(self.torsion.S)
 
     @cached_property
     def disformation(self) -> Tensor:
@@ -221,7 +213,7 @@ class Connection:
         instance(tensor, Tensor, "tensor")
         if tensor.frame is not frame:
             raise ShapeError(
-                "The tensor belongs to another frame than the self. Build it over this one."
+                "The tensor belongs to another frame than the connection. Build it over this one."
             )
         if tensor.anchored:
             raise TensorIndexError(f"{tensor.label} is not a tensor in all its indices.")
@@ -304,3 +296,15 @@ class Connection:
         return self.coefficients._repr_latex_()
 
     _repr_html_ = drawn_by("notebook_tables", "connection_html")
+
+
+def contortion_of(torsion: Tensor) -> Tensor:
+    """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
+    frame, lower = torsion.frame, torsion.lowered(2).components.get
+
+    def rule(index: Index) -> Element | None:
+        a, b, c = index
+        parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
+        return total(frame.field, [(s, x) for s, x in parts if x is not None])
+
+    return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

@@ -9,11 +9,11 @@ from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import total
-from geomtorsion.geometry.connection import Connection
+from geomtorsion.geometry.connection import Connection, contortion_of
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.symmetry import Index, antisymmetric
+from geomtorsion.geometry.symmetry import Index
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 
@@ -246,15 +246,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
                 "Use from_coefficients for coefficients, from_contortion for a contortion."
             )
-    lower = given.lowered(2).components.get
-
-    def rule(index: Index) -> Element | None:
-        a, b, c = index
-        parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
-        return total(frame.field, [(sign, x) for sign, x in parts if x is not None])
-
-    contortion = Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)
-    gamma = riemannian.christoffel(frame) + contortion
+    gamma = riemannian.christoffel(frame) + contortion_of(given)
     coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from torsion", "metric")
 

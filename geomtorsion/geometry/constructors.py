@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -66,6 +66,26 @@ def from_metric(
     return frame
 
 
+def maker(cls: type[Frame], shape: str) -> Callable[..., Frame]:
+    """What makes a frame of coordinates and a matrix: a coframe, legs or a metric."""
+    return {"coframe": cls, "legs": cls.from_frame, "metric": cls.from_metric}[shape]
+
+
+def keywords(frame: Frame, shape: str) -> dict[str, Any]:
+    """The other arguments with which its maker gives this frame again."""
+    n = frame.dimension
+    eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
+    given: dict[str, Any] = {
+        # A metric is asked for signs, one for each row.
+        "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
+        "parameters": frame.parameters,
+        "domain": frame.domain,
+        "name": frame.name,
+        "branches": frame.field.chosen,
+    }
+    return given if shape == "metric" else given | {"complex": frame.complex}
+
+
 def substituted(frame: Frame, put: Substitution) -> Frame:
     """The frame with other values, made as it was made (see Frame.subs)."""
     shape, n = frame.shape, frame.dimension
@@ -83,23 +103,14 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
             )
         domain += [] if found == sp.true else [found]
     roots = {put(root): put(value) for root, value in frame.field.chosen.items()}
-    eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
-    given: dict[str, Any] = {
-        # A metric is asked for signs, one for each row.
-        "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
+    given = keywords(frame, shape) | {
         "parameters": [one for one in frame.parameters if one not in put.symbols],
-        "domain": domain or None,
-        "name": frame.name,
+        "domain": domain,
         # What is no root any more has no branch.
         "branches": {root: value for root, value in roots.items() if root.is_Pow},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
-    cls = type(frame)
-    if shape == "metric":
-        found = cls.from_metric(frame.coordinates, rows, **given)
-    else:
-        make = cls.from_frame if shape == "legs" else cls
-        found = make(frame.coordinates, rows, complex=frame.complex, **given)
+    found = maker(type(frame), shape)(frame.coordinates, rows, **given)
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
     # What is a number now needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}

@@ -26,13 +26,14 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     Parameters
     ----------
     letters
-        Letters of each tensor, separated by commas, then "->" and the letters of the result.
+        Letters of each tensor, separated by commas, then "->" and the letters of the result;
+        without these the letters that occur once, in the order of the alphabet.
     tensors
         Tensors over one frame, as many as there are groups of letters.
 
     Returns
     -------
-    Tensor with one slot per letter after "->", in that order.
+    Tensor with one slot per letter of the result, in that order.
 
     Raises
     ------

@@ -350,7 +350,7 @@ class Frame:
     # -- named quantities -----------------------------------------------------------------------
 
     def quantity(self, name: str) -> Tensor:
-        """A named quantity of this frame (see `quantities.QUANTITIES`); only what it needs is computed.
+        """A named quantity of this frame (see `quantities`); only what it needs is computed.
 
         Raises
         ------
@@ -366,9 +366,9 @@ class Frame:
         2
         """
         # The table of quantities is made of frames, so that the two files import each other.
-        from geomtorsion.geometry.quantities import quantity
+        from geomtorsion.geometry.quantities import known_quantity
 
-        return quantity(self, name)
+        return known_quantity(name).make(self)
 
     def plan(self, name: str) -> DependencyGraph:
         """What would be computed for a named quantity, in order, and what is left out."""
@@ -463,17 +463,7 @@ class Frame:
         assert isinstance(entries, dict)
         n = self.dimension
         rows = [[checks.plain(entries.get((i, j), 0)) for j in range(n)] for i in range(n)]
-        eta = [[self.eta[i, j] for j in range(n)] for i in range(n)]
-        given: dict[str, Any] = {
-            # A metric is asked for signs, one for each row.
-            "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
-            "parameters": self.parameters,
-            "domain": self.domain,
-            "name": self.name,
-            "branches": self.field.chosen,
-        }
-        if shape != "metric":
-            given["complex"] = self.complex
+        given = constructors.keywords(self, shape)
         return _made_again, (shape, self.coordinates, rows, given), self.attached
 
     def __setstate__(self, attached: dict[str, Any]) -> None:
@@ -496,5 +486,4 @@ def _made_again(
     shape: str, coordinates: tuple[sp.Symbol, ...], rows: list[list[Any]], given: dict[str, Any]
 ) -> Frame:
     """A frame from the plain data that `Frame.__reduce__` gives."""
-    makers = {"coframe": Frame, "legs": Frame.from_frame, "metric": Frame.from_metric}
-    return makers[shape](coordinates, rows, **given)
+    return constructors.maker(Frame, shape)(coordinates, rows, **given)

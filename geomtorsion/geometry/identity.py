@@ -13,8 +13,7 @@ from geomtorsion.geometry import notation, riemannian
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
-
-Index = tuple[int, ...]
+from geomtorsion.geometry.symmetry import Index
 
 
 @dataclass(frozen=True)

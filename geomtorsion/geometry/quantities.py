@@ -152,12 +152,7 @@ def _table() -> tuple[Quantity, ...]:
 QUANTITIES = {quantity.name: quantity for quantity in _table()}
 
 
-def quantity(frame: Frame, name: str) -> Tensor:
-    """A named quantity of a frame (see Frame.quantity)."""
-    return _known(name).make(frame)
-
-
-def _known(name: str) -> Quantity:
+def known_quantity(name: str) -> Quantity:
     """The node of this name, or an error that lists near ones."""
     if isinstance(name, str) and name in QUANTITIES:
         return QUANTITIES[name]
@@ -240,7 +235,7 @@ class DependencyGraph:
 
     def __post_init__(self) -> None:
         """Refuse a name that is no quantity."""
-        _known(self.name)
+        known_quantity(self.name)
 
     @cached_property
     def graph(self) -> nx.DiGraph[str]:

@@ -107,7 +107,7 @@ def riemann(frame: Frame) -> Tensor:
         n, field = frame.dimension, frame.field
 
         def products(terms: list, sign: int, one: Index, two: Index) -> None:
-            # The pair with the fewer terms would do for either place: the product is symmetric.
+            # g_ef Gamma^e Gamma^f, the metric taken into the second: [ab, e] = g_ef Gamma_ab^f.
             for e in range(n):
                 first = upper((*one, e))
                 if first is not None:

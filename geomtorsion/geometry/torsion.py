@@ -125,15 +125,11 @@ class Torsion:
         frame = self.connection.frame
 
         def rule() -> Element:
-            # In the frame indices move by constants.
-            return scalar_of(frame.anholonomy if self._is_anholonomy else self.T.in_frame())
+            # In the frame indices move by constants; with parallel legs T is the anholonomy there.
+            has_parallel_legs = self.connection.kind == "cartan"
+            return scalar_of(frame.anholonomy if has_parallel_legs else self.T.in_frame())
 
         return frame.scalar(rule, "T", "torsion scalar")
-
-    @property
-    def _is_anholonomy(self) -> bool:
-        """Whether the frame components are known already: parallel legs."""
-        return self.connection.kind == "cartan"
 
     @cached_property
     def force_coefficients(self) -> Tensor:

@@ -241,10 +241,8 @@ def read_matrix(field: Field, entries: Matrix, name: str) -> dict[tuple[int, int
     return {index: element for index, element in pairs if not element.is_zero}
 
 
-def check_regular(
-    field: Field, entries: dict[tuple[int, int], Element], n: int, name: str
-) -> Element:
-    """Determinant of a matrix; an error that says which rows depend and how if it vanishes."""
+def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int, name: str) -> None:
+    """Refuse a matrix whose determinant vanishes; the message says which rows depend, and how."""
     det = determinant(field, entries, n)
     if det.is_zero is None:
         raise UndecidedError(
@@ -252,7 +250,7 @@ def check_regular(
             f"{det}, which is zero or too small to tell. Use functions with known relations."
         )
     if not det.is_zero:
-        return det
+        return
     found = dependence(field, entries, n)
     relation = "the rows are dependent" if found is None else _relation(found)
     raise CoframeError(
