@@ -117,7 +117,7 @@ def _nearest(at: np.ndarray, ideal: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def squared(vectors: np.ndarray) -> np.ndarray:
     """Squares of lengths, shape (..., 3) to (...); numpy is slow at sums of three."""
-    x, y, z = np.moveaxis(vectors, -1, 0)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     return x**2 + y**2 + z**2
 
 

@@ -137,18 +137,21 @@ def _shares(
     """The same of all of these atoms."""
     numbers, vectors = neighbours(atoms)
     local = local_of(lattices, vectors)
+    every = [np.flatnonzero(local.phase == k) for k in range(len(lattices))]
+    some = [mine[:: max(len(mine) // (10 * METHOD.seeds), 1)] for mine in every]
+    beside = [numbers[x, : y.shells].ravel() for x, y in zip(some, lattices, strict=True)]
+    # An atom is a neighbour of several of them.
+    around = np.unique(np.concatenate(beside))
+    other = local_of(lattices, neighbours(around)[1]) if len(around) else local
     found = {}
     for k, lattice in enumerate(lattices):
-        mine = np.flatnonzero(local.phase == k)
-        found[lattice.name] = len(mine) / len(atoms)
-        some = mine[:: max(len(mine) // (10 * METHOD.seeds), 1)]
-        if not len(some):
+        found[lattice.name] = len(every[k]) / len(atoms)
+        if not len(some[k]):
             continue
-        around = numbers[some, : lattice.shells].ravel()
-        other = local_of(lattices, neighbours(around)[1])
-        mean = np.repeat(local.quaternions[some], lattice.shells, axis=0)
-        _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions)
-        if ((other.phase == k) & (angles < METHOD.wall)).mean() < METHOD.share:
+        rows = np.searchsorted(around, beside[k])
+        mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
+        _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
+        if ((other.phase[rows] == k) & (angles < METHOD.wall)).mean() < METHOD.share:
             found[lattice.name] = 0.0
     return found
 
@@ -257,7 +260,8 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
         return True
     # A grain has more atoms than an atom has neighbours; a sample tells a large one.
     least = specimen.frame.lattice.shells
-    if is_other(specimen, specimen.neighbours(deep[sampled(len(deep))])[1]).sum() > least:
+    some = deep[sampled(len(deep))]
+    if len(some) < len(deep) and is_other(specimen, specimen.neighbours(some)[1]).sum() > least:
         return False
     _, vectors = specimen.neighbours(deep)
     if is_other(specimen, vectors).sum() > least:
