@@ -16,7 +16,7 @@ def copper_screw(shift: float = 0.0, noise: float = 0.0, seed: int = 0) -> np.nd
     """
     sites = np.argwhere(np.ones((32, 32, 8))) - [16, 16, 0]
     places = 1.8 * sites[sites.sum(axis=1) % 2 == 0] + [0.4, 0.6, 0]
-    places = places[np.hypot(places[:, 0], places[:, 1]) < 26]
+    places = places[np.hypot(places[:, 0], places[:, 1]) < 17]
     places[:, 2] += 3.6 * np.arctan2(places[:, 1], places[:, 0] - shift) / (2 * np.pi)
     places += noise * np.random.default_rng(seed).normal(size=places.shape)
     return places + np.array([40, 40, 0])

@@ -1,5 +1,7 @@
 """Synthetic: crystals with Volterra dislocations whose lines and Burgers vectors are known."""
 
+from functools import cache
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -122,6 +124,7 @@ def solid_angle(points, ring):
     return total
 
 
+@cache
 def interstitial_loop(radius):
     """bcc with z along [1 1 1] and a disc of interstitials, its cell, and how many they are.
 
@@ -142,11 +145,13 @@ def interstitial_loop(radius):
     moved[:, 2] += np.where(above, 1, -1) * b * np.abs(share)
     disc = np.hypot(*(places[:, :2] - centre[:2]).T) < radius
     layer = disc & ~above & (places[:, 2] > centre[2] - b)
-    filling = moved[layer] + [0, 0, b]
-    return np.concatenate([moved, filling]), cell, int(layer.sum())
+    found = np.concatenate([moved, moved[layer] + [0, 0, b]])
+    # One for all tests.
+    found.flags.writeable = cell.flags.writeable = False
+    return found, cell, int(layer.sum())
 
 
-def cylinder(lattice, axes, period, radius=12.0, ratio=None, centre=(0.117, 0.093, 0.071)):
+def cylinder(lattice, axes, period, radius, ratio=None, centre=(0.117, 0.093, 0.071)):
     """A cylinder of crystal along z, with a = 1: axes are those of space along the crystal's, as
     rows; centre: crystal coordinates of its axis, over the cell; ratio: c/a of hcp."""
     edges = CELLS[lattice] * ([1, 1, 1] if ratio is None else [1, 1, ratio / np.sqrt(8 / 3)])
@@ -174,7 +179,7 @@ BASAL = {
     "edge": (np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]), np.sqrt(3)),
     "screw": (np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), 1.0),
 }
-PERIODS = {"edge": 4, "screw": 6}
+PERIODS = {"edge": 3, "screw": 5}
 
 
 def basal_partials(line, width=4.0, ratio=1.623, periods=None):
@@ -185,7 +190,7 @@ def basal_partials(line, width=4.0, ratio=1.623, periods=None):
     axes, period = BASAL[line]
     period *= periods or PERIODS[line]
     # Layers lie at a quarter and three quarters of c.
-    sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0.25))
+    sites = cylinder("hcp", axes, period, 9, ratio, centre=(0.117, 0.093, 0.25))
     # In this order layers are nowhere above each other.
     parts = [axes @ np.array([0.5, s / np.sqrt(12), 0]) for s in (1, -1)]
     lines = [((x + 0.03, 0.0), b) for x, b in zip((-width, width), parts, strict=True)]
@@ -199,7 +204,7 @@ def frank_partials(line, ratio=1.623):
     """
     axes, period = BASAL[line]
     period *= PERIODS[line]
-    sites = cylinder("hcp", axes, period, ratio=ratio, centre=(0.117, 0.093, 0))
+    sites = cylinder("hcp", axes, period, 9, ratio, centre=(0.117, 0.093, 0))
     kept = sites[(np.abs(sites[:, 1]) > 0.1) | (np.abs(sites[:, 0]) > 5)]
     b = axes @ np.array([0, 1 / np.sqrt(3), -ratio / 2])
     lines = [((5.0, 1e-9), b), ((-5.0, 1e-9), -b)]

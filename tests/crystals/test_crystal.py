@@ -235,7 +235,7 @@ def test_a_prismatic_loop_encloses_the_vacancies_that_were_put_in():
     assert line.length == pytest.approx(truth["length"], rel=0.03)
 
 
-@pytest.mark.parametrize("radius", [3, 4, 5])
+@pytest.mark.parametrize("radius", [3, pytest.param(4, marks=pytest.mark.slow), 5])
 def test_a_loop_encloses_the_interstitials_that_were_put_in(radius):
     """b . A over the volume of an atom is the number of atoms put in, within 1 %, with its sign."""
     places, cell, inserted = interstitial_loop(radius)

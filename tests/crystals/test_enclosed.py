@@ -8,6 +8,7 @@ from geomtorsion.crystals.reports import inserted_atoms, inserted_error
 from tests.crystals.synthetic import interstitial_loop, vacancy_disc
 
 OPEN = (False, False, False)
+LOOPS = ((0, 3), (0, 4), (4, 4))
 
 
 def counted(crystal, partials=False):
@@ -17,9 +18,12 @@ def counted(crystal, partials=False):
     return sorted(round(inserted_atoms(line, crystal)) for line in lines)
 
 
-@pytest.mark.parametrize("radius", [3, pytest.param(4, marks=pytest.mark.slow), 5])
-@pytest.mark.parametrize("percent", [0, 4])
-def test_interstitials_in_an_open_box(radius, percent):
+# Without noise a small loop in an open box stands in test_reports.py.
+@pytest.mark.parametrize(
+    ("percent", "radius"),
+    [(4, 3), (0, 5), (4, 5), *(pytest.param(*x, marks=pytest.mark.slow) for x in LOOPS)],
+)
+def test_interstitials_in_an_open_box(percent, radius):
     """As many as were put in, though bonds across the line flip a good way inside of it."""
     places, cell, put_in = interstitial_loop(radius)
     noise = np.random.default_rng(radius).normal(size=places.shape)
@@ -29,7 +33,8 @@ def test_interstitials_in_an_open_box(radius, percent):
     assert line.length == pytest.approx(2 * np.pi * radius, rel=0.03)
 
 
-@pytest.mark.parametrize("radius", [4, 5])
+# The larger one stands in test_reports.py, too.
+@pytest.mark.parametrize("radius", [4, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_slab_in_which_the_loop_nearly_meets_its_images(radius):
     """Good crystal about it is seen in other images of the atoms, too."""
     places, cell, put_in = interstitial_loop(radius)
@@ -53,9 +58,7 @@ def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
     assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
 
 
-@pytest.mark.parametrize(
-    ("radius", "size"), [(3, 6.5), pytest.param(4, 4.5, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("radius", "size"), [(3, 8), pytest.param(4, 4.5, marks=pytest.mark.slow)])
 def test_blocks_count_the_same(tmp_path, radius, size):
     """To the last bit, whatever the size of blocks: the loop lies in several of them."""
     places, cell, _ = interstitial_loop(radius)

@@ -51,10 +51,10 @@ def test_partials_that_are_put_in_come_out(lattice, height):
     and each partial where it is, with a sum of nothing."""
     z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
     turn = np.array([np.cross(y, z), y, z])
-    sites = (filled(lattice, np.eye(3), 20) - 0.117) @ turn.T
-    period = 6 / 2**0.5
+    sites = (filled(lattice, np.eye(3), 11) - 0.117) @ turn.T
+    period = 4 / 2**0.5
     inside = (np.abs(sites[:, 2] - period / 2 + 1e-6) < period / 2) & (
-        np.hypot(sites[:, 0], sites[:, 1]) < 14
+        np.hypot(sites[:, 0], sites[:, 1]) < 10
     )
     sites = sites[inside]
     b = turn @ np.array([1, 1, -2]) / 6
@@ -97,7 +97,7 @@ def test_a_dislocation_is_two_partials(lattice, line, percent):
     z, y = np.array([1, -1, 0]) / 2**0.5, np.ones(3) / 3**0.5
     axes = np.array([np.cross(y, z), y, z])
     period, height = 4 / 2**0.5, {"fcc": 0.5, "diamond": -0.125}[lattice] / 3**0.5
-    sites = cylinder(lattice, axes, period, radius=8, centre=(0, 0, 0))
+    sites = cylinder(lattice, axes, period, radius=7, centre=(0, 0, 0))
     put_in = [
         ((x + 0.03, height), axes @ np.array(b) / 6)
         for x, b in zip((-3, 3), PAIRS[line], strict=True)

@@ -13,13 +13,13 @@ from geomtorsion.errors import CheckpointError, CrystalError
 from tests.crystals.making import xyz
 from tests.crystals.polycrystals import bicrystal, filled, polycrystal, turned
 
-SIZE = 10.0
+SIZE = 8.5
 TURNS = [turned(0, (0, 0, 1)), turned(40, (0, 0, 1)), turned(45, (1, 0, 0))]
 
 
 def grains_about(*seeds):
     """A polycrystal of bcc about seeds, one grain after another."""
-    return polycrystal(["bcc"] * 3, TURNS, np.array(seeds), SIZE, [0.8] * 3)
+    return polycrystal(["bcc"] * 3, TURNS, np.array(seeds) * SIZE / 10, SIZE, [0.8] * 3)
 
 
 def test_all_grains_keep_numbers_and_frames_while_sizes_change():
@@ -57,17 +57,17 @@ CELL, AXES = [80.0, 80.0, 14.4], (False, False, True)
 
 def two_grains():
     """Atoms of a bicrystal of fcc, a = 3.6, periodic along z, as many as `one_grain` has."""
-    places, _, size = bicrystal("fcc", SIGMA5, (0.5, 0.5, 0), size=(11, 8, 2))
+    places, _, size = bicrystal("fcc", SIGMA5, (0.5, 0.5, 0), size=(9, 6, 2))
     return 3.6 * (places + size / 2)
 
 
 def one_grain(count):
     """Atoms of the turned grain alone, its lattice all over the specimen."""
     sites = filled("fcc", SIGMA5, 20)
-    inside = sites[(np.abs(sites) < [11.5, 8, 2]).all(axis=1)]
+    inside = sites[(np.abs(sites) < [9.5, 6, 2]).all(axis=1)]
     order = np.argsort(np.abs(inside[:, 0]), kind="stable")
     # As few at one end as are too many.
-    return 3.6 * (inside[order][:count] + np.array([11, 8, 2]))
+    return 3.6 * (inside[order][:count] + np.array([9, 6, 2]))
 
 
 def trajectory():

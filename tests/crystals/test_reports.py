@@ -97,8 +97,21 @@ def test_a_loop_of_vacancies_encloses_vacancies():
     assert one["kind"] == "closed"
 
 
-@pytest.mark.parametrize("radius", [3, 5])
-@pytest.mark.parametrize("periodic", [(True, True, True), (True, True, False), (False,) * 3])
+# Others of them stand in test_crystal.py and test_enclosed.py.
+COUNTED = [
+    pytest.param(radius, periodic, marks=() if sharp else pytest.mark.slow)
+    for radius, periodic, sharp in (
+        (3, (True, True, True), False),
+        (5, (True, True, True), True),
+        (3, (True, True, False), False),
+        (5, (True, True, False), True),
+        (3, (False, False, False), True),
+        (5, (False, False, False), False),
+    )
+]
+
+
+@pytest.mark.parametrize(("radius", "periodic"), COUNTED)
 def test_atoms_of_a_loop_are_counted(radius, periodic):
     """Exact with no error, in a cell that repeats and in one that is open."""
     places, cell, put_in = interstitial_loop(radius)

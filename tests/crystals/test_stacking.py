@@ -51,7 +51,7 @@ def test_a_basal_dislocation_is_two_partials(line, ratio):
     total = each[0] + each[1]
     assert {x.denominator for x in total} == {1}
     assert (total == int(np.sign(whole.image[2])) * np.array(whole.burgers_lattice)).all()
-    assert tuple(total) == crystal.circuit.around([0, 0, 1], [0, 0, 1], 9).burgers_lattice
+    assert tuple(total) == crystal.circuit.around([0, 0, 1], [0, 0, 1], 7).burgers_lattice
 
 
 @pytest.mark.parametrize("percent", [pytest.param(4, marks=pytest.mark.slow), 8])
@@ -167,7 +167,7 @@ def test_blocks_tell_the_same_partials(tmp_path):
     places, period, _ = basal_partials("screw")
     places, box = noisy(places, 3), np.diag([60, 60, period])
     whole = Crystal(places, box, OPEN)
-    cut = blocked_crystal(places, tmp_path, box, 9.0, OPEN)
+    cut = blocked_crystal(places, tmp_path, box, 12.0, OPEN)
     for partials in (False, True):
         assert bits(cut.dislocations(partials)) == bits(whole.dislocations(partials))
 

@@ -222,7 +222,7 @@ def in_blocks(tmp_path: Path) -> Path:
     return tmp_path / "atoms.npy"
 
 
-BLOCKS = ("--cell", "80,80,14.4", "--periodic", "z", "--blocks", "25")
+BLOCKS = ("--cell", "80,80,14.4", "--periodic", "z", "--blocks", "35")
 
 
 def same(one: Path, other: Path) -> None:
@@ -246,7 +246,7 @@ def test_blocks_give_what_the_file_at_once_gives(tmp_path: Path) -> None:
     same(tmp_path / "whole", tmp_path / "array")
     run(str(file), "--blocks", "30", "-o", str(tmp_path / "file"))
     same(tmp_path / "whole", tmp_path / "file")
-    packed = run(str(tmp_path / "atoms.npz"), "--blocks", "40", "-o", str(tmp_path / "npz"))
+    packed = run(str(tmp_path / "atoms.npz"), "--blocks", "90", "-o", str(tmp_path / "npz"))
     assert packed.stdout == whole.replace("atoms.xyz", "atoms.npz")
 
 
