@@ -24,7 +24,7 @@ from geomtorsion.loops.integrals import (
     line_route,
     refuse_other_periods,
 )
-from geomtorsion.loops.loop import Loop, check_loop
+from geomtorsion.loops.loop import Loop, check_loop, with_numbers
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
@@ -99,7 +99,7 @@ def burgers_vector(
     accuracy
         Wanted relative error of the vector (largest component); `reached` says whether it was.
     parameters
-        Values of the frame's parameters, {symbol or name: number}.
+        Values of the parameters of frame and loop, {symbol or name: number}.
     exact
         Give a closed form instead of numbers, in which parameters stay symbols; see
         `exact_burgers_vector`.
@@ -141,10 +141,7 @@ def burgers_vector(
     check_accuracy(accuracy)
 
     start = time.perf_counter()
-    if loop.symbols:
-        loop = loop.at(parameters or {})
-        own = {symbol.name for symbol in frame.field.symbols}
-        parameters = {k: v for k, v in (parameters or {}).items() if str(k) in own}
+    loop, parameters = with_numbers(frame, loop, parameters)
     compiled = forms(frame, parameters)
     for part in loop.parts:
         refuse_other_periods(compiled, part)

@@ -20,7 +20,7 @@ from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, forms, parameter_values
 from geomtorsion.loops.integrals import line_route
-from geomtorsion.loops.loop import Loop
+from geomtorsion.loops.loop import Loop, with_numbers
 from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
 from geomtorsion.loops.winding import turns_round
@@ -250,6 +250,7 @@ def enclosed_defects(
     >>> inside.turns, str(inside)
     (-2, 'singular line at x = 0, y = 0, -2 times')
     """
+    loop, parameters = with_numbers(frame, loop, parameters)
     known = [
         one
         for one in (find_defects(frame, connection) if defects is None else defects)

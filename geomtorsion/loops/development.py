@@ -17,10 +17,11 @@ from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
-from geomtorsion.loops.loop import Loop, check_loop
+from geomtorsion.loops.loop import Loop, check_loop, with_numbers
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.sampled import SampledFrame
+from geomtorsion.loops.scattered import ScatteredFrame
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
 
@@ -216,7 +217,7 @@ def develop(
     accuracy
         Wanted error, relative to the integral of what is summed along the chosen route.
     parameters
-        Values of the frame's parameters, {symbol or name: number}.
+        Values of the parameters of frame and loop, {symbol or name: number}.
     defects
         Lines to look for inside the loop. If not given: those that `find_defects` finds, where
         both routes differ.
@@ -244,7 +245,7 @@ def develop(
     >>> round(turn.angle, 12), turn.check.agrees     # the area (cos 1 - cos 1.5) / 4
     (0.11739127605, True)
     """
-    if isinstance(connection, SampledFrame):
+    if isinstance(connection, SampledFrame | ScatteredFrame):
         raise ArgumentError(
             "connection: a Connection was needed, but samples of a frame came, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
@@ -253,7 +254,7 @@ def develop(
     check_loop(loop, frame.dimension)
     check_accuracy(accuracy)
     start = time.perf_counter()
-    loop = loop.at(parameters or {}) if loop.symbols else loop
+    loop, parameters = with_numbers(frame, loop, parameters)
     form = AffineForm(connection, parameters)
     lines = [repeated(along_line(form, part, accuracy), part.times) for part in loop.parts]
     cones = [

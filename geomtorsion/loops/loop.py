@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     import networkx as nx
     import sympy as sp
 
+    from geomtorsion.geometry import Frame
+
 
 @dataclass(frozen=True, repr=False)
 class Loop:
@@ -273,7 +275,7 @@ class Loop:
         LoopError
             They start at different points; the message names the gap.
         """
-        if other.dimension != self.dimension:
+        if checks.instance(other, Loop, "other").dimension != self.dimension:
             raise LoopError(
                 f"{self.name} lies in {self.dimension} dimensions, {other.name} in "
                 f"{other.dimension}: only loops in the same space can follow each other."
@@ -304,15 +306,16 @@ class Loop:
         LoopError
             The count is not a whole number other than zero.
         """
-        if not isinstance(count, int) or isinstance(count, bool) or count == 0:
+        turns = checks.plain(count)
+        if not isinstance(turns, int) or isinstance(turns, bool) or turns == 0:
             raise LoopError(f"a whole number of turns other than 0 was needed, but {count!r} came.")
-        if count < 0:
-            return self.reversed().times(-count)
-        name = f"{self.name} {count} times" if count > 1 else self.name
+        if turns < 0:
+            return self.reversed().times(-turns)
+        name = f"{self.name} {turns} times" if turns > 1 else self.name
         if len(self.parts) == 1:
             part = self.parts[0]
-            return Loop((replace(part, times=count * part.times),), name)
-        return Loop(self.parts * count, name)
+            return Loop((replace(part, times=turns * part.times),), name)
+        return Loop(self.parts * turns, name)
 
     @property
     def symbols(self) -> frozenset[sp.Symbol]:
@@ -458,3 +461,21 @@ def check_loop(loop: object, dimension: int) -> None:
             f"the loop has {found.dimension} coordinates, the frame {dimension}: "
             "give a loop in the coordinates of the frame."
         )
+
+
+def with_numbers(
+    frame: Frame, loop: Loop, parameters: Parameters | None
+) -> tuple[Loop, Parameters | None]:
+    """A loop with numbers for its symbols, and the values that are left for the frame.
+
+    Raises
+    ------
+    MissingValueError
+        A symbol of the loop has no value.
+    """
+    if not loop.symbols:
+        return loop, parameters
+    known = {symbol.name for symbol in frame.field.symbols}
+    alone = {symbol.name for symbol in loop.symbols} - known
+    found = loop.at(parameters or {})
+    return found, {k: v for k, v in (parameters or {}).items() if str(k) not in alone}

@@ -5,23 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
+from geomtorsion.geometry import Connection
 from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.development import back_by
-from geomtorsion.loops.loop import Loop, check_loop
+from geomtorsion.loops.loop import Loop, check_loop, with_numbers
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 from geomtorsion.loops.validation import number, vector
 from geomtorsion.precision import CALCULATED
-
-if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
 
 
 def develop_path(
@@ -53,8 +50,9 @@ def develop_path(
     >>> quarter.burgers.round(12).tolist(), round(quarter.angle, 12)
     ([-2.0, 2.0], -1.570796326795)
     """
-    n = connection.frame.dimension
-    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(points)]
+    n = checks.instance(connection, Connection, "connection").frame.dimension
+    given = checks.entries(points, "points", LoopError)
+    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(given)]
     if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
         raise LoopError(
             f"a path needs two points or more, and neighbours that differ, but {len(rows)} came: "
@@ -111,14 +109,15 @@ def develop_period(
     >>> round(math.degrees(turn.angle), 9), turn.burgers.round(9).tolist()
     (60.0, [-1.0, -1.732050808, 0.0])
     """
-    frame = connection.frame
+    frame = checks.instance(connection, Connection, "connection").frame
     names = {symbol.name: k for k, symbol in enumerate(frame.coordinates)}
     lengths: dict[int, float] = {}
     for name, value in checks.by_name(periods, "periods", LoopError).items():
         if name not in names:
             raise LoopError(f"periods: {name} is no coordinate; they are {', '.join(names)}.")
         lengths[names[name]] = number(value, f"period of {name}")
-    rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(points)]
+    given = checks.entries(points, "points", LoopError)
+    rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(given)]
     open_ = develop_path(connection, rows, accuracy, parameters=parameters)
     gap = np.array(rows[-1]) - np.array(rows[0])
     for k, period in lengths.items():
@@ -172,8 +171,10 @@ def developed_path(
     >>> path.places.shape, path.legs[-1].round(3).tolist()
     ((2, 41), [[0.973, 0.233], [-0.233, 0.973]])
     """
-    n = connection.frame.dimension
+    frame = checks.instance(connection, Connection, "connection").frame
+    n = frame.dimension
     check_loop(loop, n)
+    loop, parameters = with_numbers(frame, loop, parameters)
     form = AffineForm(connection, parameters)
     nodes, _, _ = collocation(STAGES)
     stretches = list(loop.arcs())

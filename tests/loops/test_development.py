@@ -7,7 +7,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import geomtorsion.spaces as spaces
-from geomtorsion.errors import LoopError, MissingValueError
+from geomtorsion.errors import ArgumentError, LoopError, MissingValueError, UnknownNameError
 from geomtorsion.geometry import (
     Connection,
     Frame,
@@ -18,6 +18,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.loops import Loop, burgers_vector, develop, develop_path
 from geomtorsion.loops.affine_form import AffineForm
+from geomtorsion.loops.paths import developed_path
 from tests.loops.digits import sphere_closure
 
 theta, phi = sp.symbols("theta phi", real=True)
@@ -238,6 +239,26 @@ def test_open_paths_follow_straight_lines_of_the_plane():
     assert np.abs(path.burgers - legs @ (end - start)).max() < 1e-13
 
 
+def test_symbols_of_a_loop_have_values_among_the_parameters():
+    """A radius that is no parameter of the frame is that of the loop, as for burgers_vector."""
+    k, R = sp.symbols("k R", positive=True)
+    frame = Frame([theta, phi], [[1, 0], [0, k * sp.sin(theta)]])
+    loop, values = Loop.circle([1, 0], R), {"k": 2, "R": sp.Rational(1, 2)}
+    for connection in (levi_civita(frame), cartan(frame)):
+        found = develop(connection, loop, parameters=values)
+        path = developed_path(connection, loop, 40, parameters=values)
+        # Known by expressions: the same loop to all digits, not the same sums.
+        known = develop(connection, Loop.circle([1, 0], 0.5), parameters={"k": 2})
+        assert np.abs(found.motion.increment - known.motion.increment).max() < 1e-13
+        assert np.abs(path.places[:, -1] - known.burgers).max() < 1e-12
+    with pytest.raises(MissingValueError, match="the loop contains R"):
+        develop(cartan(frame), loop, parameters={"k": 2})
+    with pytest.raises(UnknownNameError, match="q is no parameter"):
+        develop(cartan(frame), loop, parameters=values | {"q": 1})
+    with pytest.raises(UnknownNameError, match="q is no parameter"):
+        burgers_vector(frame, loop, parameters=values | {"q": 1})
+
+
 def test_bad_input_is_refused(sphere):
     """Dimension, accuracy and missing parameters each have their own message."""
     with pytest.raises(LoopError, match="3 coordinates, the frame 2"):
@@ -246,6 +267,10 @@ def test_bad_input_is_refused(sphere):
         develop(sphere, Loop.circle([1, 0], 0.1), 1e-20)
     with pytest.raises(LoopError, match="accuracy"):
         develop(sphere, Loop.circle([1, 0], 0.1), float("nan"))
+    with pytest.raises(ArgumentError, match="connection: a Connection was needed"):
+        develop_path(sphere.frame, [[1, 0], [1, 1]])  # type: ignore[arg-type]
+    with pytest.raises(LoopError, match="points: a list was needed"):
+        develop_path(sphere, 3)  # type: ignore[arg-type]
     with pytest.raises(LoopError, match="neighbours that differ"):
         develop_path(sphere, [[1, 0], [1, 0]])
     screw = cartan(spaces.load("screw_core").frame)

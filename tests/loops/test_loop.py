@@ -10,7 +10,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
+from geomtorsion.errors import ArgumentError, ExpressionError, LoopError, MissingValueError
 from geomtorsion.loops import Loop
 
 SAME = 1e-14  # areas and lengths are sums of a few dozen rounded terms
@@ -222,3 +222,13 @@ def test_bad_expressions_are_refused(expression: object, message: str) -> None:
     """Expressions come through the whitelist, and must be smooth and real."""
     with pytest.raises(ExpressionError, match=message):
         Loop.parametric([expression, "s*(1 - s)"])
+
+
+def test_turns_are_whole_numbers_of_any_kind() -> None:
+    """Those of NumPy too, as everywhere; what follows a loop is a loop."""
+    loop = Loop.circle([0, 0], 1)
+    assert loop.times(cast("int", np.int64(-2))).winding([0, 0]) == -2
+    with pytest.raises(LoopError, match="a whole number of turns"):
+        loop.times(cast("int", np.float64(2)))
+    with pytest.raises(ArgumentError, match="other: a Loop was needed"):
+        loop.then(cast("Loop", "circle"))
