@@ -367,9 +367,9 @@ def of_same_sign(element: Element) -> Element:
     for base, exponent in written.powers:
         if exponent % 2:
             if not (isinstance(base, Generator) and base.kind == "exp"):
-                result = result * _of_factor(field, base)
+                result = result * of_factor(field, base)
         elif exponent > 0:
-            result = result * _of_factor(field, base) ** 2
+            result = result * of_factor(field, base) ** 2
     return result
 
 
@@ -381,7 +381,7 @@ def _generators(base: Generator | Sum) -> Iterator[Generator]:
         yield from (generator for _, monomial in base.terms for generator, _ in monomial)
 
 
-def _of_factor(field: Tower, base: Generator | Sum) -> Element:
+def of_factor(field: Tower, base: Generator | Sum) -> Element:
     """A factor of a written form as an element."""
     if isinstance(base, Generator):
         return field.generator_element(base)

@@ -1,4 +1,4 @@
-"""Affine: coframe and connection as one form along paths, and curvature over the cone on a loop."""
+"""Affine form: coframe and connection as one form along paths, curvature over cones on loops."""
 
 from __future__ import annotations
 
@@ -59,14 +59,14 @@ class AffineForm:
             form = self._plain.coframe
             theta = form.gather @ (form.at(points) * slopes[form.columns])
             return self._no_turn(theta), theta.T
-        turn, step, _ = _compiled(self.connection, "line")
-        values = self._values(turn.function, points)
+        compiled = _compiled(self.connection, "line")
+        values, count = self._values(compiled, points), len(compiled.turn)
         n, k = points.shape
         omega = np.zeros((k, n, n), dtype=values.dtype)
         theta = np.zeros((k, n), dtype=values.dtype)
-        for value, (a, i, j) in zip(values[: len(turn.indices)], turn.indices, strict=True):
+        for value, (a, i, j) in zip(values[:count], compiled.turn, strict=True):
             omega[:, j, i] += value * slopes[a]
-        for value, (i, a) in zip(values[len(turn.indices) :], step.indices, strict=True):
+        for value, (i, a) in zip(values[count:], compiled.step, strict=True):
             theta[:, i] += value * slopes[a]
         return omega, theta
 
@@ -84,14 +84,14 @@ class AffineForm:
             area = (x[a] * v[b] - x[b] * v[a])[form.columns]
             tau = form.gather @ (form.at(points) * area)
             return self._no_turn(tau), tau.T
-        turn, step, _ = _compiled(self.connection, "area")
-        values = self._values(turn.function, points)
+        compiled = _compiled(self.connection, "area")
+        values, count = self._values(compiled, points), len(compiled.turn)
         n, k = points.shape
         rho = np.zeros((k, n, n), dtype=values.dtype)
         tau = np.zeros((k, n), dtype=values.dtype)
-        for value, (a, b, i, j) in zip(values[: len(turn.indices)], turn.indices, strict=True):
+        for value, (a, b, i, j) in zip(values[:count], compiled.turn, strict=True):
             rho[:, j, i] += value * (x[a] * v[b] - x[b] * v[a])
-        for value, (a, b, j) in zip(values[len(turn.indices) :], step.indices, strict=True):
+        for value, (a, b, j) in zip(values[count:], compiled.step, strict=True):
             tau[:, j] += value * (x[a] * v[b] - x[b] * v[a])
         return rho, tau
 
@@ -112,16 +112,15 @@ class AffineForm:
         """What may vanish in a denominator of coframe or connection."""
         if self._plain is not None:
             return self._plain.poles
-        found = _compiled(self.connection, "line")[2]
-        if found is None:
+        compiled = _compiled(self.connection, "line")
+        if compiled.poles is None:
             return None
-        frame, extra = self.connection.frame, _compiled(self.connection, "line")[0].function.extra
-        return replace(found, numbers=parameter_values(frame, extra, self.parameters))
+        return replace(compiled.poles, numbers=self._numbers(compiled))
 
     @cached_property
     def turns(self) -> bool:
         """Whether parallel transport turns the legs at all."""
-        return self._plain is None and bool(_compiled(self.connection, "line")[0].indices)
+        return self._plain is None and bool(_compiled(self.connection, "line").turn)
 
     def coframe(self, point: np.ndarray) -> np.ndarray:
         """e^i_mu at one point, shape (n, n)."""
@@ -129,37 +128,38 @@ class AffineForm:
         rows = [self.along(point[:, None], np.eye(n)[:, [a]])[1][0] for a in range(n)]
         return np.array(rows).T
 
-    def _values(self, function: _Function, points: np.ndarray) -> np.ndarray:
+    def _values(self, compiled: _Compiled, points: np.ndarray) -> np.ndarray:
         """All components at the points, with the parameters filled in."""
-        frame = self.connection.frame
-        numbers = parameter_values(frame, function.extra, self.parameters)
-        return function.call(*points, *numbers)
+        return compiled.function(*points, *self._numbers(compiled))
+
+    def _numbers(self, compiled: _Compiled) -> tuple[float | complex, ...]:
+        """Values of the parameters that compiled components take."""
+        return parameter_values(self.connection.frame, compiled.parameters, self.parameters)
 
 
 @dataclass(frozen=True, eq=False)
-class _Function:
-    """A compiled list of components and the parameters that it takes after the coordinates."""
+class _Compiled:
+    """Components that do not vanish as one NumPy function of coordinates, then of parameters.
 
-    call: Callable[..., np.ndarray]
-    extra: tuple[sp.Symbol, ...]
+    turn, step: indices of the first of them (omega or R) and of the others (e or T), in order.
+    poles: what may vanish in their denominators; for the form along a line alone.
+    """
+
+    turn: tuple[tuple[int, ...], ...]
+    step: tuple[tuple[int, ...], ...]
+    function: Callable[..., np.ndarray]
+    parameters: tuple[sp.Symbol, ...]
+    poles: Poles | None
 
 
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """Which components stand where in the compiled list."""
-
-    indices: tuple[tuple[int, ...], ...]
-    function: _Function
-
-
-def _compiled(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles | None]:
+def _compiled(connection: Connection, kind: str) -> _Compiled:
     """The compiled form or its curvature, kept with the frame."""
     # The connection is kept with the result, so that no other can come to have its id.
     key = f"affine {kind} {id(connection)}"
     return connection.frame.derived(key, lambda: (connection, _compile(connection, kind)))[1]
 
 
-def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles | None]:
+def _compile(connection: Connection, kind: str) -> _Compiled:
     """Exact components, chosen and compiled together."""
     frame = connection.frame
     if kind == "line":
@@ -173,14 +173,12 @@ def _compile(connection: Connection, kind: str) -> tuple[_Block, _Block, Poles |
     elements = [element for _, element in (*turn, *step)]
     found = {symbol for element in elements for symbol in element.symbols}
     extra = tuple(sorted(found - set(frame.coordinates), key=str))
-    function = _Function(numpy_function(elements, (*frame.coordinates, *extra)), extra)
+    arguments = (*frame.coordinates, *extra)
+    function = numpy_function(elements, arguments)
     owner = "connection" if turn else "coframe"
-    poles = poles_of(frame, elements, (*frame.coordinates, *extra), owner)
-    return (
-        _Block(tuple(index for index, _ in turn), function),
-        _Block(tuple(index for index, _ in step), function),
-        poles,
-    )
+    poles = poles_of(frame, elements, arguments, owner) if kind == "line" else None
+    indices = [tuple(index for index, _ in entries) for entries in (turn, step)]
+    return _Compiled(indices[0], indices[1], function, extra, poles)
 
 
 def _entries(tensor: Tensor) -> Entries:
@@ -208,7 +206,6 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
     H' = H integral_0^1 u g F(x, x') g^-1 du, F = (R, T) curvature and torsion: Stokes for
     path-ordered products. G = g^-1 H g at the base point. F is exact and x is the offset itself,
     so that nothing cancels, however small the loop.
-
     """
     if part.size * part.size < SMALLEST_AREA:
         return None

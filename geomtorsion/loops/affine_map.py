@@ -1,4 +1,4 @@
-"""Motions: affine maps as their difference from the identity, so that tiny ones lose nothing."""
+"""Affine maps: kept as their difference from the identity, so that tiny ones lose nothing."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ class Curve:
     expressions: offsets as sympy expressions in the parameter, shape (n,).
     parameter: the symbol they depend on; start, end: its exact bounds.
     is_periodic: whether the expressions repeat after end - start.
-    waves: the highest frequency, found by `curves.resolved`.
+    waves: the highest frequency, found by `constructors.parametric`.
     """
 
     expressions: tuple[sp.Expr, ...]

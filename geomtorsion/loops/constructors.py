@@ -1,4 +1,4 @@
-"""Shapes: circle, ellipse, polygon, plaquette, spline and cycle as parts of a loop."""
+"""Constructors: circles, ellipses, polygons, splines, cycles and curves as parts of a loop."""
 
 from __future__ import annotations
 

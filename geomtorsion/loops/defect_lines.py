@@ -1,4 +1,4 @@
-"""Lines: very many straight defect lines, summed as numbers, and crystals of them as frames."""
+"""Defect lines: very many straight ones, summed as numbers, and crystals of them as frames."""
 
 from __future__ import annotations
 

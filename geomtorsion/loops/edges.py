@@ -61,7 +61,7 @@ class EdgeList:
     @cached_property
     def numbers(self) -> dict[Hashable, int]:
         """Label -> number of the node."""
-        return {label: k for k, label in enumerate(self.labels)}
+        return {label: k for k, label in enumerate(self.labels or range(len(self.positions)))}
 
     @cached_property
     def complex(self) -> Complex:

@@ -296,7 +296,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
 def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
     known = {s.name: v for s, v in where.items() if s in frame.field.symbols}
-    for part in (loop.at(where) if loop.symbols else loop).parts:
+    here = loop.at(where) if loop.symbols else loop
+    for part in here.parts:
         if part.gap:
             refuse_other_periods(forms(frame, known), part)
     try:
@@ -304,7 +305,6 @@ def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) 
     except MissingValueError:
         # Unknown functions have no numbers, and so no poles that could be looked for.
         return
-    here = loop.at(where) if loop.symbols else loop
     for part in here.parts:
         refuse_poles(found.poles, part)
     if frame.field.relied_on:

@@ -20,7 +20,7 @@ from geomtorsion.errors import (
     UnknownNameError,
 )
 from geomtorsion.exact import Element
-from geomtorsion.exact.form import Sum, form
+from geomtorsion.exact.form import form, of_factor
 from geomtorsion.loops.arcs import Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
@@ -286,17 +286,9 @@ def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Elemen
     found: dict[str, Element] = {}
     for element in elements:
         for base, exponent in form(element).powers:
-            if exponent > 0:
-                continue
-            if isinstance(base, Sum):
-                terms = [
-                    (value, *(field.generator_element(g) ** e for g, e in monomial))
-                    for value, monomial in base.terms
-                ]
-                factor = field.sum(terms)
-            else:
-                factor = field.generator_element(base)
-            found[str(factor)] = factor
+            if exponent < 0:
+                factor = of_factor(field, base)
+                found[str(factor)] = factor
     return found
 
 

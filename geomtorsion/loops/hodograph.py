@@ -1,4 +1,4 @@
-"""Images: the curve that a loop draws in the frame, from its start to where it fails to close."""
+"""Hodograph: the curve that a loop draws in the frame, up to where it fails to close."""
 
 from __future__ import annotations
 

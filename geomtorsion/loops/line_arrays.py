@@ -131,24 +131,17 @@ class LineArrays:
     @cached_property
     def cochain(self) -> Cochain:
         """b on the lines, as a cochain with periodic images: sums along any chain of lines."""
-        made = Complex(len(self.positions), self.pairs, self._images, labels=self.labels)
+        made = Complex(len(self.positions), self.pairs, self.images, labels=self.labels)
         return Cochain(made, self.burgers)
-
-    @property
-    def _images(self) -> np.ndarray:
-        """Images, which are always there."""
-        assert self.images is not None
-        return self.images
 
     @property
     def image_list(self) -> list[list[int]]:
         """Images as Python lists."""
-        return self._images.tolist()
+        return self.images.tolist()
 
     @property
     def constraint_list(self) -> list[int]:
         """Constraints as a Python list."""
-        assert self.constraints is not None
         return self.constraints.tolist()
 
     @cached_property

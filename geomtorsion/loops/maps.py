@@ -1,4 +1,4 @@
-"""Survey: the Burgers vectors of very many small loops in one call."""
+"""Maps: the Burgers vectors of very many small loops in one call."""
 
 from __future__ import annotations
 
@@ -78,7 +78,6 @@ class BurgersMap:
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
 
     def __repr__(self) -> str:
-
         text = f"BurgersMap({self.done} of {self.areas.size} loops, {self.seconds:.2g} s"
         if self.enclosed.any():
             text += f", {int(np.count_nonzero(self.enclosed))} enclose a defect"

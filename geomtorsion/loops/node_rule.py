@@ -154,10 +154,6 @@ def tetrahedra(complex: Complex) -> np.ndarray:
         There are so many that their fluxes would take hours.
     """
     low, high, start = complex.neighbours
-
-    def joined(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return complex.joins(a, b)
-
     cliques = np.stack([low, high], axis=1)
     for _ in range(2):
         grown = [np.zeros((0, cliques.shape[1] + 1), dtype=np.int64)]
@@ -170,7 +166,7 @@ def tetrahedra(complex: Complex) -> np.ndarray:
             offset = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
             new = high[start[cliques[owner, -1]] + offset]
             for column in range(cliques.shape[1] - 1):
-                fits = joined(cliques[owner, column], new)
+                fits = complex.joins(cliques[owner, column], new)
                 owner, new = owner[fits], new[fits]
             grown.append(np.column_stack([cliques[owner], new]))
             size += len(new)

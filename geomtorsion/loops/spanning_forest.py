@@ -1,4 +1,4 @@
-"""Potentials: sums along a spanning forest, and the closure failure of every other edge."""
+"""Spanning forest: sums along it, and the closure failure of every other edge."""
 
 from __future__ import annotations
 

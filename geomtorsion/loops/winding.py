@@ -1,4 +1,4 @@
-"""Turning: how often a loop winds round a line, however near it comes."""
+"""Winding: how often a loop winds round a line, however near it comes."""
 
 from __future__ import annotations
 

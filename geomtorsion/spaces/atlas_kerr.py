@@ -51,10 +51,10 @@ def kerr(frame: Frame) -> Atlas:
     mass, a = frame.parameters
     makers = {
         "kerr": lambda: Chart.of(frame, edge=_home_edge(frame), margin=AXIS / 2),
-        "ingoing": lambda: _ingoing(mass, a),
+        "ingoing": lambda: _radial(mass, a, INGOING, 1, "ingoing"),
         "ingoing_north": lambda: _stereographic(mass, a, NORTH, 1, "ingoing_north"),
         "ingoing_south": lambda: _stereographic(mass, a, SOUTH, -1, "ingoing_south"),
-        "outgoing": lambda: _outgoing(mass, a),
+        "outgoing": lambda: _radial(mass, a, OUTGOING, -1, "outgoing"),
         "outgoing_north": lambda: _stereographic(mass, a, NORTH_OUT, 1, "outgoing_north", -1),
         "outgoing_south": lambda: _stereographic(mass, a, SOUTH_OUT, -1, "outgoing_south", -1),
         "kerr_schild": lambda: _kerr_schild(mass, a),
@@ -99,20 +99,10 @@ def _null_pair(
     ]
 
 
-def _ingoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
-    """Ingoing Kerr coordinates v, r, theta, phi."""
-    return _radial(mass, a, INGOING, "ingoing", 1)
-
-
-def _outgoing(mass: sp.Symbol, a: sp.Symbol) -> Chart:
-    """Outgoing Kerr coordinates u, r, theta, phi."""
-    return _radial(mass, a, OUTGOING, "outgoing", -1)
-
-
 def _radial(
-    mass: sp.Symbol, a: sp.Symbol, q: tuple[sp.Symbol, ...], name: str, sense: int
+    mass: sp.Symbol, a: sp.Symbol, q: tuple[sp.Symbol, ...], sense: int, name: str
 ) -> Chart:
-    """Kerr coordinates along ingoing light (sense 1), or along outgoing light (sense -1)."""
+    """Kerr coordinates along ingoing light (v, sense 1), or along outgoing light (u, sense -1)."""
     _, r, theta, _ = q
     s = sp.sin(theta)
     sigma = r**2 + a**2 * sp.cos(theta) ** 2

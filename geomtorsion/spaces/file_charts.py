@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -42,12 +43,7 @@ def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> N
         check_atlas(frame, atlas)
     except CoordinateError as error:
         raise FileFormatError(f"{words.file}: charts: {error}") from None
-    frame.derived("atlas", lambda: _with_origin(make, frame))
-
-
-def _with_origin(make: Callable[[Frame], Atlas], frame: Frame) -> Atlas:
-    made = make(frame)
-    return Atlas(made.home, made.makers, made.changes, made.order, (make, frame))
+    frame.derived("atlas", lambda: replace(atlas, origin=(make, frame)))
 
 
 def _atlas(

@@ -62,7 +62,7 @@ class KnownAnswer:
 
 @dataclass(frozen=True, repr=False)
 class Space:
-    """A shipped or read space: a frame, told about.
+    """A shipped or read space: a frame with its story, its source and what is known of it.
 
     Fields
     ------

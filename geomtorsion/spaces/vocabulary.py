@@ -176,10 +176,10 @@ def _kind(value: object) -> str:
     return next((word for kind, word in names if isinstance(value, kind)), cut(f"{value}"))
 
 
-# Three digits are more than any frame has coordinates; a longer number would fill the memory.
 # Lists of lists, as deep as the array has indices.
 Nested = list[Any]
 
+# Three digits are more than any frame has coordinates; a longer number would fill the memory.
 _INDEX = re.compile(r"\s*[0-9]{1,3}\s*(,\s*[0-9]{1,3}\s*){0,9}")
 
 

@@ -14,9 +14,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.loops.arcs import Parameters
-from geomtorsion.loops.fields.circuits import (
-    Field,
-)
+from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.contents import TEXTS, Contents
 from geomtorsion.loops.fields.displacement import distortion_of
 from geomtorsion.loops.fields.grid import (
