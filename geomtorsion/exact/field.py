@@ -201,6 +201,8 @@ class Field(Tower):
     def decide_zero(self, element: Element) -> bool | None:
         """Whether an element vanishes that is kept, or whose generators may depend on others."""
         unsure = [] if self.all_sure else [g for g in self.generators_of(element) if not g.sure]
+        if not unsure and not element.is_kept:
+            return not element._num
         # A polynomial in generators without relations vanishes whatever they are.  A root that may
         # lie in the field already has more relations than its own, and only one of its values.
         if any(g.degree or is_algebraic_constant(self, g) for g in unsure):
@@ -219,13 +221,14 @@ class Field(Tower):
 
     def _decide_by_numbers(self, element: Element) -> bool | None:
         """Whether an element vanishes some of whose roots may depend on others."""
+        # A value decides without multiplying out, which takes long where roots are many.
+        if self.sample.is_surely_nonzero(element):
+            return False
         whole = self.brief(element)
         if whole is not None:
             found = algebraic_constants.vanishes(whole)
             if found is not None:
                 return found
-        if self.sample.is_surely_nonzero(element):
-            return False
         image = self._image(element)
         return True if image is not None and image == 0 else None
 

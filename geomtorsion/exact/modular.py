@@ -225,6 +225,9 @@ class ModularPoint:
         tail = self._of_polynomials(generator.tail)
         if generator.degree == 2 and not generator.middle:
             return self._square_root(generator.tail, tail)
+        if not generator.middle and tail ** self._part(generator.degree) not in (0, 1):
+            # Euler's criterion: no power of this degree, which is told without a search for roots.
+            raise _MovedError
         relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
         for power, value in generator.middle:
             relation[power] = relation[power] - self._number(value)
@@ -232,6 +235,11 @@ class ModularPoint:
         if not roots:
             raise _MovedError
         return min(roots, key=int)
+
+    def _part(self, degree: int) -> int:
+        """(p - 1) / gcd(degree, p - 1): the power by which what has a root goes to 1."""
+        whole = self._ring.modulus() - 1
+        return int(whole // whole.gcd(fmpz(degree)))
 
     def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
         """The square root; that of a small whole number agrees with the roots of unity."""

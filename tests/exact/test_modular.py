@@ -167,3 +167,22 @@ def test_roots_of_numbers_that_few_primes_have():
     for known in (one**3 - 6, (two**3 - 1) ** 3 - 10, three**3 - 7, four**2 - 29):
         assert int(point.image(whole * known)) == 0
     assert (field.read(x * sum(roots)) - field.read(x) * (one + two + three + four)).is_zero is True
+
+
+def test_roots_are_sought_only_where_there_are_some(monkeypatch):
+    """Euler's criterion tells first whether a number has a root of odd degree modulo the prime."""
+    found = []
+    seek = ModularPoint._roots
+
+    def counted(point, relation):
+        found.append(seek(point, relation))
+        return found[-1]
+
+    monkeypatch.setattr(ModularPoint, "_roots", counted)
+    field = Field([x, y, k])
+    roots = [(s + 2) ** sp.Rational(1, n) for s in (x, y, k) for n in (3, 5)]
+    total = field.read(sum(roots))
+    image = ModularPoint(field).image(total)
+    assert image != 0
+    assert len(found) >= 2
+    assert all(found)

@@ -147,6 +147,29 @@ def disagreements(seed, count):
     return wrong
 
 
+def test_what_has_a_value_is_decided_before_it_is_multiplied_out(monkeypatch):
+    """Sums of roots that may depend on others are long; a value that is not zero is enough."""
+    field = Field([X])
+    third = sp.Rational(1, 3)
+    root = field.read((sp.cosh(X) ** third + 1) ** sp.Rational(3, 4))
+    total = root + field.read(X) + 1
+    assert not field.all_sure
+    monkeypatch.setattr(Field, "brief", lambda *_: pytest.fail("multiplied out"))
+    assert total.is_zero is False
+
+
+def test_other_roots_have_no_say_in_what_is_free_of_them(monkeypatch):
+    """A polynomial in what is independent is decided by itself, whatever else was read."""
+    field = Field([X])
+    field.read((sp.cosh(X) ** sp.Rational(1, 3) + 1) ** sp.Rational(3, 4))
+    assert not field.all_sure
+    something = field.read(sp.cosh(X) ** 2 + X)
+    nothing = field.read(sp.cosh(X) ** 2 - sp.sinh(X) ** 2 - 1)
+    monkeypatch.setattr(Field, "_image", lambda *_: pytest.fail("a point was sought"))
+    assert something.is_zero is False
+    assert nothing.is_zero is True
+
+
 def test_against_sixty_digits():
     """Zero is what vanishes to sixty digits, and nothing else."""
     assert not disagreements(1, 80)
