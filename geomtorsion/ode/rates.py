@@ -13,6 +13,7 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError
 from geomtorsion.ode.system import System
+from geomtorsion.ode.terms import KINKED
 from geomtorsion.precision import EPS
 
 # Equations that are kept, and what is compiled of them: some hundred kilobytes each. What is gone
@@ -30,7 +31,6 @@ TINY = sp.Rational(1, 10**300)
 SMALL = 64
 # Names that go with the components of one vector.
 _AXES = ("x", "y", "z")
-_KINKED = ("Abs", "sign", "Max", "Min", "floor", "ceiling")
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def _check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
     """Refuse what has kinks or jumps."""
     for term, place in zip(terms, where, strict=True):
         for part in sp.preorder_traversal(term):
-            if type(part).__name__ in _KINKED:
+            if type(part).__name__ in KINKED:
                 raise ExpressionError(
                     f"{place}: {part} is not smooth. Write the expression of one side (and stop or "
                     "switch where it ends), or a smooth one such as sqrt(x**2 + s**2) for Abs(x)."

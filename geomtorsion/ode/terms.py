@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -19,9 +18,8 @@ from geomtorsion.ode.numbers import Real
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
 # What may stand in outputs, but not in rates.
-_KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
-_KINKED["abs"] = sp.Abs
-_DECIMAL = re.compile(r"(?<![\w.])(\d+\.\d*|\.\d+|\d+(?=[eE][+-]?\d))(?:[eE]([+-]?\d+))?(?![\w.])")
+KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
+KINKED["abs"] = sp.Abs
 
 
 def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
@@ -57,8 +55,8 @@ def expression(
         it is none of these, not finite, or contains a name that is not known.
     """
     if isinstance(entry, str):
-        text = _DECIMAL.sub(_as_fraction, entry)
-        return parse_expression(text, symbols, {} if smooth else _KINKED, where=where)
+        functions = {} if smooth else KINKED
+        return parse_expression(entry, symbols, functions, where=where, decimals=True)
     if isinstance(entry, Element):
         entry = entry.sympy
     if isinstance(entry, sp.Expr):
@@ -70,17 +68,6 @@ def expression(
             "sympy or a number."
         )
     return sp.Rational(known.numerator, known.denominator)
-
-
-def _as_fraction(found: re.Match[str]) -> str:
-    """A decimal number as the fraction that it is."""
-    digits, exponent = found.group(1), int(found.group(2) or 0)
-    whole, _, part = digits.partition(".")
-    exponent -= len(part)
-    if abs(exponent) > 400:
-        return found.group(0)
-    number = (whole + part).lstrip("0") or "0"
-    return f"({number}*10**{exponent})" if exponent >= 0 else f"({number}/10**{-exponent})"
 
 
 def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:

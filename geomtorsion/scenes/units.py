@@ -7,7 +7,6 @@ import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache
 
 from geomtorsion.checks import did_you_mean
@@ -23,7 +22,6 @@ _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _GLUED = re.compile(rf"\s*([-+]?{_NUMBER})([^\W0-9_].*|°.*)", re.DOTALL)
 _PLAIN = re.compile(rf"\s*[-+]?{_NUMBER}\s*")
 _NOT_FINITE = re.compile(r"\s*[-+]?(inf|infinity|nan)\s*", re.IGNORECASE)
-_DECIMAL = re.compile(rf"(?<![\w.]){_NUMBER}")
 _PIECE = re.compile(
     r"\s*(?:([*/·])\s*)?(?:(1(?![0-9.]))|([^\W0-9_]+|°)(?:(?:\^|\*\*)([-+]?[0-9]+))?)"
 )
@@ -194,24 +192,6 @@ def scale_of(given: Unit, field: str) -> float:
     raise UnitError(f"the unit {given.text} does not fit: this is measured {shown}.")
 
 
-def exact(text: str) -> str:
-    """An expression with its decimals as exact fractions.
-
-    Examples
-    --------
-    >>> exact("0.25*sin(t) + 1e-3"), exact("x1 + 2")
-    ('(1/4)*sin(t) + (1/1000)', 'x1 + 2')
-    """
-
-    def fraction(found: re.Match[str]) -> str:
-        if found[0].isdigit():
-            return found[0]
-        value = Fraction(found[0])
-        return f"({value.numerator}/{value.denominator})" if value.denominator > 1 else str(value)
-
-    return _DECIMAL.sub(fraction, text)
-
-
 def quantity(value: object, field: str = "") -> float:
     """A number in the unit of a field: a number as it is, or text such as "9.81 m/s^2".
 
@@ -260,7 +240,7 @@ def _value(text: str) -> float:
     """The value of an expression without names."""
     if _PLAIN.fullmatch(text) or _NOT_FINITE.fullmatch(text):
         return float(text)
-    read = parse_expression(exact(text), {}, {}, where="number")
+    read = parse_expression(text, {}, {}, where="number", decimals=True)
     if not read.is_real:
         raise ExpressionError(f"a real number was needed, {text!r} came.")
     # Thirty digits first, so that the double is the nearest one.

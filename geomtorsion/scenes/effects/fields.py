@@ -14,7 +14,6 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.scenes.body import Expression, Number, exact
 from geomtorsion.scenes.context import GROUPS, Context
 from geomtorsion.scenes.effects.protocol import Effect, Switch, symbols_in
-from geomtorsion.scenes.units import exact as without_decimals
 
 _STATE = frozenset(symbol.name for group in GROUPS.values() for symbol in group)
 _SHORT = "t, Omega1..3, n1..3, R11..R23, q0..q3, x, y, z, vx, vy, vz"
@@ -141,7 +140,7 @@ def read(
     known = {**known_names(context), **(names or {})}
     if isinstance(value, str):
         try:
-            return parse_expression(without_decimals(value), known, {}, where=where)
+            return parse_expression(value, known, {}, where=where, decimals=True)
         # The parser knows no states; a wrong name is better explained here.
         except ExpressionError:
             _check_names(value, known, where)
