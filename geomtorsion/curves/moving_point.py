@@ -241,13 +241,16 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     if causal not in CAUSAL:
         raise StartError(f"causal={causal!r}: one of {', '.join(CAUSAL)} was needed.")
     eta = np.real(frame.eta.at({}))
-    if np.linalg.eigvalsh(eta).min() > 0:
+    squares = np.linalg.eigvalsh(eta)
+    if squares.min() > 0:
         raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
     u = np.array([float(x) for x in velocity])
     norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
     # Null as far as rounding can tell: the norm is nothing against its terms.
     is_null = abs(norm) <= CALCULATED * size
-    found = "null" if is_null else ("timelike" if norm < 0 else "spacelike")
+    # Time is the one direction whose square has the other sign; in two dimensions the negative one.
+    time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1
+    found = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
     if found != causal:
         raise StartError(
             f"the velocity is {found}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "

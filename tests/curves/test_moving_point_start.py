@@ -10,6 +10,7 @@ from geomtorsion.ode import solve_many
 from geomtorsion.spaces import load
 
 SO3 = load("so3").frame
+MOSTLY_MINUS = Frame(sp.symbols("t x y z"), sp.eye(4), signature=(1, -1, -1, -1))
 S2 = load("s2").frame
 HOLE = load("schwarzschild").frame
 START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
@@ -53,6 +54,16 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
             ),
             StartError,
             "the velocity is null",
+        ),
+        (
+            lambda: geodesic(MOSTLY_MINUS, [0] * 4, [0, 1, 0, 0], causal="timelike"),
+            StartError,
+            "the velocity is spacelike",
+        ),
+        (
+            lambda: geodesic(MOSTLY_MINUS, [0] * 4, [2, 1, 0, 0], causal="spacelike"),
+            StartError,
+            "the velocity is timelike",
         ),
         (
             lambda: geodesic(
