@@ -79,6 +79,17 @@ def _of_domain(frame: Frame) -> Iterator[Edge]:
 
 def _is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
     """Whether the domain gives a coordinate one turn over which the frame repeats itself."""
+    below = full_turn(frame, symbol)
+    if below is None:
+        return False
+    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
+    repeats = all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+    # A frame that degenerates there ends, whether it repeats itself or not.
+    return repeats and frame.determinant.element().sympy.subs(symbol, below) != 0
+
+
+def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:
+    """The lower bound of a coordinate whose domain is as long as a full turn; None of others."""
     above: sp.Expr | None = None
     below: sp.Expr | None = None
     for relation in frame.domain:
@@ -89,11 +100,8 @@ def _is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
         elif relation.lts == symbol:
             above = relation.gts
     if above is None or below is None or above - below != 2 * sp.pi:
-        return False
-    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
-    repeats = all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
-    # A frame that degenerates there ends, whether it repeats itself or not.
-    return repeats and frame.determinant.element().sympy.subs(symbol, below) != 0
+        return None
+    return below
 
 
 def _of_branches(frame: Frame) -> Iterator[Edge]:

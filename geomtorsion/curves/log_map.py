@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel
+from geomtorsion.curves.edges import full_turn
 from geomtorsion.curves.moving_point import checked_start
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.readout import converted
@@ -59,9 +59,9 @@ def log_map(
 ) -> LogMap:
     """The motion from one point to another in unit time: the inverse of the exponential map.
 
-    Newton shooting, the derivative of the end by central differences. Without a guess it is sent
-    off in several directions; near the cut locus, where more than one of the
-    shortest comes back with the same length, there is no unique answer, and it says so.
+    Newton shooting, the derivative of the end by central differences. Without a guess it starts in
+    several directions, and the shortest motion found is the answer. Where two that differ have that
+    length, the end lies on the cut locus: an error says so.
 
     Parameters
     ----------
@@ -71,6 +71,8 @@ def log_map(
         q^mu to be reached, shape (n,).
     guess
         frame velocity to begin with, to choose among several answers.
+    parameters, accuracy, engine
+        as in `exponential_map`; the end is hit to ten times the accuracy.
 
     Raises
     ------
@@ -152,13 +154,9 @@ def _directions(problem: CurveProblem, target: np.ndarray) -> list[np.ndarray]:
 
 
 def _angular(problem: CurveProblem) -> set[int]:
-    """Coordinates on which neither sine nor cosine can tell a full turn: bounded by two pi."""
-    found = set()
-    for k, symbol in enumerate(problem.frame.coordinates):
-        for relation in problem.frame.domain:
-            if relation.free_symbols == {symbol} and 2 * sp.pi in relation.args:
-                found.add(k)
-    return found
+    """Coordinates that count modulo 2 pi: their domain is a full turn."""
+    frame = problem.frame
+    return {k for k, x in enumerate(frame.coordinates) if full_turn(frame, x) is not None}
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,10 +4,11 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.curves import log_map
 from geomtorsion.errors import EndpointError, GeomtorsionError
-from geomtorsion.geometry import levi_civita
+from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.ode import RungeKutta
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.spaces import load
@@ -72,3 +73,15 @@ def test_slopes_are_used_again_where_they_lead_closer_quickly(monkeypatch):
     assert again < anew
     monkeypatch.setattr(MODULE, "STALE", 1.0)
     assert ends(PLANE, [-3.0, 0.1], monkeypatch)[1] is None
+
+
+def test_what_counts_modulo_a_full_turn():
+    """A coordinate whose domain is a full turn, wherever that begins; not one that ends at 2 pi."""
+    x, y = sp.symbols("x y", real=True)
+    plane = levi_civita(Frame([x, y], sp.eye(2), domain=[x < 2 * sp.pi]))
+    assert log_map(plane, [0, 0], [5, 0]).vector == pytest.approx([5, 0], abs=1e-9)
+    r, phi = sp.symbols("r phi", real=True)
+    polar = Frame([r, phi], sp.diag(1, r), domain=[r > 0, phi > -sp.pi, phi < sp.pi])
+    found = log_map(levi_civita(polar), [1, 3], [1, -3])
+    chord = 2 * np.sin(np.pi - 3)
+    assert np.linalg.norm(found.vector) == pytest.approx(chord, abs=1e-9)
