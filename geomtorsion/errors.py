@@ -131,8 +131,14 @@ class FileFormatError(GeomtorsionError, ValueError):
     """A file cannot be read: the message names the file, the key and the reason."""
 
 
-class UnknownNameError(GeomtorsionError, LookupError):
-    """No space, quantity or format has this name; the message lists near ones."""
+class UnknownNameError(GeomtorsionError, KeyError):
+    """No space, quantity or format has this name; the message lists near ones.
+
+    A KeyError, by which mappings such as `Moment` know that a name is not in them.
+    """
+
+    # That of KeyError puts the message in quotes.
+    __str__ = Exception.__str__
 
 
 class MissingExtraError(GeomtorsionError, ImportError):

@@ -16,7 +16,7 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
-from geomtorsion.ode.moment import Moment, unknown
+from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Solution
@@ -93,9 +93,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
         return float(self.metadata["error"])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name in self.moment.values:
-            return self.moment[name]
-        raise KeyError(unknown(name, list(self.moment)))
+        return self.moment[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.moment)

@@ -30,7 +30,12 @@ class Moment(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if name in self.values:
             return self.values[name]
-        raise UnknownNameError(unknown(name, [x for x in self.values if x not in self.whole]))
+        known = list(self)
+        near = near_names(name, known)
+        hint = f"Did you mean {near}? " if near else ""
+        raise UnknownNameError(
+            f"{name!r} is not known of this motion. {hint}There are {', '.join(known)}."
+        )
 
     def __iter__(self) -> Iterator[str]:
         return iter(x for x in self.values if x not in self.whole)
@@ -62,10 +67,3 @@ class Moment(Mapping[str, np.ndarray]):
     def transported(self) -> np.ndarray:
         """Transported vectors (frame) or deviation (offset, rate), shape (..., number)."""
         return self["transported"]
-
-
-def unknown(name: str, known: list[str]) -> str:
-    """The message that nothing has this name."""
-    near = near_names(name, known)
-    hint = f"Did you mean {near}? " if near else ""
-    return f"{name!r} is not known of this motion. {hint}There are {', '.join(known)}."

@@ -163,29 +163,26 @@ class Solution:
     @cached_property
     def moment(self) -> Moment:
         """Everything at the times."""
-        segments = self.trajectory.segments
-        skip = self.trajectory.count - len(self.times)
-        ended = self.outcome == "stopped"
         pieces = []
-        # The start is a sample even where nobody asked for it; where the motion was stopped may
-        # be none.
-        first = max(skip + (1 if self._ends_between else 0), 0)
-        for segment in segments:
+        # The start is a sample even where nobody asked for it.
+        first = self._with_end.count - len(self.times)
+        for segment in self._with_end.segments:
             states = segment.states[first:] if first else segment.states
             first = max(first - segment.count, 0)
             if len(states):
                 pieces.append((segment, states))
-        if ended and self._ends_between:
-            pieces.append((segments[-1], np.asarray(segments[-1].last)[None, :]))
         return self._read(self.times, pieces, self.times.shape)
 
     @cached_property
-    def _ends_between(self) -> bool:
-        """Whether the motion was stopped between two of the times asked for."""
-        if self.outcome != "stopped":
-            return False
-        last = next((x for x in reversed(self.trajectory.segments) if x.count), None)
-        return last is None or float(last.times[-1]) != self.trajectory.reached
+    def _with_end(self) -> Trajectory:
+        """The trajectory, with the place where it was stopped as its last sample."""
+        one, end = self.trajectory, self.trajectory.segments[-1]
+        last = next((x for x in reversed(one.segments) if x.count), None)
+        if one.outcome != "stopped" or (last is not None and last.times[-1] == one.reached):
+            return one
+        times = np.append(end.times.astype(float), one.reached)
+        states = np.concatenate((end.states, end.last[None, :]))
+        return replace(one, segments=(*one.segments[:-1], end.resampled(times, states)))
 
     def _read(
         self,
@@ -345,22 +342,25 @@ class Solution:
 
     @cached_property
     def invariant_changes(self) -> Mapping[str, np.ndarray]:
-        """For each known invariant its change at each time, relative to the size of its terms.
+        """For each known invariant its change at each of `times`, shape (m,).
 
-        Not a number where it has no value, as on the edge of a chart.
+        Relative to the size of its terms; not a number where it has no value, as on the edge of a
+        chart.
         """
-        return self.problem.invariant_changes(self.trajectory)
+        first = self._with_end.count - len(self.times)
+        changes = self.problem.invariant_changes(self._with_end)
+        return {name: x[first:] for name, x in changes.items()}
 
     @cached_property
     def drift(self) -> Mapping[str, float]:
         """For each known invariant its largest change, relative to the size of its terms.
 
-        Across an event at a given time it is counted anew: a push may change what nothing else
-        does.
+        The start counts, too, whether it was asked for or not. Across an event at a given time it
+        is counted anew: a push may change what nothing else does.
         """
         return {
             name: float(np.nanmax(change)) if np.isfinite(change).any() else float("nan")
-            for name, change in self.invariant_changes.items()
+            for name, change in self.problem.invariant_changes(self._with_end).items()
         }
 
     def error_of(self, name: str) -> float:

@@ -19,7 +19,7 @@ from geomtorsion.errors import (
     TimeError,
     UnknownNameError,
 )
-from geomtorsion.ode import ODE, At, RungeKutta, SavedSolution, Stiff, Taylor, solve
+from geomtorsion.ode import ODE, At, RungeKutta, SavedSolution, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import perturbed
 from tests.ode.engines import every_engine, needs_heyoka
@@ -122,6 +122,18 @@ def test_error_of_what_is_not_there():
         solution.error_of("plaec")
 
 
+def test_moments_are_mappings(tmp_path):
+    """What is not in them is not in them; the message stands without quotes round it."""
+    solution = solve(swing(), 1.0, 1e-8, RungeKutta())
+    solution.save(tmp_path / "swing.npz")
+    for values in (solution.at(0.5), SavedSolution.load(tmp_path / "swing.npz")):
+        assert "x" in values
+        assert "y" not in values
+        assert values.get("y") is None
+        with pytest.raises(UnknownNameError, match="^'y' is not known of this motion"):
+            values["y"]
+
+
 @every_engine
 def test_drift(engine):
     """Invariants keep to the accuracy; what is none is seen to change."""
@@ -131,6 +143,18 @@ def test_drift(engine):
     # The size is that of the terms: a difference that vanishes is no cause for alarm.
     tiny = solve(swing(invariants={"zero": "v**2 + 4*x**2 - 4"}), 9.0, 1e-10, engine)
     assert tiny.drift["zero"] < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("times", "ends"), [([1.0, 2.0], 2.0), ([0.0, 1.0], 1.0), ([1.0, 5.0], 3.0)]
+)
+def test_changes_of_invariants_go_with_the_times(times, ends):
+    """One for each time, whether the start is asked for or not, and the last where it stops."""
+    falling = ODE.of({"x": -1}, [3], invariants={"x": "x"}, events=[When("x")])
+    solution = solve(falling, times, 1e-8, RungeKutta())
+    assert solution.times[-1] == pytest.approx(ends)
+    changes = solution.invariant_changes["x"]
+    assert changes / changes[-1] * ends == pytest.approx(solution.times)
 
 
 @every_engine
