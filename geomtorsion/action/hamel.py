@@ -17,11 +17,9 @@ from geomtorsion.geometry.symmetry import Index, antisymmetric
 from geomtorsion.geometry.validation import Opened
 
 if TYPE_CHECKING:
-    import sympy as sp
-
     from geomtorsion.action.principles import Principle
     from geomtorsion.exact import Element, Field
-    from geomtorsion.geometry import Connection, Frame
+    from geomtorsion.geometry import Connection
 
 
 Matrix = Mapping[tuple[int, int], "Element"]

@@ -15,7 +15,6 @@ from geomtorsion.geometry import Frame
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Field
-    from geomtorsion.geometry import Frame
 
 _STEMS = ("u", "w", "Omega", "velocity")
 _TIMES = ("t", "time", "tau", "clock")

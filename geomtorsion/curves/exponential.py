@@ -19,7 +19,6 @@ from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solve import solve
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
     from geomtorsion.ode.engines import Engine
 
 

@@ -1,4 +1,4 @@
-"""Phase: products of a time with a long constant, reduced without losing the last digits."""
+"""Double-double: times against a period of 32 digits, reduced without losing the last digits."""
 
 from __future__ import annotations
 

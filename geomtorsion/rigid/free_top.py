@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import flint
 import numpy as np
@@ -19,11 +19,6 @@ from geomtorsion.precision import EPS, PRINTED, ball_precision
 from geomtorsion.rigid.attitude import product, rotated
 from geomtorsion.rigid.double_double import DoubleDouble, reduced, turns
 from geomtorsion.rigid.free_top_series import Constants, constants, functions, is_steady
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from geomtorsion.rigid.free_top_series import Constants
 
 
 def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> NDArray[Any]:

@@ -23,7 +23,7 @@ from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed, parameters_of, start_of
 
 if TYPE_CHECKING:
-    from geomtorsion.ode import Engine, Solution
+    from geomtorsion.ode import Solution
     from geomtorsion.scenes.scene import Scene
 
 NAME = "free top (Jacobi elliptic functions)"
