@@ -304,7 +304,7 @@ class Reader:
         if isinstance(tree, sp.Mul):
             return self._times(inner)
         if isinstance(tree, sp.Pow):
-            return self._tree_power(*tree.args, *inner)
+            return self._tree_power(tree.args[0], *inner)
         name = type(tree).__name__
         if name in _RECIPROCALS:
             return self._power(self._call(_RECIPROCALS[name], *inner), -1)
@@ -314,7 +314,7 @@ class Reader:
             return self._call(name, *inner)
         raise ExpressionError(f"{tree} has no numerical form here; write it in other functions")
 
-    def _tree_power(self, base: sp.Basic, exponent: sp.Basic, below: Term, above: Term) -> Term:
+    def _tree_power(self, base: sp.Basic, below: Term, above: Term) -> Term:
         """A power: of whole and half numbers by products and square roots."""
         if base is sp.E:
             return self._call("exp", above)

@@ -196,12 +196,10 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     if rates is not None:
         groups.append(tuple(range(width, len(states))))
     invariants = dict(law.invariants(base, names)) if rates is not None else {}
-    if chart is None:
+    if chart is None or chart.frame is None:
         invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}
-    elif chart.frame is None:
-        invariants = {k: v for k, v in invariants.items() if _is_constant(v, frame)}
-        if chart.kept is not None:
-            invariants["unit"] = ((chart.kept, ()),)
+    if chart is not None and chart.kept is not None:
+        invariants["unit"] = ((chart.kept, ()),)
     ends = () if chart is None else tuple((edge.element, ()) for edge in chart.edges)
     every = [*products, *invariants.values(), ends]
     parameters = (*symbols_in(every, states), *extra, *constants)

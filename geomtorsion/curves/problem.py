@@ -116,6 +116,7 @@ class CurveProblem:
     @property
     def time_unit(self) -> float:
         """A power of two near the largest frame velocity: time is measured in its inverse."""
+        # Types do not take a cached property for the property of `Problem`.
         return self._time_unit
 
     @cached_property

@@ -273,9 +273,7 @@ class _Job:
     @property
     def rows(self) -> Rows:
         """The states of what is done."""
-        return Rows(
-            self.states, self.finished, self.trajectories, self.interrupted, self.compile_seconds
-        )
+        return Rows(self.states, self.finished, self.trajectories)
 
     def run(self, some: np.ndarray, show: Show) -> str:
         """Run all members, of which some are verified; say where accuracy is lacking.

@@ -110,8 +110,6 @@ class Rows:
     states: np.ndarray
     finished: np.ndarray
     trajectories: Mapping[int, Trajectory] = field(default_factory=dict)
-    interrupted: bool = False
-    compile_seconds: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -185,14 +185,11 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
             infinite=None,
         )
     )
-    if asked.size == 0 or asked.ndim > 1:
+    if asked.size == 0 or asked.ndim != 1:
         raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
     if not np.isfinite(asked).all():
-        bad = asked if asked.ndim == 0 else asked[~np.isfinite(asked)][0]
+        bad = asked[~np.isfinite(asked)][0]
         raise TimeError(f"t contains {bad}: all times must be finite.")
-    if asked.ndim == 0:
-        grid = _samples(float(asked))
-        return grid, grid
     steps = np.diff(asked)
     if (steps == 0).any():
         k = int(np.flatnonzero(steps == 0)[0])

@@ -68,8 +68,7 @@ class ODE:
         return only_fields(self)
 
     # Trajectories count time as users do.
-    time_unit: float = 1.0
-    label = ""
+    time_unit = 1.0
     # What files call it.
     kind = "ode"
 
@@ -429,11 +428,22 @@ class ODE:
         values["states"] = states.reshape((*shape, self.size))
         return Moment(times.reshape(shape), values, whole=("states",))
 
-    def arguments(self, times: np.ndarray, states: np.ndarray) -> list[np.ndarray]:
-        """Values of states, parameters as they are at the times, and times."""
+    def arguments(
+        self,
+        times: np.ndarray,
+        states: np.ndarray,
+        varied: Mapping[str, np.ndarray] | None = None,
+    ) -> list[np.ndarray]:
+        """Values of states, parameters as they are at the times, and times, each shape (m,).
+
+        states: shape (m, size); varied: parameters that differ from row to row, shape (m,).
+        """
         values: list = list(states.T)
+        numbers: Mapping[str, Any] = dict(self.parameters) | dict(varied or {})
         for name in self.rates.parameters:
-            column: float | np.ndarray = float(self.parameters[name])
+            column: Any = numbers[name]
+            if not isinstance(column, np.ndarray):
+                column = float(column)
             for event in self.events:
                 if name in event.changes and len(times):
                     after = times >= event.time
@@ -463,7 +473,7 @@ class ODE:
             found = self.term_graphs[0].numpy()(*self.arguments(times, states))
         return {
             name: rows.T if several else rows[0]
-            for name, rows, several in _cut(self.outputs, found, len(times))
+            for name, rows, several in _cut(self.outputs, found)
         }
 
     def _long_outputs(self, times: np.ndarray, states: np.ndarray, bits: int) -> np.ndarray:
@@ -511,9 +521,9 @@ class ODE:
         )  # fmt: skip
         interval = np.searchsorted(moments, at, "right")
         first = np.searchsorted(interval, interval)
-        scales = {name: rows for name, rows, _ in _cut(self.invariants, sizes, len(at))}
+        scales = {name: rows for name, rows, _ in _cut(self.invariants, sizes)}
         table = {}
-        for name, rows, _ in _cut(self.invariants, values, len(at)):
+        for name, rows, _ in _cut(self.invariants, values):
             size = float(np.abs(scales[name]).max())
             change = np.abs(rows - rows[:, first]).max(axis=0)[before:]
             table[name] = change / size if size else change
@@ -669,16 +679,9 @@ class ODE:
         if not self.outputs:
             return found
         at = np.tile(times, number)
-        asked: list = list(flat_states.T)
-        for name in self.rates.parameters:
-            value = members.varied.get(name)
-            column: Any = float(self.parameters[name]) if value is None else np.repeat(value, m)
-            for event in self.events:
-                if name in event.changes:
-                    column = np.where(at >= event.time, float(event.changes[name]), column)
-            asked.append(column)
-        values = self.term_graphs[0].numpy()(*asked, at)
-        for name, lines, several in _cut(self.outputs, values, number * m):
+        varied = {name: np.repeat(value, m) for name, value in members.varied.items()}
+        values = self.term_graphs[0].numpy()(*self.arguments(at, flat_states, varied))
+        for name, lines, several in _cut(self.outputs, values):
             found[name] = lines.T.reshape(number, m, -1) if several else lines[0].reshape(number, m)
         return found
 
@@ -688,9 +691,7 @@ def flat(terms: Mapping[str, Terms]) -> list[sp.Expr]:
     return [x for term in terms.values() for x in (term if isinstance(term, tuple) else (term,))]
 
 
-def _cut(
-    terms: Mapping[str, Terms], found: np.ndarray, count: int
-) -> Iterable[tuple[str, np.ndarray, bool]]:
+def _cut(terms: Mapping[str, Terms], found: np.ndarray) -> Iterable[tuple[str, np.ndarray, bool]]:
     """For each term its rows of values, and whether it is a vector."""
     place = 0
     for name, term in terms.items():

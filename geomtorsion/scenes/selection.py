@@ -215,8 +215,8 @@ class StateSelection:
         return tuple(row.name for row in self.rows if not row.inside)
 
     def draw(self) -> str:
-        """The graph as SVG text: what is in and, in grey, what is left out."""
-        return drawn(self)
+        """The graph as SVG text, the same each time: what is in and, in grey, what is left out."""
+        return svg_text(selection_figure(self))
 
     def _repr_html_(self) -> str:
         return pictured(str(self), lambda: selection_figure(self))
@@ -393,8 +393,3 @@ def _box(group: str, names: list[str]) -> str:
         return f"state {group}"
     shown = ", ".join(names) if len(names) <= 3 else f"{names[0]}..{names[-1]}"
     return f"{group}: {shown}"
-
-
-def drawn(selection: StateSelection) -> str:
-    """The figure as SVG text, the same each time."""
-    return svg_text(selection_figure(selection))
