@@ -30,7 +30,10 @@ ROUNDINGS = 64
 
 
 class Full(Protocol):
-    """What a reduction has to know of the equations of frame velocities (`Equations`)."""
+    """What a reduction has to know of the equations of frame velocities (`Equations`).
+
+    Not the class itself: that imports this file, and files are not to need each other.
+    """
 
     @property
     def chart(self) -> Chart | None:
