@@ -23,7 +23,7 @@ class IdentityCheck:
     name, equation: what was checked.
     holds: True, False, or None where it cannot be decided.
     checked: how many components were compared.
-    worst: index of the first component that fails, None if none does.
+    worst: index of the first component that fails, or else is undecided; None if all hold.
     certainty: how sure it is that what was found to vanish does.
     """
 
@@ -203,7 +203,6 @@ def _checked(
         verdict = True if element is None else element.is_zero
         if element is not None and verdict:
             zeros.append(element.certainty)
-        if verdict is not True and holds is not False:
-            holds = verdict
-            worst = index
+        if (verdict is False and holds is not False) or (verdict is None and holds):
+            holds, worst = verdict, index
     return IdentityCheck(name, equation, holds, checked, worst, least_certain(zeros))

@@ -147,3 +147,13 @@ def test_repr(frame: Frame) -> None:
     """Name first, then components."""
     assert repr(cartan(frame)).startswith("Cartan connection: ")
     assert r"\Gamma_{x y }{}^{y }" in cartan(frame)._repr_latex_()
+
+
+def test_the_first_component_in_doubt_is_named() -> None:
+    """Of several undecided components the first; one that fails goes before them."""
+    bessel = sp.besselj(0, c) + sp.besselj(2, c) - 2 * sp.besselj(1, c) / c
+    plane = Frame([x, y], [[1, 0], [0, 1]])
+    for last, holds, worst in ((bessel, None, (0, 0, 0)), (1, False, (1, 1, 1))):
+        gamma = from_coefficients(plane, [[[bessel, 0], [0, 0]], [[0, 0], [0, last]]])
+        check = identities(gamma)[0]
+        assert (check.name, check.holds, check.worst) == ("metricity", holds, worst)
