@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -66,7 +66,10 @@ class BranchCheck:
                 outputs += [branch.holds, sp.S.Zero]
             else:
                 outputs += [branch.radical, branch.read_as]
-        return graph(self.names, outputs, factor=False)
+        found = graph(self.names, outputs, factor=False)
+        # Points of complex frames are complex, also where nothing in a root is.
+        is_complex = found.is_complex or any(is_complex for is_complex, _ in self.branches)
+        return replace(found, is_complex=is_complex)
 
     def broken(self, *values: ArrayLike) -> np.ndarray:
         """For each branch whether it is left, shape (branches, ...)."""

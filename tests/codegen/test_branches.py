@@ -91,6 +91,17 @@ def test_complex_fields_compare_values():
     assert [check.broken(value).any() for value in nearly] == [False, False]
 
 
+def test_points_of_complex_frames_are_complex():
+    """Also where no root that was read with a sign has I in it, and no entry has."""
+    frame = Frame([x, y], [[2 + sp.sqrt((x + 2) ** 2), y], [0, 3]], complex=True)
+    assert frame.coframe.at({x: 1, y: 2})[0, 0] == 5
+    assert frame.coframe.at({x: 1 + 2j, y: 2})[0, 0] == 5 + 2j
+    assert complex(frame.coframe.at({x: 1 + 2j, y: 2}, digits=30)[0, 0]) == 5 + 2j
+    for outside in (-5, -5 + 1j):
+        with pytest.raises(BranchError, match="x = -5"):
+            frame.coframe.at({x: outside, y: 2})
+
+
 def test_chosen_signs_are_the_user_s():
     """branches={...} says what is meant, everywhere."""
     frame = Frame([x, y], [[1, 0], [0, 2 + sp.sqrt(x**2)]], branches={sp.sqrt(x**2): -x})
