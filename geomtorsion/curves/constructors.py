@@ -191,9 +191,10 @@ def geodesic_deviation(
     problem
         an autoparallel or geodesic.
     offset
-        xi^mu at the start, coordinates.
+        xi^mu at the start, coordinates, shape (n,).
     rate
-        change of the frame velocities u^i at the start; zero if not given.
+        change of the frame velocities u^i at the start, shape (n,); zero if not given. Both are in
+        `Solution.transported`, shape (m, 2 n), in the units of the problem.
 
     Examples
     --------

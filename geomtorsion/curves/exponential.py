@@ -41,6 +41,10 @@ def exponential_map(
         q^mu, shape (n,).
     vector
         frame components u^i of the initial velocity, shape (n,).
+    parameters
+        values of the parameters of the frame, by name.
+    accuracy, engine
+        as in `solve`.
 
     Returns
     -------
@@ -78,6 +82,11 @@ def holonomy(
         symbol s, followed from s = 0 to s = t.
     t
         end of the path.
+    parameters
+        values of the parameters of the frame, by name, for a path of expressions; a motion has its
+        own.
+    accuracy, engine
+        as in `solve`.
 
     Returns
     -------
