@@ -36,13 +36,21 @@ if TYPE_CHECKING:
 # Values at the generic point have 90 digits: what differs by less than this is equal.
 _CLOSE = mpmath.mpf(10) ** -70
 
+
+def _stated_root(radicand: Element) -> Element:
+    """The square root in a slope; a sign that was chosen for it is stated as that of any other."""
+    # Not evaluated, or sympy makes Abs of it.
+    radical = sympy.Pow(radicand.sympy, sympy.Rational(1, 2), evaluate=False)
+    return radicand.field.root(radicand, 2, radical)
+
+
 _SLOPES: dict[str, Callable[[Element], Element]] = {
     "atan": lambda u: (u * u + 1).inverse(),
     "acot": lambda u: -(u * u + 1).inverse(),
-    "asin": lambda u: (1 - u * u).sqrt().inverse(),
-    "acos": lambda u: -(1 - u * u).sqrt().inverse(),
-    "asinh": lambda u: (u * u + 1).sqrt().inverse(),
-    "acosh": lambda u: (u * u - 1).sqrt().inverse(),
+    "asin": lambda u: _stated_root(1 - u * u).inverse(),
+    "acos": lambda u: -_stated_root(1 - u * u).inverse(),
+    "asinh": lambda u: _stated_root(u * u + 1).inverse(),
+    "acosh": lambda u: _stated_root(u * u - 1).inverse(),
     "atanh": lambda u: (1 - u * u).inverse(),
     "acoth": lambda u: (1 - u * u).inverse(),
 }

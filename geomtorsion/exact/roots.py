@@ -71,7 +71,7 @@ def _square_root(field: Tower, element: Element, radical: sympy.Expr | None) -> 
     value = outer * generator
     if not outer.is_rational:
         if not _matches_principal(field, value, element):
-            value = -value
+            value, outer = -value, -outer
         _state(field, element, value, radical, outer)
     return value
 

@@ -8,7 +8,7 @@ from geomtorsion import numpy_function
 from geomtorsion.codegen.branches import APART, branch_check
 from geomtorsion.errors import BranchError
 from geomtorsion.exact import Field
-from geomtorsion.geometry import Frame
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import Loop, burgers_vector
 
 x, y, a = sp.symbols("x y a")
@@ -23,6 +23,8 @@ READ = [
     (sp.acot(x) + sp.atan(x), [{x: 2}], [{x: -2}]),
     (sp.sqrt(a**2) * x, [{x: 1, a: 1}, {x: -1, a: 2}], [{x: 1, a: -1}]),
     (sp.sqrt((x - y) ** 2) + 3, [{x: 2, y: 1}], [{x: 1, y: 2}]),
+    (sp.asinh(1 / x), [{x: 2}, {x: 1e-3}], [{x: -2}, {x: -1e-3}]),
+    (sp.asec(x), [{x: 2}, {x: 9}], [{x: -2}, {x: -9}]),
     (sp.log(x * y), [{x: 2, y: 1}], [{x: -2, y: -1}]),
 ]
 
@@ -100,6 +102,16 @@ def test_points_of_complex_frames_are_complex():
     for outside in (-5, -5 + 1j):
         with pytest.raises(BranchError, match="x = -5"):
             frame.coframe.at({x: outside, y: 2})
+
+
+@pytest.mark.parametrize("entry", [sp.asinh(1 / x), sp.sqrt((x**2 + 1) / x**2)], ids=str)
+def test_roots_of_quotients_hold_in_the_domain(entry):
+    """Where x < 0 is declared, what was read there is right there and not elsewhere."""
+    frame = Frame([x, y], [[1, 0], [0, 5 + entry]], domain=[x < 0])
+    want = float((entry.diff(x) / (5 + entry) / 2).subs(x, -3))
+    assert cartan(frame).torsion.S.at({x: -3})[0, 1, 1] == pytest.approx(want, rel=1e-12)
+    with pytest.raises(BranchError, match="x = 3"):
+        cartan(frame).torsion.S.at({x: 3})
 
 
 def test_chosen_signs_are_the_user_s():
