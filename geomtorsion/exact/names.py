@@ -8,8 +8,8 @@ from typing import Any
 import sympy
 
 _ONE = (1,)
-_CIRCLE = "sin cos tan cot sec csc asin acos atan acot"
-_HYPERBOLA = "sinh cosh tanh coth sech csch asinh acosh atanh exp"
+_CIRCLE = "sin cos tan cot sec csc asin acos atan acot asec acsc"
+_HYPERBOLA = "sinh cosh tanh coth sech csch asinh acosh atanh acoth asech acsch exp"
 
 FUNCTIONS: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType(
     {name: (getattr(sympy, name), _ONE) for name in f"{_CIRCLE} {_HYPERBOLA}".split()}

@@ -56,7 +56,9 @@ def test_what_is_written_is_what_is_read(text, expected):
 
 
 @pytest.mark.parametrize(
-    "name", "sin cos tan cot sec csc sinh cosh tanh exp asin acos atan asinh acosh atanh".split()
+    "name",
+    "sin cos tan cot sec csc sinh cosh tanh coth sech csch exp asin acos atan acot asec acsc asinh "
+    "acosh atanh acoth asech acsch".split(),
 )
 def test_each_function_is_sympys(name):
     """A function of the whitelist is the sympy function of the same name."""
