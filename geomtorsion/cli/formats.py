@@ -113,17 +113,18 @@ _CAPITALS = frozenset("CDEIKNO")
 def mathematica_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """One assignment for each quantity: a sparse array with indices from 1."""
     parts = [f"(* {space.name}: {space.title}; indices count from 1 *)"]
-    parts += [_assignment(space, chosen) for chosen in quantities]
+    renamed = _renamed(x.sympy for chosen in quantities for x in chosen.nonzero.values())
+    parts += [_assignment(space, chosen, renamed) for chosen in quantities]
     return "\n\n".join(parts)
 
 
-def _assignment(space: Space, chosen: Quantity) -> str:
+def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sympy.Basic]) -> str:
     entry, tensor = chosen.entry, chosen.tensor
     first, *rest = entry.name.split("_")
     name = first + "".join(part.capitalize() for part in rest)
     comment = f"(* {entry.title}, slots {tensor.slots or 'none'} *)"
     printer = _MathematicaPrinter()
-    written = {i: printer.doprint(_renamed(x.sympy)) for i, x in chosen.nonzero.items()}
+    written = {i: printer.doprint(x.sympy.xreplace(renamed)) for i, x in chosen.nonzero.items()}
     if not tensor.slots:
         return f"{comment}\n{name} = {written.get((), '0')};"
     rules = [
@@ -134,27 +135,54 @@ def _assignment(space: Space, chosen: Quantity) -> str:
     return f"{comment}\n{name} = SparseArray[{{\n  {body}}}, {{{size}}}];"
 
 
-def _renamed(expression: sympy.Expr) -> sympy.Expr:
-    """The expression with symbols that Mathematica accepts: no underscores, no taken letters."""
-    names = {}
-    for symbol in expression.free_symbols:
-        name = symbol.name.replace("_", "")
-        name = f"{name}symbol" if name in _CAPITALS else name
-        if name != symbol.name:
-            names[symbol] = sympy.Symbol(name)
-    return expression.xreplace(names)
+def _renamed(expressions: Iterable[sympy.Expr]) -> dict[sympy.Basic, sympy.Basic]:
+    """Symbols and unknown functions -> what Mathematica accepts: no underscores, no taken letters.
+
+    Two that are different stay so.
+    """
+    parts = sympy.Tuple(*expressions).atoms(sympy.Symbol, AppliedUndef)
+    named = {part: part.name if part.is_Symbol else part.func.__name__ for part in parts}
+    names: dict[str, str] = {}
+    # What keeps its name comes first, so that no other takes it.
+    for name in sorted(set(named.values()), key=lambda name: (name != _plain(name), name)):
+        new = _plain(name)
+        while new in names.values():
+            new += "symbol"
+        names[name] = new
+    symbols: dict[sympy.Basic, sympy.Basic] = {
+        part: sympy.Symbol(names[name])
+        for part, name in named.items()
+        if part.is_Symbol and names[name] != name
+    }
+    functions = {
+        part: sympy.Function(names[name])(*(each.xreplace(symbols) for each in part.args))
+        for part, name in named.items()
+        if not part.is_Symbol and names[name] != name
+    }
+    return symbols | functions
+
+
+def _plain(name: str) -> str:
+    """A name without underscores, and none of the letters that are taken."""
+    name = name.replace("_", "")
+    return f"{name}symbol" if name in _CAPITALS else name
 
 
 class _MathematicaPrinter(MCodePrinter):
-    """sympy's printer, with derivatives that are not held."""
+    """sympy's printer, with derivatives that are not held, and those at other places."""
 
     def _print_Derivative(self, expr: sympy.Derivative) -> str:
         by = [f"{{{self._print(v)}, {int(count)}}}" for v, count in expr.variable_count]
         return f"D[{self._print(expr.expr)}, {', '.join(by)}]"
 
+    def _print_Subs(self, expr: sympy.Subs) -> str:
+        pairs = zip(expr.variables, expr.point, strict=True)
+        rules = (f"{self._print(name)} -> {self._print(place)}" for name, place in pairs)
+        return f"({self._print(expr.expr)} /. {{{', '.join(rules)}}})"
+
 
 # Names that the written functions use themselves.
-_OWN_NAMES = ("numpy", "result")
+_OWN_NAMES = ("numpy", "result", "shape", "float", "complex")
 # Symbols, unknown functions and derivatives by the names of the arguments that stand for them.
 Names = Mapping[sympy.Basic, str]
 
@@ -216,9 +244,12 @@ def _arguments(
     """Arguments of a function: symbols, then the unknown functions and derivatives that occur."""
     found: set[sympy.Basic] = set()
     for value in values:
-        found |= value.atoms(AppliedUndef, sympy.Derivative)
+        # The slope of f at 2*r is one argument; nothing that stands inside of it is another.
+        elsewhere = value.atoms(sympy.Subs)
+        rest = value.xreplace(dict.fromkeys(elsewhere, sympy.S.One))
+        found |= elsewhere | rest.atoms(AppliedUndef, sympy.Derivative)
     # A function that occurs only inside a derivative is no argument by itself.
-    functions = sorted(found, key=lambda part: (part.is_Derivative, str(part)))
+    functions = sorted(found, key=lambda part: (not part.is_Function, str(part)))
     arguments: dict[sympy.Basic, str] = {}
     for part in (*symbols, *functions):
         name = _identifier(part)
@@ -232,6 +263,8 @@ def _identifier(part: sympy.Basic) -> str:
     """A Python name for a symbol, a function a(t) or a derivative: a, a_t, a_t_t."""
     if part.is_Symbol:
         return NumPyPrinter().doprint(part)
+    if isinstance(part, sympy.Subs):
+        return _identifier(part.expr)
     if not part.is_Derivative:
         return part.func.__name__
     by = [variable.name for variable, count in part.variable_count for _ in range(int(count))]

@@ -221,7 +221,9 @@ def pair_problems(
     # What is missing is chosen by the space itself, so that every space shows something.
     refuse_unknown_functions(space)
     first = first_motion(space.frame)
-    given = {"start": start, "velocity": velocity or frame_velocity, "t": t}
+    # Arrays are neither true nor false.
+    moving = frame_velocity if velocity is None else velocity
+    given = {"start": start, "velocity": moving, "t": t}
     chosen = [name for name, value in given.items() if value is None]
     numbers = dict(first.parameters) | dict(parameters or {})
     if set(first.parameters) - set(parameters or {}):

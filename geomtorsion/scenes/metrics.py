@@ -55,6 +55,8 @@ class SweepRun:
     def zeros(self, name: str, part: int | None = None) -> np.ndarray:
         """Times at which a quantity crosses zero, interpolated between the samples.
 
+        One that touches zero, or stays there, does not cross it.
+
         Examples
         --------
         >>> import numpy as np
@@ -64,10 +66,14 @@ class SweepRun:
         True
         """
         values = self.part(name, part)
-        change = np.flatnonzero(np.sign(values[1:]) * np.sign(values[:-1]) < 0)
-        found = [self._crossing(values, int(k)) for k in change]
-        # Samples that are exactly zero change no sign from one side.
-        return np.sort(np.concatenate([found, self.times[1:-1][values[1:-1] == 0]]))
+        # Samples that are exactly zero have no sign: those on both sides of them say what happens.
+        signed = np.flatnonzero(values)
+        change = np.flatnonzero(np.diff(np.sign(values[signed])))
+        found = [
+            self._crossing(values, int(k)) if after == k + 1 else float(self.times[k + 1])
+            for k, after in zip(signed[change], signed[change + 1], strict=True)
+        ]
+        return np.array(found, float)
 
     def largest(self, name: str, part: int | None = None, sign: int = 1) -> float:
         """The largest value (sign 1) or the smallest (-1), between the samples too.

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from geomtorsion.checks import did_you_mean
+from geomtorsion.checks import cut, did_you_mean, shown
 from geomtorsion.errors import ExpressionError, UnitError
 from geomtorsion.exact import parse_expression
 
@@ -116,9 +116,15 @@ def unit(text: str) -> Unit:
         if name not in UNITS:
             hint = did_you_mean(name, UNITS)
             raise UnitError(f"{name!r} is no unit. {hint}Known are {', '.join(UNITS)}.")
-        power = int(exponent or 1) * (-1 if sign == "/" else 1)
         size, kind = UNITS[name]
-        scale *= size**power
+        try:
+            power = int(exponent or 1) * (-1 if sign == "/" else 1)
+            scale *= size**power
+        # Python reads no whole number of 5,000 digits, and floats end at 1e308.
+        except (OverflowError, ValueError):
+            scale, power = math.inf, 0
+        if not 0 < scale < math.inf:
+            raise UnitError(f"{cut(text)!r} is beyond all numbers. Write a smaller exponent.")
         powers = [a + power * b for a, b in zip(powers, kind, strict=True)]
     return Unit(text, scale, (powers[0], powers[1], powers[2], powers[3], powers[4]))
 
@@ -188,8 +194,8 @@ def scale_of(given: Unit, field: str) -> float:
         # Angles may go without a name, as in 1/s; they may not turn up where none is measured.
         if given.powers[4] in (0, wanted.powers[4]):
             return given.scale / wanted.scale
-    shown = f"in {field}" if field else "as a plain number, without a unit"
-    raise UnitError(f"the unit {given.text} does not fit: this is measured {shown}.")
+    needed = f"in {field}" if field else "as a plain number, without a unit"
+    raise UnitError(f"the unit {given.text} does not fit: this is measured {needed}.")
 
 
 def quantity(value: object, field: str = "") -> float:
@@ -231,8 +237,8 @@ def quantity(value: object, field: str = "") -> float:
     if given is not None:
         number = number * scale_of(given, field)
     if not abs(number) <= sys.float_info.max:
-        shown = str(value) if len(str(value)) < 40 else f"{str(value)[:30]}..."
-        raise ExpressionError(f"a finite number was needed, {shown} came.")
+        written = value if isinstance(value, str) else shown(value)
+        raise ExpressionError(f"a finite number was needed, {cut(written)} came.")
     return number
 
 

@@ -143,3 +143,12 @@ def test_what_the_distance_is(sphere):
     assert "true distance when small" in metadata(sphere)["columns"]
     hole = solve_pair(load("schwarzschild"), engine=ENGINE, accuracy=1e-6, samples=3, t=1)
     assert "no invariant" in metadata(hole)["columns"]
+
+
+def test_arrays_as_start_and_velocity():
+    """A velocity that is an array was asked whether it is true, which raised a ValueError."""
+    given = {"t": 1.0, "samples": 3, "engine": RungeKutta()}
+    pair = solve_pair(load("s2"), np.array([1.0, 0.0]), np.array([0.0, 1.0]), **given)
+    assert pair.chosen == ("parameters",)
+    same = solve_pair(load("s2"), [1.0, 0.0], [0.0, 1.0], **given)
+    assert np.array_equal(pair.distance, same.distance)

@@ -198,6 +198,45 @@ def test_mathematica_looks_right(tmp_path):
     assert not re.search(r"x_1|\bE\b", text)
 
 
+def test_names_that_are_different_stay_so_in_mathematica(tmp_path):
+    """a_b lost its underscore and was ab, which is another; N[x] and p_q[x] meant something."""
+    file = tmp_path / "names.toml"
+    file.write_text(
+        'coordinates = ["x", "y"]\nparameters = {a_b = "positive", ab = "positive"}\n'
+        'functions = {N = ["x"], p_q = ["x"]}\nmetric = [["a_b*N(x)", 0], [0, "ab*p_q(x)"]]\n'
+    )
+    text = shown(str(file), "--format", "mathematica", "--only", "metric")
+    assert "{1, 1} -> absymbol*Nsymbol[x]" in text
+    assert "{2, 2} -> ab*pq[x]" in text
+
+
+def test_slopes_elsewhere_are_arguments_and_rules(tmp_path):
+    """The slope of f at 2*x: one argument in Python, which ran into a NameError, a rule for ->."""
+    file = tmp_path / "elsewhere.toml"
+    file.write_text(
+        'coordinates = ["x", "y"]\nfunctions = {f = ["x"]}\nmetric = [["f(2*x)**2", 0], [0, 1]]\n'
+    )
+    only = ("--only", "christoffel")
+    module: dict = {}
+    exec(shown(str(file), "--format", "python", *only), module)
+    # With f(x) = x^3 at x = 3: Gamma = 2 f'(6)/f(6) = 6/6.
+    assert module["christoffel"](3.0, 0.0, 6.0**3, 3 * 6.0**2)[0, 0, 0] == 1.0
+    text = shown(str(file), "--format", "mathematica", *only)
+    assert "(D[f[xi1], {xi1, 1}] /. {xi1 -> 2*x})" in text
+
+
+def test_names_that_the_written_function_needs_itself(tmp_path):
+    """A parameter `shape` was overwritten by the shape of the result, `float` by a number."""
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'coordinates = ["x", "y"]\nparameters = {shape = "positive", float = "positive"}\n'
+        'metric = [["shape", 0], [0, "float"]]\n'
+    )
+    module: dict = {}
+    exec(shown(str(file), "--format", "python", "--only", "metric"), module)
+    assert module["metric"](1, 1, 2, 3).tolist() == [[2, 0], [0, 3]]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
