@@ -59,7 +59,8 @@ class OrientationMap:
     phase: number of the phase of each pixel, 0 where nothing is known, shape (rows, columns).
     phases: number -> Phase.
     steps: from pixel to pixel along x and y, in `unit`.
-    shift: of every second row along x, as a share of the step: 0, or 1/2 for hexagonal grids.
+    shift: of every second row along x, as a share of the step: 0, or 1/2 (or -1/2) for hexagonal
+        grids.
     threshold: degrees; neighbours that differ by less belong to one grain.
     sigma: standard deviation of the noise of an orientation about each of the map axes, degrees;
         one number or three; None: estimated from sixth differences, for each phase.
@@ -129,6 +130,11 @@ class OrientationMap:
             q = np.where(known[..., None], q / length[..., None], unit)
         steps = _two_steps(self.steps)
         shift = checks.number(self.shift, "shift", OrientationError)
+        if abs(shift) not in (0, 0.5):
+            raise OrientationError(
+                f"shift: 0, or 1/2 or -1/2 of hexagonal grids, was needed, but {shift:g} came. "
+                "Export the map on such a grid."
+            )
         threshold = checks.positive(self.threshold, "threshold", OrientationError)
         angstrom_in(self.unit)
         if self.sigma is not None:
@@ -357,16 +363,19 @@ class OrientationMap:
                 f"loop: two coordinates were needed, x and y of the map, but {loop.dimension} came."
             )
         rows, columns = self.shape
-        last = self.steps[0] * (columns - 1 + abs(self.shift)), self.steps[1] * (rows - 1)
+        begin = np.array([self.steps[0] * min(self.shift, 0.0), 0.0])
+        end = np.array(
+            [self.steps[0] * (columns - 1 + max(self.shift, 0.0)), self.steps[1] * (rows - 1)]
+        )
         # Four points for each pixel that it passes, as far as memory goes.
         count = int(min(4 * loop.length / min(self.steps), PIECE))
         points = loop.points(max(count, 400))
         points = np.concatenate([points, points[:, :1]], axis=1)
-        limits = np.array(last)[:, None]
-        if (points < -SLACK * limits).any() or (points > (1 + SLACK) * limits).any():
+        off = np.maximum(begin - points.T, points.T - end)
+        if (off > SLACK * end).any():
             raise OrientationError(
-                f"{loop!r} leaves the map, which runs from (0, 0) to ({last[0]:.6g}, "
-                f"{last[1]:.6g}) {self.unit}. Choose a smaller loop, or another place."
+                f"{loop!r} leaves the map, which runs from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
+                f"{end[1]:.6g}) {self.unit}. Choose a smaller loop, or another place."
             )
         xs = self.steps[0] * (np.arange(columns - 1) + (1 + self.shift) / 2)
         ys = self.steps[1] * (np.arange(rows - 1) + 0.5)
@@ -434,16 +443,22 @@ class OrientationMap:
         specimen = np.einsum("...ij,...j->...i", matrix_from_quaternion(corners), vectors)
         sigma, significance = np.full(clean.shape, np.nan), np.full(clean.shape, np.nan)
         interpolation = np.full(clean.shape, np.nan)
-        chain = grid.ascending(Circuit.square((0, 0), n))
-        moments, bent = grid.moments(chain), grid.bent_moments(chain)
-        for number in self.phases:
-            mine = clean & (self.phase[:-n, :-n] == number)
-            if mine.any():
-                covariance = spread_of(moments, self.noise[number])
-                spread = np.trace(spread_of(bent, self.noise[number]))
-                sigma[mine] = np.sqrt(np.trace(covariance))
-                interpolation[mine] = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
-                significance[mine] = significances(specimen[mine], covariance, interpolation[mine])
+        # Circuits from odd rows of hexagonal grids have other places than those from even ones.
+        odd = (np.arange(len(clean)) % 2 == 1) & bool(self.shift)
+        for row, rows in ((0, ~odd), (1, odd)):
+            if not rows.any():
+                continue
+            chain = grid.ascending(Circuit.square((row, 0), n))
+            moments, bent = grid.moments(chain), grid.bent_moments(chain)
+            for number in self.phases:
+                mine = clean & (self.phase[:-n, :-n] == number) & rows[:, None]
+                if mine.any():
+                    covariance = spread_of(moments, self.noise[number])
+                    spread = np.trace(spread_of(bent, self.noise[number]))
+                    sigma[mine] = np.sqrt(np.trace(covariance))
+                    far = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
+                    interpolation[mine] = far
+                    significance[mine] = significances(specimen[mine], covariance, far)
         area = n**2 * self.steps[0] * self.steps[1]
         return CircuitMap(
             n, vectors, specimen, clean, area, sigma, significance, self.unit, interpolation

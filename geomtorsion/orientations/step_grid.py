@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
 from geomtorsion.loops.fields.sides import window_sums
@@ -86,7 +87,8 @@ class StepGrid:
         rows, columns = self.shape
         down = np.zeros((rows - 1, columns, 3))
         for first, way in ((0, 1), (1, -1)):
-            shifts = way * ((np.arange(rows) + first) // 2)
+            # To the right from even rows where odd ones begin further on, else to the left.
+            shifts = way * int(np.sign(self.shift)) * ((np.arange(rows) + first) // 2)
             index = (np.arange(columns) + shifts[:, None]) % columns
             place = (np.arange(rows)[:, None], index)
             step = self.steps[1] * e[..., 1] + way * self.shift * self.steps[0] * e[..., 0]
@@ -124,6 +126,13 @@ class StepGrid:
         fine[~along] = self.grains.down[tuple(found.starts[~along].T)]
         if not fine.all():
             self._refuse(found.starts[~fine], found.ends[~fine])
+        # Parts that do not touch, such as cells far from each other, may lie in several.
+        grains = np.unique(self.grains.grain[tuple(found.starts.T)]).tolist()
+        if len(grains) > 1:
+            raise OrientationError(
+                f"{circuit.name}: a circuit in one grain was needed, but its parts lie in grains "
+                f"{checks.cut(', '.join(map(str, grains)))}. Take one circuit for each."
+            )
         return found
 
     def ascending(self, circuit: Circuit) -> Chain:

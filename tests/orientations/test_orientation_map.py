@@ -241,7 +241,7 @@ def curved(shape, shift, bend):
     return q.reshape(*shape, 4), height
 
 
-@pytest.mark.parametrize("shift", [0.0, 0.5])
+@pytest.mark.parametrize("shift", [0.0, 0.5, -0.5])
 def test_the_error_of_trapezoids_is_told(shift):
     """Steps cut in four say what the trapezoids lack, and the error told is that, noise apart."""
     q, height = curved((30, 40), shift, 1e-5)
@@ -321,6 +321,44 @@ def test_a_grain_as_a_sampled_frame():
     )
     with pytest.raises(OrientationError, match="the map is hexagonal"):
         hexagonal.frame(0)
+
+
+@pytest.mark.parametrize("shift", [0.5, -0.5])
+def test_every_circuit_of_a_hexagonal_map(shift):
+    """Noise and interpolation of circuits from even and from odd rows, as one by one."""
+    q, height = curved((12, 14), shift, 1e-5)
+    crystal = OrientationMap(
+        q, np.ones((12, 14)), {1: NICKEL}, (1.0, height), shift, sigma=(0.01, 0.05, 0.02)
+    )
+    found = crystal.burgers_map(3)
+    for place in ((4, 6), (5, 6)):
+        one = crystal.burgers(Circuit.square(place, 3))
+        assert found.sigma[place] == pytest.approx(one.sigma, rel=1e-12)
+        assert found.significance[place] == pytest.approx(one.significance, rel=1e-9)
+        assert found.interpolation[place] == pytest.approx(one.interpolation_error, rel=1e-9)
+
+
+def test_where_a_hexagonal_map_begins_and_ends():
+    """Odd rows that begin before even ones end before them, and no grid has another shift."""
+    q, height = curved((12, 14), -0.5, 1e-5)
+    crystal = OrientationMap(q, np.ones((12, 14)), {1: NICKEL}, (1.0, height), -0.5, sigma=0)
+    assert len(crystal.circuit(Loop.polygon([[-0.4, 0], [3, 0], [3, 3], [-0.4, 3]])).starts) > 8
+    with pytest.raises(OrientationError, match=r"from \(-0.5, 0\) to \(13, "):
+        crystal.circuit(Loop.polygon([[10, 0], [13.4, 0], [13.4, 3], [10, 3]]))
+    with pytest.raises(OrientationError, match="1/2 or -1/2 of hexagonal grids, was needed"):
+        OrientationMap(q, np.ones((12, 14)), {1: NICKEL}, (1.0, height), 0.25, sigma=0)
+
+
+def test_parts_of_a_circuit_in_several_grains():
+    """A sum over crystals that lie differently is no Burgers vector, even if no step crosses."""
+    angles = bent((4, 8), 0.1)
+    angles[:, 4:, 0] += 30
+    crystal = OrientationMap.from_euler(angles, 1.0, NICKEL, sigma=0)
+    with pytest.raises(OrientationError, match="its parts lie in grains 0, 1"):
+        crystal.burgers(Circuit.of_cells([[1, 0, 0, 0, 0, 1]]))
+    two = crystal.burgers(Circuit.of_cells([[1, 0, 1]]))
+    one, other = (crystal.burgers(Circuit.square((0, k), 1)) for k in (0, 2))
+    assert two.vector == pytest.approx(one.vector + other.vector, rel=1e-9)
 
 
 def test_axes_of_the_angles(tmp_path):
