@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.curves.edges import is_angle
 from geomtorsion.curves.readout import at_times
 from geomtorsion.errors import TimeError, UnknownNameError
 
@@ -33,7 +34,8 @@ def distance_apart(
     chart
         chart in whose coordinates to measure; that of the problem if not given.
     angles
-        names of its coordinates that count modulo 2 pi; None: those of which the space says so.
+        names of its coordinates that count modulo 2 pi; None: those of which the space says so, by
+        a map into the chart or by a domain of one turn over which the frame repeats itself.
 
     Returns
     -------
@@ -104,9 +106,13 @@ def _gaps(
 
 
 def _angles(problem: CurveProblem, chart: str) -> list[int]:
-    """Coordinates of a chart that count modulo 2 pi, as far as maps into it say so."""
+    """Coordinates of a chart that count modulo 2 pi, as maps into it or its domain say."""
     routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
-    return sorted({k for route in routes if route for k in route[-1].angles})
+    found = {k for route in routes if route for k in route[-1].angles}
+    frame = problem.atlas.chart(chart).frame
+    if frame is not None:
+        found |= {k for k, symbol in enumerate(frame.coordinates) if is_angle(frame, symbol)}
+    return sorted(found)
 
 
 def _places(names: Sequence[str], angles: Sequence[str]) -> list[int]:

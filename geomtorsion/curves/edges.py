@@ -59,7 +59,7 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
 
 def _of_domain(frame: Frame) -> Iterator[Edge]:
     """Relations of the domain, but for those that bound an angle."""
-    turns = {symbol for symbol in frame.coordinates if _is_angle(frame, symbol)}
+    turns = {symbol for symbol in frame.coordinates if is_angle(frame, symbol)}
     for relation in frame.domain:
         if not isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan | sp.Ge | sp.Le):
             continue
@@ -77,7 +77,7 @@ def _of_domain(frame: Frame) -> Iterator[Edge]:
         yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
 
 
-def _is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
+def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
     """Whether the domain gives a coordinate one turn over which the frame repeats itself."""
     below = full_turn(frame, symbol)
     if below is None:

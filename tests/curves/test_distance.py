@@ -46,6 +46,15 @@ def test_an_angle_that_the_space_does_not_know_of(engine):
         distance_apart(one, two, angles=3)  # type: ignore[arg-type]
 
 
+def test_an_angle_that_the_domain_of_a_frame_names():
+    """Two motions round a cylinder meet behind it: of one chart the domain tells the angle."""
+    z, phi = sp.symbols("z phi", real=True)
+    tube = Frame([z, phi], [[1, 0], [0, 2]], domain=[phi > 0, phi < 2 * sp.pi])
+    there, back = (solve(geodesic(tube, [1, 1], [0, turn]), [3.0, np.pi]) for turn in (1, -1))
+    assert distance_apart(there, back) == pytest.approx([4 * (np.pi - 3), 0], abs=1e-9)
+    assert distance_apart(there, back, angles=[]) == pytest.approx([12, 4 * np.pi])
+
+
 def test_nothing_jumps_where_the_metric_mixes_time_and_angle():
     """Two orbits about Kerr's hole, one laps the other: steps are as small as the motion makes."""
     kerr, numbers = load("kerr").frame, {"M": 1, "a": 0.6}
