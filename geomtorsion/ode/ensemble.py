@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
@@ -180,7 +181,8 @@ def solve_many(
     velocities, frame_velocities
         (of curves) q'^mu or u^i, shape (number, n); None: all with that of the problem.
     check
-        how many members, evenly spread, are verified by a second, finer run; None: all.
+        how many members, evenly spread, are verified by a second, finer run, one at least, whose
+        steps are those of the others; None: all.
     progress
         show a bar; None: on a terminal, for long work.
 
@@ -190,7 +192,8 @@ def solve_many(
     Raises
     ------
     StartError, ShapeError, UnknownNameError
-        lists of different length or shape, numbers that are not finite, or unknown names.
+        lists of different length or shape, numbers that are not finite, unknown names, or a check
+        of no members.
     AccuracyError
         the accuracy is not reached by all members that are verified; its `ensemble` has those
         that reach it, and the others as unfinished.
@@ -210,7 +213,8 @@ def solve_many(
     solver, reason = _engine(engine)
     members = problem.members(starts, velocities, frame_velocities)
     number = len(members)
-    some = np.unique(np.linspace(0, number - 1, min(check or number, number)).astype(int))
+    wanted = number if check is None else checks.count(check, "check", StartError, 1)
+    some = np.unique(np.linspace(0, number - 1, min(wanted, number)).astype(int))
     job = _Job(problem, members, grid, solver, accuracy)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
