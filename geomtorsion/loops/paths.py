@@ -94,7 +94,8 @@ def develop_period(
     Raises
     ------
     LoopError
-        The path does not end whole periods from its start; the message names the gap.
+        The path does not end whole periods from its start, and the message names the gap; or a
+        period is none.
 
     Examples
     --------
@@ -115,7 +116,10 @@ def develop_period(
     for name, value in checks.by_name(periods, "periods", LoopError).items():
         if name not in names:
             raise LoopError(f"periods: {name} is no coordinate; they are {', '.join(names)}.")
-        lengths[names[name]] = number(value, f"period of {name}")
+        period = number(value, f"period of {name}")
+        if not period:
+            raise LoopError(f"periods: that of {name} is 0. Give how much it grows in one turn.")
+        lengths[names[name]] = period
     given = checks.entries(points, "points", LoopError)
     rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(given)]
     open_ = develop_path(connection, rows, accuracy, parameters=parameters)
