@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +44,13 @@ class AtomSlabs:
             return ", ".join(AtomSlabs(one).name for one in given)
         shape = getattr(given, "shape", None)
         return type(given).__name__ if shape is None else f"array {tuple(shape)}"
+
+    @property
+    def digest(self) -> str:
+        """Of the first slab: what has the same name and size may hold other atoms, such as the next
+        frame of a trajectory."""
+        first = next(iter(self), np.zeros((0, 3)))
+        return hashlib.sha256(np.ascontiguousarray(first).tobytes()).hexdigest()
 
     def __iter__(self) -> Iterator[np.ndarray]:
         """Slabs of shape (k, 3), each of at most SLAB atoms; small arrays become one of them."""

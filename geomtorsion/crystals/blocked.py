@@ -339,7 +339,8 @@ def blocked_crystal(
     slabs = AtomSlabs(source)
     # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller, and of
     # blocks of version 3 it was kept which atoms are open by their numbers.
-    said = {"source": slabs.name, "block": size, "version": 4, **given.described}
+    said = {"source": slabs.name, "digest": slabs.digest, "block": size, "version": 4}
+    said |= given.described
     open_ledger(place, said)
     made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)
     made.atoms.sort(slabs)

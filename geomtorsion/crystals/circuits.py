@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
@@ -110,9 +110,7 @@ class AtomCircuits:
         sites: list[Site] = [(numbers[0], 0, 0, 0)]
         for number in [*numbers[1:], numbers[0]]:
             here = self._place(sites[-1])
-            gap = (self.places[number] - here) @ self.cell.inverse
-            image = np.where(self.cell.periodic, -np.rint(gap), 0).astype(int).tolist()
-            sites.append((number, image[0], image[1], image[2]))
+            sites.append((number, *self._nearest_image(self.places[number] - here)))
         if sites[-1] != sites[0]:
             raise CrystalError(
                 f"atoms: the circuit comes back to atom {numbers[0]} in another image, "
@@ -184,6 +182,20 @@ class AtomCircuits:
     def _place(self, site: Site) -> np.ndarray:
         """Where an atom in one of its images lies."""
         return self.places[site[0]] + np.array(site[1:]) @ self.cell.vectors
+
+    def _nearest_image(self, gap: np.ndarray) -> tuple[int, int, int]:
+        """Periods that make a step the shortest; in oblique cells shares alone do not tell."""
+        near = np.where(self.cell.periodic, -np.rint(gap @ self.cell.inverse), 0)
+        # The shortest is no longer than that one: its shares are bounded by the heights.
+        length = np.linalg.norm(gap + near @ self.cell.vectors)
+        reach = np.ceil(length / self.cell.heights - 0.5) * self.cell.periodic
+        ranges = [range(-n, n + 1) for n in np.maximum(reach, 0).astype(int).tolist()]
+        more = np.array(sorted(product(*ranges), key=lambda one: sum(map(abs, one))))
+        sizes = np.linalg.norm(gap + (near + more) @ self.cell.vectors, axis=1)
+        # Rounding does not decide between equals: the one that shares tell stays.
+        best = more[int((sizes <= sizes.min() * (1 + 1e-9)).argmax())]
+        x, y, z = (near + best).astype(int).tolist()
+        return x, y, z
 
     def nearest(self, place: np.ndarray) -> Site:
         """The atom that is nearest to a place."""

@@ -193,7 +193,7 @@ def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
 
 def _frame_of(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> Frame:
     """The frame of the grain in which a line lies."""
-    if line.grain is not None and isinstance(crystal, Crystal):
+    if line.grain is not None:
         return crystal.grains[line.grain].frame
     return crystal.frame
 

@@ -318,6 +318,24 @@ def test_damage_is_done_again_or_told(tmp_path):
         blocked_crystal(places, tmp_path, cell, 4, OPEN).dislocations()
 
 
+def test_other_atoms_of_the_same_size_are_another_crystal(tmp_path):
+    """The next frame of a trajectory is refused, whether it comes as an array, a function or in
+    the same file; the same atoms are taken up."""
+    places, cell = line()
+    later = places + np.array([0.01, 0, 0])
+    file = tmp_path / "frame.npy"
+    for k, (one, two) in enumerate(
+        ((places, later), (lambda: iter([places]), lambda: iter([later])), (file, file))
+    ):
+        folder = tmp_path / f"of-{k}"
+        np.save(file, places)
+        blocked_crystal(one, folder, cell, 20, OPEN)
+        assert blocked_crystal(one, folder, cell, 20, OPEN).count == len(places)
+        np.save(file, later)
+        with pytest.raises(CheckpointError, match="blocks of another run: digest differ"):
+            blocked_crystal(two, folder, cell, 20, OPEN)
+
+
 X, CELL = block("fcc", (8, 8, 8))
 GAS = np.random.default_rng(0).uniform(0, 8, X.shape)
 REFUSED = {

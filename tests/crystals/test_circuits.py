@@ -137,3 +137,17 @@ def test_circuits_agree_with_lines(name: str):
         along = line.path[-1] - line.path[0]
         found = crystal.circuit.around(line.path[len(line.path) // 2], along, 10.0)
         assert found.burgers_lattice == line.burgers_lattice
+
+
+def test_the_nearest_image_in_an_oblique_cell():
+    """Cells that repeat alike give the same circuits: shares of oblique edges mislead."""
+    places = np.array([x for x in product(range(16), repeat=3) if sum(x) % 2 == 0]) * 1.8
+    edge = 28.8
+    oblique = np.array([[1, 0, 0], [2, 1, 0], [0, 0, 1]]) * edge
+    atoms = [
+        int(np.linalg.norm(places - place, axis=1).argmin())
+        for place in ([0, 0, 0], [0, 12.6, 0], [12.6, 12.6, 0])
+    ]
+    straight, found = (Crystal(places, cell).circuit(atoms) for cell in ([edge] * 3, oblique))
+    assert not found.whole.any()
+    assert len(found.steps) == len(straight.steps) == 14
