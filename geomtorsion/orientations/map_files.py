@@ -12,7 +12,8 @@ from typing import NoReturn
 
 import numpy as np
 
-from geomtorsion.checks import LARGEST_ARRAYS, cut
+from geomtorsion import checks
+from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.errors import (
     FileFormatError,
     GeomtorsionError,
@@ -21,6 +22,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.files import read_text
 from geomtorsion.orientations.phases import Phase
+from geomtorsion.orientations.results import UNITS
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
@@ -72,9 +74,22 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
             f"{path.name}: a map ending in .ctf or .ang was needed, but {suffix or 'no ending'!r} "
             "came. Export the map as .ctf or .ang."
         )
+    groups = checks.table(laue, "laue", FileFormatError)
     lines = read_text(path, LARGEST_ARRAYS, otherwise="latin-1").splitlines()
-    source = _Source(path.name, lines, dict(laue or {}))
-    return source.ctf() if suffix == ".ctf" else source.ang()
+    source = _Source(path.name, lines, groups)
+    found = source.ctf() if suffix == ".ctf" else source.ang()
+    _check_laue(path.name, groups, found.phases)
+    return found
+
+
+def _check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) -> None:
+    """Refuse groups of phases that are not in the file."""
+    for number in laue:
+        if number not in phases:
+            raise FileFormatError(
+                f"{name}: laue: number {shown(number)} is that of no phase. Those of the file are "
+                f"{', '.join(map(str, phases))}."
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,9 +297,8 @@ class _Source:
                 "Correct the header, or export the map again.",
             )
         text = "\n".join(rows)
-        if "," in rows[0]:
-            # Some countries write decimals with a comma.
-            text = text.replace(",", ".")
+        # Some countries write decimals with a comma; a point without an orientation may have none.
+        text = text.replace(",", ".")
         try:
             found = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
             if found.shape == (wanted, width) and np.isfinite(found).all():
@@ -350,10 +364,12 @@ class _Source:
 SUFFIXES = (".h5", ".hdf5")
 
 
-def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
+def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     """A square grid of an HDF5 file that orix knows (its own, kikuchipy's, EMsoft's, Bruker's).
 
-    Numbers of phases are those of orix and one more: its phases begin with 0.
+    Numbers of phases are those of orix and one more: its phases begin with 0. Steps are in um.
+
+    given: number of a phase -> name of its Laue group, instead of what the file says.
 
     Raises
     ------
@@ -362,6 +378,7 @@ def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
     FileFormatError
         orix cannot read the file, or it holds no whole square grid.
     """
+    laue = checks.table(given, "laue", FileFormatError)
     try:
         # GPL: imported where it is installed, and never needed for anything else.
         io = import_module("orix.io")
@@ -389,6 +406,8 @@ def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
             f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
             f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
         )
+    # Without a unit that is known they stand as they came: most instruments write um.
+    unit = UNITS.get(str(found.scan_unit), UNITS["um"]) / UNITS["um"]
     phases = {}
     for key, phase in found.phases:
         if key < 0:
@@ -410,9 +429,10 @@ def read_orix(path: Path, laue: Mapping[int, str]) -> MapFile:
             )
         except GeomtorsionError as error:
             raise FileFormatError(f"{path.name}: {error}") from None
+    _check_laue(path.name, laue, phases)
     return MapFile(
         np.asarray(euler, dtype=float).reshape(rows, columns, 3),
         np.asarray(number).reshape(rows, columns),
         phases,
-        steps,
+        (steps[0] * unit, steps[1] * unit),
     )

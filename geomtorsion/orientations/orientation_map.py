@@ -177,7 +177,7 @@ class OrientationMap:
             names file, line and remedy.
         """
         is_orix = Path(path).suffix.lower() in SUFFIXES
-        file = read_orix(Path(path), laue or {}) if is_orix else read_map_file(path, laue)
+        file = read_orix(Path(path), laue) if is_orix else read_map_file(path, laue)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{Path(path).name}: no pixel is indexed: the phase of each is 0, so that nothing "

@@ -153,6 +153,26 @@ def test_a_user_may_say_the_symmetry(tmp_path):
     assert OrientationMap.read(path, laue={1: "m-3m"}).phases[1].laue == "m-3m"
 
 
+def test_groups_of_phases_that_are_not_there(tmp_path):
+    """What a user says about the symmetry is not left out without a word."""
+    path = write(tmp_path, ctf(), "a.ctf")
+    for laue in ({2: "6/mmm"}, {"1": "6/mmm"}):
+        with pytest.raises(FileFormatError, match="is that of no phase. Those of the file are 1."):
+            read_map_file(path, laue)
+    with pytest.raises(FileFormatError, match="laue: .*'6/mmm' came"):
+        OrientationMap.read(path, laue="6/mmm")
+
+
+def test_commas_behind_a_point_without_an_orientation(tmp_path):
+    """Instruments write plain zeros there."""
+    lines = ctf(mark=",")
+    start = next(k for k, row in enumerate(lines) if row.startswith("Phase\t")) + 1
+    lines[start] = "\t".join(["0"] * 11)
+    found = read_map_file(write(tmp_path, lines, "a.ctf"))
+    assert found.phase.ravel().tolist() == [0] + [1] * (found.phase.size - 1)
+    assert np.degrees(found.euler[1:]) == pytest.approx(ANGLES[1:], abs=1e-9)
+
+
 def test_real_files():
     """Their sizes, phases and steps, as their headers say."""
     silicon = read_map_file(real("ebsd/si_wafer.ctf"))

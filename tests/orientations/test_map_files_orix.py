@@ -34,3 +34,17 @@ def test_both_readers_agree(tmp_path):
     (tmp_path / "b.h5").write_bytes(b"nothing")
     with pytest.raises(FileFormatError, match="b.h5: orix cannot read"):
         OrientationMap.read(tmp_path / "b.h5")
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_lengths_are_read_in_their_unit(tmp_path):
+    """A map whose steps stand in nm is a thousand times smaller than one in um."""
+    orix = pytest.importorskip("orix.io")
+    path = write(tmp_path, ang(bent((12, 14), 0.1)), "a.ang")
+    xmap = orix.load(str(path))
+    xmap.scan_unit = "nm"
+    orix.save(str(tmp_path / "a.h5"), xmap)
+    found = OrientationMap.read(tmp_path / "a.h5", sigma=0)
+    assert (found.unit, found.steps) == ("um", pytest.approx((5e-4, 5e-4)))
+    with pytest.raises(FileFormatError, match="laue: number 7 is that of no phase"):
+        OrientationMap.read(tmp_path / "a.h5", laue={7: "m-3m"})
