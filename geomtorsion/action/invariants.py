@@ -266,7 +266,7 @@ def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     for place, mu in enumerate(order):
         still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
         column = [expression(entry).xreplace(still) for entry in columns[mu]]
-        step = _step(column, coefficients, n, q[mu])
+        step = _step(column, coefficients, n, q[mu], _base(columns, q[mu]))
         if step is None:
             return None
         whole = step * whole
@@ -285,6 +285,7 @@ def _step(
     coefficients: Mapping[tuple[int, ...], sp.Expr],
     n: int,
     symbol: sp.Symbol,
+    base: sp.Expr,
 ) -> sp.Matrix | None:
     """exp of the integral of e^k C_kj^i along one line, from the base to the coordinate."""
     forms = [entry for entry in column if entry != 0]
@@ -297,7 +298,7 @@ def _step(
     matrix = sp.zeros(n, n)
     for (k, j, i), value in coefficients.items():
         matrix[i, j] += value * ratios[k]
-    length = _length(shape, symbol)
+    length = _length(shape, symbol, base)
     if length is None:
         return None
     try:
@@ -307,19 +308,20 @@ def _step(
     return found.xreplace({_LINE: length}).applyfunc(sp.powsimp)
 
 
-def _length(shape: sp.Expr, symbol: sp.Symbol) -> sp.Expr | None:
+def _length(shape: sp.Expr, symbol: sp.Symbol, base: sp.Expr) -> sp.Expr | None:
     """The integral of a constant, a power or an exponential from the base."""
     if not shape.has(symbol):
-        return shape * symbol
+        return shape * (symbol - base)
     factor, rest = shape.as_independent(symbol)
     power = rest.as_base_exp()
     if power[0] == symbol and power[1] == -1:
         return factor * sp.log(symbol)
     if power[0] == symbol and power[1].is_Integer:
-        return factor * symbol ** (power[1] + 1) / (power[1] + 1)
+        more = power[1] + 1
+        return factor * (symbol**more - base**more) / more
     slope = sp.diff(rest, symbol) / rest
     if isinstance(rest, sp.exp) and not slope.has(symbol):
-        return factor * (rest - 1) / slope
+        return factor * (rest - rest.subs(symbol, base)) / slope
     return None
 
 

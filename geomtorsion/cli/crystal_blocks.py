@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.checks import cut, shown
+from geomtorsion.cli.options import processes
 from geomtorsion.crystals.atom_files import atom_frames, frame_count
 from geomtorsion.crystals.blocked import blocked_crystal, forget_blocks
 from geomtorsion.crystals.reports import Json, crystal_report
@@ -28,7 +29,7 @@ class Blocks:
     size: float | None
     cell: str | None
     periodic: str | None
-    workers: int
+    workers: int | None
 
 
 def is_blocked(file: Path, blocks: Blocks) -> bool:
@@ -43,6 +44,8 @@ def is_blocked(file: Path, blocks: Blocks) -> bool:
     for name, value in (("--cell", blocks.cell), ("--periodic", blocks.periodic)):
         if value is not None:
             raise CrystalError(f"{name}: it belongs to arrays in blocks. The file says it itself.")
+    if blocks.workers is not None:
+        raise CrystalError("--workers: it belongs to crystals in blocks. Give --blocks LENGTH.")
     return False
 
 
@@ -54,7 +57,7 @@ def report_in_blocks(
     orient = None if wanted.orient is None else np.array(wanted.orient)
     crystal = blocked_crystal(
         source, folder, cell, blocks.size or 0.0, periodic, lattice=wanted.lattice,
-        orient=orient, constant=wanted.constant, workers=blocks.workers,
+        orient=orient, constant=wanted.constant, workers=processes(blocks.workers),
     )  # fmt: skip
     net = crystal.dislocations(wanted.partials)
     return {"frame": 0, **crystal_report(crystal, net, wanted.convention)}, net

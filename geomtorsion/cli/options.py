@@ -130,6 +130,19 @@ MeasuredResolution = Annotated[
     option("--resolution", metavar="X", text="Images: length over which phases are averaged."),
 ]
 
+# -- what is done in blocks ------------------------------------------------------------------------
+
+Workers = Annotated[
+    int | None,
+    option("--workers", metavar="N", text="Processes that compute blocks; default: 1."),
+]
+
+
+def processes(workers: int | None) -> int:
+    """How many processes compute blocks: those that were asked for, or one."""
+    return 1 if workers is None else workers
+
+
 # -- how a curve begins ---------------------------------------------------------------------------
 
 Start = Annotated[

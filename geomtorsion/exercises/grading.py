@@ -233,7 +233,8 @@ def grade(
             f"{folder}: there is no TOML file here. Each student gives one, such as ada.toml."
         )
     read = {path: _read(path) for path in files}
-    found = tuple(numbers) if numbers is not None else _occurring(read.values())
+    # One that is named twice counts once.
+    found = tuple(dict.fromkeys(numbers)) if numbers is not None else _occurring(read.values())
     for number in found:
         load(number)
     chosen = ASKED_FOR if numbers is not None else OCCURRING

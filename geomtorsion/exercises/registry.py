@@ -8,7 +8,7 @@ from importlib import import_module
 from random import Random
 from typing import TYPE_CHECKING
 
-from geomtorsion.checks import close_names
+from geomtorsion.checks import close_names, count
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.exercise import Exercise
 from geomtorsion.exercises.limits import MOST
@@ -104,11 +104,7 @@ def load(number: str, seed: int = 0) -> Exercise:
     >>> load("1.1").title, load("1.1", seed=7).seed
     ('The legs of a coframe', 7)
     """
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed:
-        raise UnknownNameError(
-            f"seed (which variant): a whole number from 0 to {MOST.seed:,} was needed, but "
-            f"{str(seed)[:40]!r} came."
-        )
+    seed = count(seed, "seed (which variant)", UnknownNameError, 0, MOST.seed)
     for known, module, title, level in EXERCISES:
         if known == number:
             return _loaded(known, module, title, level, seed)

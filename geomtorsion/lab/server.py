@@ -383,10 +383,12 @@ def _socket(address: Address) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((address.host, address.port))
-    except OSError as error:
+    # A port that is no number of 16 bits is no error of the system.
+    except (OSError, OverflowError) as error:
         found.close()
+        reason = getattr(error, "strerror", None) or error
         raise LimitError(
-            f"{address.host}, port {address.port} cannot be used: {error.strerror or error}. "
+            f"{address.host}, port {address.port} cannot be used: {str(reason).rstrip('.')}. "
             "Give another with --port; --port 0 takes one that is free."
         ) from None
     found.listen(128)

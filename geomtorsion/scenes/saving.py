@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy as sp
 
 from geomtorsion.errors import FileFormatError, SceneError
 from geomtorsion.pictures import style as pictures
@@ -88,7 +89,8 @@ def metadata(result: SceneResult) -> dict[str, Any]:
         "units": dict(result.units),
         "t": float(result.times[-1]),
         "accuracy": result.accuracy,
-        "error": result.error,
+        # JSON knows no infinity, which is the error of a run that was stopped.
+        "error": result.error if math.isfinite(result.error) else None,
         "drift": {name: float(value) for name, value in result.drift.items()},
         "engine": result.engine,
         "reason": result.reason,
@@ -246,7 +248,7 @@ def _written(value: Any, indent: int = 0) -> str:
     if isinstance(value, Fraction):
         return _text(str(value))
     if hasattr(value, "free_symbols"):
-        return _text(str(value))
+        return _text(_with_all_digits(value))
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -256,6 +258,14 @@ def _written(value: Any, indent: int = 0) -> str:
     if not math.isfinite(number):
         raise FileFormatError(f"{value!r} is not finite and has no place in a scene file.")
     return repr(number)
+
+
+def _with_all_digits(value: sp.Expr) -> str:
+    """An exact expression as text; its doubles, of which sympy writes 15 digits, read back."""
+    doubles = {x for x in value.atoms(sp.Float) if sp.Rational(x) == sp.Rational(float(x))}
+    # In brackets, since (-0.5)**x is not -0.5**x.
+    texts = {x: repr(float(x)) if x > 0 else f"({float(x)!r})" for x in doubles}
+    return str(value.xreplace({x: sp.Symbol(text) for x, text in texts.items()}))
 
 
 def _text(value: str) -> str:

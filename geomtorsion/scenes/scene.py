@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion.checks import near_names, shown
+from geomtorsion import checks
+from geomtorsion.checks import near_names
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
 from geomtorsion.ode import solve
@@ -51,6 +52,9 @@ def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
         if name in keyed:
             if not rest:
                 raise UnknownNameError(f"{path!r} names a whole effect. {_inside(keyed[name])}")
+            if places:
+                again = " Effects of a kind are counted by their keys, as spring2.stiffness."
+                raise UnknownNameError(f"{path!r} leads nowhere: {name} is one effect.{again}")
             keyed[name] = _set(keyed[name], rest, value, path)
         elif name in (item.name for item in fields(scene)) and name != "effects":
             now = table.get(name, getattr(scene, name))
@@ -183,10 +187,9 @@ class Scene:
         checked_times(self.t)
         if isinstance(self.t, Iterable):
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
-        if not (isinstance(self.samples, int) and self.samples >= 2):
-            raise SceneError(
-                f"samples = {shown(self.samples)}: a whole number from 2 on was needed."
-            )
+        whole = "{subject} = {value}: a whole number from 2 on was needed."
+        samples = checks.count(self.samples, "samples", SceneError, 2, message=whole)
+        object.__setattr__(self, "samples", samples)
         # Before there are equations: a body alone has six numbers and their rates.
         check_memory(self.samples, 12)
         # Outputs of effects are known only when these have written their equations.
@@ -432,6 +435,7 @@ class SceneCost:
 
 def scene_cost(scene: Scene, engine: Engine | None = None, repeats: int = 5) -> SceneCost:
     """Measure a scene with its effects added one by one; see `Scene.cost`."""
+    repeats = checks.count(repeats, "repeats", SceneError, 1)
     rows = []
     for count in range(len(scene.effects) + 1):
         key = tuple(scene.keyed)[count - 1] if count else "spin"

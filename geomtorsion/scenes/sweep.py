@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError
+from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import solve_many
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.scene_over_time import sweep_picture
@@ -70,7 +70,13 @@ class SceneSweep:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """What was varied or measured under this name."""
-        return self.measured[name] if name in self.measured else self.varied[name]
+        every = {**self.varied, **self.measured}
+        if name in every:
+            return every[name]
+        hint = checks.did_you_mean(name, every)
+        raise UnknownNameError(
+            f"{name!r} was neither varied nor measured. {hint}There are {', '.join(every)}."
+        )
 
     def columns(self) -> dict[str, np.ndarray]:
         """A column for each path and measure, a row for each combination."""
@@ -113,10 +119,16 @@ class SceneSweep:
         ------
         SceneError
             more than two things were varied.
+        UnknownNameError
+            no measure is called so.
         MissingExtraError
             matplotlib is not installed.
         """
         name = measure or next(iter(self.measured))
+        if name not in self.measured:
+            raise UnknownNameError(
+                f"{name!r} was not measured. There are {', '.join(self.measured)}."
+            )
         values = self.measured[name]
         # Whole vectors have no axis of their own: they are counted.
         pairs = [

@@ -174,3 +174,23 @@ def test_flow_gets_the_invariants():
     assert set(solution.drift) == {"energy", "momentum of phi3"}
     assert max(solution.drift.values()) < 1e-9
     assert solution.error < 1e-10
+
+
+def test_lines_that_begin_where_their_integral_is_not_zero():
+    """dx/x^2 from x = 1: the fields on the right commute with the legs, and are momenta.
+
+    With -1/x in place of 1 - 1/x one of them was none, and its momentum was not found.
+    """
+    x, y = sp.symbols("x y", positive=True)
+    frame = gt.Frame([x, y], [[1 / x**2, 0], [0, sp.exp(1 / x)]])
+    legs, curl = frame.legs.to_sympy(), frame.anholonomy
+    fields = right_invariant(frame)
+    assert fields is not None
+    for field in fields:
+        for k in range(2):
+            for i in range(2):
+                along = sum(legs[mu, k] * sp.diff(field[i], q) for mu, q in enumerate((x, y)))
+                turned = sum(curl[k, j, i] * field[j] for j in range(2))
+                assert sp.simplify(along - turned) == 0
+    found = gt.conserved_quantities(frame, "(u1**2 + u2**2)/2")
+    assert "space momentum 1" in found

@@ -374,3 +374,10 @@ def test_large_files_and_no_files(tmp_path):
         os.mkfifo(tmp_path / "pipe.toml")
         with pytest.raises(FileFormatError, match="no regular file"):
             read_submission(tmp_path / "pipe.toml")
+
+
+def test_an_exercise_that_is_named_twice_counts_once(tmp_path):
+    """Its points were counted twice and its marks once: half of what was earned."""
+    (tmp_path / "ada.toml").write_text('seed = 0\n[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
+    [row] = grade(tmp_path, tmp_path / "marks.csv", ["3.2", "3.2"]).rows
+    assert (row["earned"], row["points"], row["percent"]) == ("1", "1", "100.0")

@@ -170,6 +170,13 @@ def test_a_port_that_is_taken_is_told():
         taken.close()
 
 
+@pytest.mark.parametrize("port", [-1, 65536])
+def test_a_port_that_is_none_is_told(port: int):
+    """Python raises an OverflowError for these, which went through as a traceback."""
+    with pytest.raises(LimitError, match=f"port {port} cannot be used"):
+        _socket(Address(port=port))
+
+
 def test_without_the_token_nobody_comes_in():
     """Bound to all interfaces, the page asks for its token: none, a wrong one, the right one."""
     with served("--host", "0.0.0.0") as url:

@@ -7,6 +7,7 @@ from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import load
 from geomtorsion.scenes.checkpoint import partial_result
+from geomtorsion.scenes.saving import metadata
 
 
 class Enough(Exception):
@@ -36,6 +37,7 @@ def test_part_of_a_run(tmp_path, engine, times):
     assert part.outcome == "interrupted"
     assert not part.complete
     assert part.error == np.inf
+    assert metadata(part)["error"] is None
     count = len(part.times)
     assert 1 <= count < len(whole.times)
     assert part.times.tolist() == whole.times[:count].tolist()

@@ -2,7 +2,9 @@
 
 import math
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.files import read_toml_text
@@ -269,3 +271,19 @@ def test_what_cannot_be_written():
     scene = read(TOP)
     with pytest.raises(FileFormatError, match="cannot be written"):
         to_toml(scene.with_values(title=object()))
+
+
+def test_floats_of_sympy_keep_all_their_digits():
+    """sympy writes 15 digits of a double, which has up to 17."""
+    third = sp.Float(1 / 3)
+    force = third * sp.Symbol("t") + sp.Float(-0.1) ** sp.Symbol("m")
+    scene = Scene(
+        Body(moments=(third, third, 1 / 3)), [effects.Thrust(force=(force, 0, 0))],
+        State(omega=(0, 0, 1), euler=(0, 0, 0)),
+    )  # fmt: skip
+    back = read(to_toml(scene))
+    assert np.diagonal(back.body.tensor).tolist() == [1 / 3] * 3
+    [thrust] = back.effects
+    assert isinstance(thrust, effects.Thrust)
+    assert str(1 / 3) in str(thrust.force[0])
+    assert "(-0.1)**m" in str(thrust.force[0])

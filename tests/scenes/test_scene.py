@@ -288,3 +288,18 @@ def test_replacing_what_is_given_in_one_way():
     again = scene.with_values({"start.euler": (0, 0.1, 0), "body.moments": (1, 1, 1)})
     assert again.start.quaternion is None
     assert again.body.inertia is None
+
+
+def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
+    """samples may come from NumPy; the best of no run is refused, not a ValueError of min()."""
+    assert len(TOP.with_values(samples=np.int64(5)).times) == 5
+    with pytest.raises(SceneError, match="samples = True: a whole number from 2 on"):
+        TOP.with_values(samples=True)
+    with pytest.raises(SceneError, match="repeats: a whole number from 1 on"):
+        TOP.cost(repeats=0)
+
+
+def test_an_index_behind_an_effect_leads_nowhere():
+    """gravity[5].g changed gravity.g: the index went lost without a word."""
+    with pytest.raises(UnknownNameError, match="gravity is one effect"):
+        TOP.with_values({"gravity[5].g": 1.0})

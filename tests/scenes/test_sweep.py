@@ -288,3 +288,13 @@ def test_an_interruption_keeps_what_was_measured(engine):
     assert found[:2].tolist() == whole["last nutation"][:2].tolist()
     assert np.isnan(found[2])
     assert [reason for _, reason in partial.unfinished] == ["Ctrl-C came before it was solved"]
+
+
+def test_names_that_a_sweep_does_not_have_are_told():
+    """A KeyError said nothing of what there is."""
+    found = load("lagrange_cusp").sweep({"gravity.g": [9.0]}, "last nutation")
+    assert found["gravity.g"].tolist() == [9.0]
+    with pytest.raises(UnknownNameError, match="Did you mean last nutation"):
+        _ = found["last mutation"]
+    with pytest.raises(UnknownNameError, match="There are last nutation"):
+        found.plot(measure="gravity.g")

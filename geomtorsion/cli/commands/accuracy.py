@@ -45,7 +45,12 @@ class Curve(StrEnum):
 
 def accuracy(
     source: SpaceOrScene,
-    curve: Annotated[Curve, typer.Option(help="Which motion is measured.")] = Curve.geodesic,
+    curve: Annotated[
+        Curve | None,
+        typer.Option(
+            show_default=False, help="Which motion of a space is measured; default: geodesic."
+        ),
+    ] = None,
     start: Start = None,
     velocity: Velocity = None,
     frame_velocity: FrameVelocity = None,
@@ -84,7 +89,7 @@ def accuracy(
     solvers = [solver for name in names if (solver := engine_of(name.strip())) is not None]
     if is_scene(source):
         given = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
-        _refuse(given | {"--moments": moments})
+        _refuse(given | {"--moments": moments, "--curve": curve})
         table = _of_scene(source, t, parameters, solvers, asked)
         typer.echo(str(table))
     else:
@@ -93,7 +98,7 @@ def accuracy(
             options = start_options(start, velocity, frame_velocity, t, parameters, moments)
             problems, chosen, last = pair_problems(space, **options)
             progress("measuring")
-            problem = problems[curve.value]
+            problem = problems[(curve or Curve.geodesic).value]
             table = accuracy_cost(problem, last, solvers or None, asked)
         typer.echo("\n".join([*start_lines(problem, chosen), "", str(table)]))
     if output is not None:

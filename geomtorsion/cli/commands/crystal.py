@@ -22,7 +22,7 @@ from geomtorsion.cli.crystal_blocks import (
 )
 from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import ExitCode, stopped
-from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.options import Workers, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.crystals import LATTICES
@@ -81,7 +81,7 @@ def crystal(
         str | None,
         option(metavar="XYZ", text="Arrays: edges along which the cell repeats: xyz, z, none."),
     ] = None,
-    workers: Annotated[int, typer.Option(metavar="N", help="Processes that compute blocks.")] = 1,
+    workers: Workers = None,
     output: Annotated[
         Path | None,
         directory("Write crystal.json, lines for OVITO, ParaView and ParaDiS, and pictures there."),

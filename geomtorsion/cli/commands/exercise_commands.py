@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.checks import cut
+from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import Number, Seed, argument, directory, option, say_written
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
@@ -160,9 +160,15 @@ def _from_words(names: list[str], words: list[str]) -> Answers:
     for place, word in enumerate(words):
         name, sign, answer = word.partition("=")
         if sign and name.strip() in names:
-            found[name.strip()] = answer.strip()
+            question, answer = name.strip(), answer.strip()
         else:
-            found[names[min(place, len(names) - 1)]] = word
+            question, answer = names[min(place, len(names) - 1)], word
+        if question in found:
+            raise FileFormatError(
+                f"{question} is answered twice, with {shown(found[question])} and "
+                f"{shown(answer)}. Write one answer for each of {', '.join(names)}."
+            )
+        found[question] = answer
     return found
 
 

@@ -37,8 +37,10 @@ from geomtorsion.cli.options import (
     MeasuredThreshold,
     PictureFormat,
     Pictures,
+    Workers,
     directory,
     option,
+    processes,
 )
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
@@ -80,7 +82,7 @@ def map(
     unit: Annotated[
         str, typer.Option(metavar="UNIT", help="Fields in .npy and .zarr: of the axes.")
     ] = "",
-    workers: Annotated[int, typer.Option(metavar="N", help="Processes that compute blocks.")] = 1,
+    workers: Workers = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the map in blocks that was stopped in DIR.")
     ] = False,
@@ -116,10 +118,11 @@ def map(
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     path = Path(source)
     if blocks is not None or resume or is_array(path):
-        wanted = Blocks(blocks, steps, unit, workers, resume, overwrite)
+        wanted = Blocks(blocks, steps, unit, processes(workers), resume, overwrite)
         _in_blocks(path, reading, wanted, size, plane, output, form, as_json=as_json, circle=circle)
         return
-    refuse = {"--steps": steps, "--unit": unit or None, "--overwrite": overwrite or None}
+    refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
+    refuse |= {"--overwrite": overwrite or None}
     for name, value in refuse.items():
         if value is not None:
             raise GridError(

@@ -56,6 +56,9 @@ def plan(
         raise UnknownNameError(
             f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."
         )
+    for name, value in (("--watch", watch), ("--output", output)):
+        if value is not None:
+            raise UnknownNameError(f"{name}: it is for scenes, but {source} is a space. Drop it.")
     with working(source):
         wanted = space_or_hint(source).frame.plan(quantity)
         written = wanted.to_dot() if dot else str(wanted)

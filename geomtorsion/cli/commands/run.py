@@ -111,9 +111,10 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
     if resume and overwrite:
         raise CheckpointError("--overwrite begins anew, --resume and --kept do not: give one.")
     if output is None:
-        if resume:
+        if resume or overwrite:
             raise CheckpointError(
-                "--resume and --kept are about the run in a directory: name it with -o."
+                "--resume, --kept and --overwrite are about the run in a directory: name it with "
+                "-o."
             )
         return None
     path = output / CHECKPOINT

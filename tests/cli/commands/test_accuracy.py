@@ -54,6 +54,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
         (("so3", "--engines", "magic"), "there is no engine"),
         (("so3", "--moments", "1,2"), "2 came"),
         (("goedel", "--start", "1"), "4 numbers were needed"),
+        (("lagrange_cusp", "--curve", "autoparallel"), "--curve is for spaces"),
     ],
 )
 def test_bad_input_is_refused(arguments, says):

@@ -178,6 +178,7 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
         (("--constant", "-1"), "positive"),
         (("--read-as", "traj"), "form: one of"),
         (("--resume",), "name it by -o"),
+        (("--workers", "2"), "--blocks LENGTH"),
     ],
 )
 def test_wrong_options_are_told(tmp_path: Path, options: tuple[str, ...], message: str) -> None:

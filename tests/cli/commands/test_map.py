@@ -157,6 +157,7 @@ def test_circles(scan, tmp_path):
     ("arguments", "message"),
     [
         (("--circle", "4,4"), "--circle 4,4: CENTRE:RADIUS"),
+        (("--workers", "2"), "--workers: it belongs to maps in blocks"),
         (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: a positive number"),
         (("--laue", "cubic"), "--laue cubic: PHASE=GROUP was needed"),

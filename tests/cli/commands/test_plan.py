@@ -49,3 +49,14 @@ euler = [0, 0.5, "90 deg"]
     wanted = "starts at Euler angles (zyz) 0, 0.5, 1.5708 rad, which are 0, 28.6479, 90 degrees"
     assert wanted in run("plan", str(file)).stdout
     assert wanted in run("run", str(file)).stdout
+
+
+def test_options_of_scenes_are_refused_for_spaces(tmp_path):
+    """A picture that was asked for, and never drawn, is worse than an error."""
+    drawn = tmp_path / "plan.svg"
+    assert "--output: it is for scenes" in run(
+        "plan", "so3", "ricci", "-o", str(drawn), code=2
+    ).stderr  # fmt: skip
+    assert "--watch: it is for scenes" in run(
+        "plan", "so3", "ricci", "--watch", "omega", code=2
+    ).stderr  # fmt: skip
