@@ -117,7 +117,7 @@ def check_size(subject: object, shape: tuple[int, ...], most: int | None = None)
 
 def _grey(found: np.ndarray, path: Path) -> np.ndarray:
     """One value for each pixel: the mean of colours, without opacity."""
-    if found.ndim == 3 and found.shape[2] in (1, 2, 3, 4):
+    if found.ndim == 3 and found.shape[2] in (1, 2, 3, 4) and found.dtype.kind in "biuf":
         colours = found.shape[2] - (found.shape[2] % 2 == 0)
         found = found[:, :, :colours].astype(float).mean(axis=2)
     if found.ndim != 2 or found.dtype.kind not in "biuf":

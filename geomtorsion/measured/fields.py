@@ -111,6 +111,7 @@ class SampledField:
             unit=self.unit,
             vector_unit=frame.vector_unit,
             missing="touch a hole",
+            down=self.down,
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
@@ -228,7 +229,7 @@ class CrystalField:
 
     def survey(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of squares of size x size cells at every place."""
-        if plane != (0, 1):
+        if tuple(plane) != (0, 1):
             raise OrientationError(
                 "plane: an orientation map has one plane, x and y. Leave the option out."
             )
@@ -254,7 +255,7 @@ class CrystalField:
             unit=self.unit,
             vector_unit=self.unit,
             missing="cross a boundary of grains or a pixel that is not indexed",
-            down=True,
+            down=self.down,
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
@@ -342,7 +343,7 @@ class LatticeField:
 
         Left out is what touches a hole, or what noise changes too often.
         """
-        if plane != (0, 1):
+        if tuple(plane) != (0, 1):
             raise ImageError("plane: an image has one plane, x and y. Leave the option out.")
         found = self.phases.burgers_map(size)
         known, chance = found.known, found.chance
@@ -368,6 +369,7 @@ class LatticeField:
             unit=self.unit,
             vector_unit=self.unit,
             missing="touch a hole, or noise may change their numbers",
+            down=self.down,
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:

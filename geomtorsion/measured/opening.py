@@ -12,7 +12,13 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.checks import shown
-from geomtorsion.errors import FileFormatError, GridError, ImageError, OrientationError
+from geomtorsion.errors import (
+    ArgumentError,
+    FileFormatError,
+    GridError,
+    ImageError,
+    OrientationError,
+)
 from geomtorsion.images import LatticeImage
 from geomtorsion.images.image_files import KINDS as PICTURES
 from geomtorsion.loops import SampledFrame
@@ -118,6 +124,8 @@ def open_measured(
     GridError, OrientationError, ImageError
         An option does not belong to this kind of file, or has no such value.
     """
+    if not isinstance(path, str | Path):
+        raise ArgumentError(f"path: the name of a file was needed, but {shown(path)} came.")
     path = Path(path)
     suffix, ends = path.suffix.lower(), _ends(path)
     if ends and suffix not in ends:
@@ -209,6 +217,12 @@ def _image(
     resolution: float | None,
 ) -> Measured:
     """A picture of a lattice, with its phases."""
-    step, unit = pixel or (1.0, "px")
+    given = (1.0, "px") if pixel is None else checks.entries(pixel, "pixel", ImageError)
+    if len(given) != 2:
+        raise ImageError(
+            f"pixel: a size and its unit were needed, such as (0.02, 'nm'), but {shown(pixel)} "
+            "came."
+        )
+    step, unit = given
     image = LatticeImage.read(path, step, unit)
     return LatticeField(image, image.phases(spots, resolution))

@@ -10,7 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import FileFormatError, GeomtorsionError, OrientationError
+from geomtorsion.errors import (
+    ArgumentError,
+    FileFormatError,
+    GeomtorsionError,
+    OrientationError,
+)
 from geomtorsion.loops import Cochain, Loop, SampledFrame
 from geomtorsion.loops.fields.circuits import unexplained
 from geomtorsion.loops.fields.noise import significances
@@ -176,6 +181,10 @@ class OrientationMap:
             The file is truncated, has wrong columns, mixed steps or an unknown phase; the message
             names file, line and remedy.
         """
+        if not isinstance(path, str | Path):
+            raise ArgumentError(
+                f"path: the name of a file was needed, but {checks.shown(path)} came."
+            )
         is_orix = Path(path).suffix.lower() in SUFFIXES
         file = read_orix(Path(path), laue) if is_orix else read_map_file(path, laue)
         if not (file.phase > 0).any():

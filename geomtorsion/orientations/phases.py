@@ -56,7 +56,9 @@ class Phase:
                 f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
                 f"needed, but {self.lengths} and {self.angles} came. Correct the constants."
             )
-        if self.has_lattice and not np.isfinite(self.lattice).all():
+        # The square of the height of c over the plane of a and b is a difference of squares.
+        least = 64 * np.finfo(float).eps * self.lengths[2] ** 2
+        if self.has_lattice and not self.lattice[2, 2] ** 2 > least:
             raise OrientationError(
                 f"phase {self.name!r}: angles {self.angles} make no lattice. Correct them."
             )

@@ -82,7 +82,18 @@ class MapBurgers(Signed):
 
     @property
     def per_area(self) -> np.ndarray:
-        """b^i per area, crystal axes, shape (3,), one over `unit`."""
+        """b^i per area, crystal axes, shape (3,), one over `unit`.
+
+        Raises
+        ------
+        OrientationError
+            The circuit encloses no area.
+        """
+        if not self.area:
+            raise OrientationError(
+                f"{self.circuit.name}: an area was needed, but its parts enclose as much from x to "
+                "y as from y to x. Take one that runs round in one sense."
+            )
         return self.vector / self.area
 
     @property

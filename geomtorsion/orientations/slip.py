@@ -58,7 +58,7 @@ class SlipFamily:
         Raises
         ------
         OrientationError
-            The vector does not lie in the plane, or the lattice is not known.
+            The vector does not lie in the plane, either is zero, or the lattice is not known.
 
         Examples
         --------
@@ -69,6 +69,9 @@ class SlipFamily:
         cell = phase.lattice
         hkl = cell_vector(plane, "plane", phase, plane=True)
         one = cell @ cell_vector(vector, "Burgers vector", phase)
+        for subject, found in (("plane", hkl), ("Burgers vector", one)):
+            if not found.any():
+                raise OrientationError(f"{subject}: indices were needed, but all that came are 0.")
         normal = np.linalg.solve(cell.T, hkl)
         sizes = np.linalg.norm(normal), np.linalg.norm(one)
         if abs(normal @ one) > 1e-6 * sizes[0] * sizes[1]:
@@ -84,8 +87,8 @@ class SlipFamily:
             # Planes have no sides, and b and -b belong to one system.
             if all(np.abs(np.einsum("ki,ki->k", pair, x)).min() < 1 - 1e-9 for x in kept):
                 kept.append(pair)
-        found = np.array(kept)
-        return cls(f"{{{_shown(plane)}}} <{_shown(vector)}>", found[:, 0], sizes[1] * found[:, 1])
+        pairs = np.array(kept)
+        return cls(f"{{{_shown(plane)}}} <{_shown(vector)}>", pairs[:, 0], sizes[1] * pairs[:, 1])
 
     def __repr__(self) -> str:
         return f"SlipFamily({self.name}: {len(self.normals)} systems)"

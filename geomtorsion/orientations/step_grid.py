@@ -190,6 +190,9 @@ class StepGrid:
 
     def area(self, chain: Chain) -> float:
         """Half of the sum of x dy - y dx: the area that a chain encloses."""
+        # Cells are whole numbers: where as many are run round in either sense nothing is left.
+        if not (chain.times * chain.starts[:, 0])[chain.along].sum():
+            return 0.0
         one, other = self._places(chain.starts), self._places(chain.ends)
         return float(chain.times @ (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])) / 2
 

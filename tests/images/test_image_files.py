@@ -230,3 +230,11 @@ def test_nothing_is_unpickled(tmp_path, monkeypatch):
     for place, name in ((pickle, "loads"), (pickle, "load"), (builtins, "eval")):
         monkeypatch.setattr(place, name, never)
     assert (gt.LatticeImage.read(path).values == GREY).all()
+
+
+def test_complex_colours_are_refused(tmp_path):
+    """Their imaginary parts were left out without a word."""
+    path = tmp_path / "a.npy"
+    np.save(path, np.ones((40, 40, 3)) * (1 + 1j))
+    with pytest.raises(FileFormatError, match="grey values of shape .* but complex128"):
+        gt.LatticeImage.read(path)

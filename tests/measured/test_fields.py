@@ -94,3 +94,9 @@ def test_holes_stay_blank():
     found = field(mask=hole, sigma=0.01)
     assert (~found.survey(1).known).sum() == 4
     assert np.isnan(found.backdrop().values).sum() == 4
+
+
+def test_which_way_y_runs():
+    """A survey is drawn as its field is."""
+    frame = field().frame
+    assert [SampledField(frame, down).survey(2).down for down in (True, False)] == [True, False]

@@ -2,6 +2,7 @@
 
 # Tests give what users give, wrong things included, and read what may be missing.
 # pyright: reportOptionalIterable=false, reportOptionalMemberAccess=false
+# pyright: reportArgumentType=false
 
 import numpy as np
 import pytest
@@ -43,3 +44,10 @@ def test_silicon_shows_nothing_but_noise():
     assert np.sqrt(np.mean(survey.density**2)) < 6.5e-5
     assert not survey.significant.any()
     assert field.backdrop().values.shape == (48, 35)
+
+
+def test_which_way_y_runs_and_a_plane_as_a_list():
+    """A survey is drawn as its field is."""
+    crystal = wall(1, (8, 9), 0.5, sigma=0)
+    for down in (True, False):
+        assert CrystalField(crystal, down=down).survey(2, [0, 1]).down is down

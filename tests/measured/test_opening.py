@@ -1,7 +1,7 @@
 """Opening: files are told by name and content; options that do not belong are named."""
 
 # Tests give what users give, wrong things included, and read what may be missing.
-# pyright: reportAttributeAccessIssue=false
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
 import re
 
@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.errors import FileFormatError, GridError, ImageError, OrientationError
+from geomtorsion.errors import (
+    ArgumentError,
+    FileFormatError,
+    GridError,
+    ImageError,
+    OrientationError,
+)
 from geomtorsion.loops import SampledFrame
 from geomtorsion.measured import (
     CrystalField,
@@ -122,3 +128,14 @@ def test_orientations_in_hdf5(tmp_path):
     field = open_measured(tmp_path / "a.h5", threshold=7)
     assert isinstance(field, CrystalField)
     assert field.map.shape == open_measured(path).map.shape
+
+
+def test_sizes_of_pixels_and_names_of_files(tmp_path):
+    """What is no pair, and no name, is said."""
+    path = tmp_path / "atoms.npy"
+    np.save(path, np.eye(40))
+    for pixel in (0.5, (0.5,), (0.5, "nm", 1)):
+        with pytest.raises(ImageError, match="pixel: "):
+            open_measured(path, pixel=pixel)
+    with pytest.raises(ArgumentError, match="path: the name of a file was needed, but 5 came"):
+        open_measured(5)

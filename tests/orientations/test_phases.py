@@ -43,3 +43,11 @@ def test_what_is_no_lattice():
         _ = Phase("a", "m-3m").lattice
     with pytest.raises(OrientationError, match="but 0 came"):
         NICKEL.family((0, 0, 0))
+
+
+@pytest.mark.parametrize("angles", [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130)])
+def test_edges_in_one_plane_are_no_lattice(angles):
+    """Up to rounding, too: what is flat was no error, or one of NumPy."""
+    with pytest.raises(OrientationError, match="make no lattice"):
+        Phase("flat", "-1", (3, 4, 5), angles)
+    assert Phase("low", "-1", (3, 4, 5), (60, 60, 119.999)).lattice[2, 2] > 0.01

@@ -94,3 +94,21 @@ def test_what_is_no_slip_system():
     turned = OrientationMap.from_euler(bent((12, 12), 0.1), 0.5, olivine, sigma=0)
     with pytest.raises(OrientationError, match="do not make up this b"):
         turned.burgers(Circuit.square((1, 1), 8)).slip(SlipFamily.of(olivine, (0, 1, 0), (1, 0, 0)))
+
+
+def test_planes_and_vectors_of_zero_are_refused():
+    """They have no direction; systems were not a number."""
+    with pytest.raises(OrientationError, match="plane: indices were needed"):
+        SlipFamily.of(IRON, (0, 0, 0), (1, 0, 0))
+    with pytest.raises(OrientationError, match="Burgers vector: indices were needed"):
+        SlipFamily.of(ZINC, (0, 0, 0, 1), (0, 0, 0, 0))
+
+
+def test_a_circuit_without_an_area_has_no_density():
+    """Cells run round in opposite senses leave none, to the last digit, on any grid."""
+    for step in (1.0, 0.3):
+        crystal = OrientationMap.from_euler(bent((5, 8), 0.5), step, IRON, sigma=0)
+        found = crystal.burgers(Circuit.of_cells([[1, 0, 0], [0, 1, -2]], (1, 1)))
+        assert found.area == 0
+        with pytest.raises(OrientationError, match="circuit: an area was needed"):
+            found.slip(*slip_families(IRON, "bcc"))
