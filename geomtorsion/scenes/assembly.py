@@ -47,7 +47,10 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     inertia, omega = assembly.inertia, assembly.omega
     internal = assembly.constrained(vector_sum(parts, "momentum"))
     turning = assembly.constrained(vector_sum(parts, "moment"))
-    turning -= omega.cross(inertia * omega + internal) + internal.applyfunc(assembly.derivative)
+    # The naive law leaves this out; of a body that is held, with what Steiner's part has in it.
+    left = 0 if any(part.naive for part in parts) else 1
+    gyroscopic = left * omega.cross(inertia * omega + internal)
+    turning -= gyroscopic + internal.applyfunc(assembly.derivative)
     # A free body: translation and rotation are separate, and the speeds are Omega.
     if assembly.constraint is None:
         return _solved(assembly, inertia, list(turning))
@@ -57,7 +60,7 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     fixed = replace(
         assembly, rates={s: r for s, r in assembly.rates.items() if s not in assembly.speeds}
     )
-    pulling -= mass * (v.applyfunc(fixed.derivative) + omega.cross(v))
+    pulling -= mass * (v.applyfunc(fixed.derivative) + left * omega.cross(v))
     turning -= inertia * omega.applyfunc(fixed.derivative)
     pairs = [(omega.diff(speed), v.diff(speed)) for speed in assembly.speeds]
     matrix = sp.Matrix(

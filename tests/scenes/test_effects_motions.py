@@ -230,6 +230,30 @@ def test_autoparallels_turn_uniformly_with_unequal_moments():
         assert np.ptp(result["angular_momentum_space"], axis=0).max() > 1
 
 
+def test_the_naive_law_leaves_out_the_whole_angular_momentum():
+    """L' = M: without a moment Omega stays, with a rotor and about a pivot, too."""
+    for more in (
+        E.Pivot((0.1, 0.2, 0.3)),
+        E.Rotor((1, 2, 2), momentum=0.8),
+        E.Rotor((1, 2, 2), momentum=0.8, inertia=0.3),
+    ):
+        result = run(BODY, [E.Naive(), more], ["omega", "energy"], 5, omega=(1, 2, 3))
+        assert abs(result["omega"] - [1, 2, 3]).max() < NEAR
+        assert np.ptp(result["energy"]) < NEAR
+
+
+def test_a_naive_top_is_one_top_wherever_its_moments_are_about():
+    """Moments about the centre of mass, and Steiner's about the pivot: the motions agree."""
+    arm = np.array([0.1, 0.2, 0.3])
+    about_pivot = np.diag((1.0, 1.6, 2.1)) + 2.0 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    motions = [
+        run(body, [E.Naive(), E.Pivot(tuple(arm), moments_at=place), E.Gravity(9.81)],
+            ["omega"], 3, omega=(1, 2, 3))["omega"]
+        for body, place in ((BODY, "centre"), (Body(2.0, inertia=about_pivot), "pivot"))
+    ]  # fmt: skip
+    assert abs(motions[0] - motions[1]).max() < NEAR
+
+
 def test_chaplygins_sleigh_ends_straight_ahead():
     """Omega = W sech, u = a W c tanh with a > 0; E = (m u^2 + (I3 + m a^2) Omega^2) / 2."""
     a, m, inertia = 0.3, 2.0, 2.1

@@ -67,6 +67,7 @@ class Contribution:
     constraint: the velocities that it leaves.
     replaces: state -> rate, in place of what is worked out: for laws that are no mechanics.
     stop: the motion stops where this falls through zero.
+    naive: whether Omega x L is left out of the equations, L the whole angular momentum.
     """
 
     moment: Triple | None = None
@@ -82,6 +83,7 @@ class Contribution:
     constraint: Constraint | None = None
     replaces: Mapping[str, sp.Expr] = field(default_factory=dict)
     stop: sp.Expr | None = None
+    naive: bool = False
 
 
 @dataclass(frozen=True)

@@ -71,12 +71,13 @@ class Naive(Effect):
 
     Equation
     --------
-    I_i Omega_i' = M_i instead of L' + Omega x L = M       [FizievKleinert1994], section 3
+    L' = M instead of L' + Omega x L = M: I_i Omega_i' = M_i [FizievKleinert1994], section 3
+    L with the momentum of rotors, and about the pivot where there is one
 
     Examples
     --------
     >>> sorted(Naive().needs())
-    ['omega']
+    []
     """
 
     key: ClassVar[str] = "naive"
@@ -85,7 +86,5 @@ class Naive(Effect):
     wrong: ClassVar[bool] = True
 
     def adds(self, context: Context) -> Contribution:
-        """The moment that takes Omega x L away again."""
-        omega = sp.Matrix(context.Omega)
-        moment = omega.cross(context.inertia * omega)
-        return Contribution(moment=tuple(moment), power=sp.S.Zero)
+        """Nothing but the word to leave Omega x L out."""
+        return Contribution(naive=True)
