@@ -15,7 +15,7 @@ from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.generic_point import GenericPoint
 from geomtorsion.exact.limits import MOST_AT_ONCE
-from geomtorsion.exact.modular import ModularPoint, NoPointError
+from geomtorsion.exact.modular import NoPointError, point_of
 from geomtorsion.exact.radical_denominators import inverse
 from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
@@ -234,13 +234,17 @@ class Field(Tower):
 
     def _image(self, element: Element) -> fmpz_mod | None:
         """The value at a random point modulo a prime, or None where there is none."""
-        point = self.tables.get("modular point")
-        if point is None:
-            point = self.tables["modular point"] = ModularPoint(self)
         try:
-            return point.image(element)
+            return point_of(self).image(element)
         except NoPointError:
             return None
+
+    def is_no_square(self, element: Element) -> bool:
+        """Whether an element is seen to have no square root in the field; not multiplied out."""
+        try:
+            return point_of(self).is_no_square(element)
+        except NoPointError:
+            return False
 
     def certainty(self, element: Element) -> Certainty:
         """How sure it is that an element vanishes or not."""
@@ -249,7 +253,7 @@ class Field(Tower):
         whole = self.brief(element)
         if whole is not None and (not whole._num or algebraic_constants.vanishes(whole)):
             return PROVED
-        return Certainty(proved=False, error=self.tables["modular point"].chance(element))
+        return Certainty(proved=False, error=point_of(self).chance(element))
 
     def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
         """The element as a short sympy expression; with its sums collected if there are names."""

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
-from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.kept import in_order
@@ -56,6 +55,8 @@ class ModularPoint:
     def __init__(self, field: Tower) -> None:
         self._field = field
         self._place = self._number_of_prime = -1
+        # Places since the last at which all generators had values.
+        self._tried: int = 0
         self._values: list[fmpz_mod] = []
         # sin goes with cos, sinh with cosh: both are chosen at once.
         self._partners: dict[str, fmpz_mod] = {}
@@ -73,12 +74,39 @@ class ModularPoint:
         """
         while True:
             try:
-                self._fill()
-                return self._image(element)
+                return self._here(element)
             except _PrimeError:
                 self._settle(another_prime=True)
             except _MovedError:
                 self._settle()
+
+    def _here(self, element: Element) -> fmpz_mod:
+        """The value at the present place, if all generators have one there."""
+        self._fill()
+        found = self._image(element)
+        self._tried = 0
+        return found
+
+    def is_no_square(self, element: Element) -> bool:
+        """Whether an element has no square root in the field, as at one of a few points.
+
+        A square goes to a square; what is none does so at half of all points.
+        """
+        squares = 0
+        # As many places as have a point with twelve roots, almost surely: there are other ways.
+        for _ in range(2**15):
+            try:
+                if self._is_no_residue(self._here(element)):
+                    return True
+                squares += 1
+                self._settle()
+            except _PrimeError:
+                self._settle(another_prime=True)
+            except _MovedError:
+                self._settle()
+            if squares == 8:
+                break
+        return False
 
     def _known(self, element: Element) -> fmpz_mod | None:
         """The value at the present place, if it is known."""
@@ -152,10 +180,10 @@ class ModularPoint:
 
     def _settle(self, another_prime: bool = False) -> None:
         """The next place: other values of all symbols, modulo another prime now and then."""
-        place = self._place + 1
+        place, tried = self._place + 1, self._tried + 1
         # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
         # With more than ten square roots one may be missed, after some 20 s; with 40 all would be.
-        if place > _BITS * min(prod(self._degrees()), 2**10):
+        if tried > _BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
         # product, need another prime, which takes more time to find.
@@ -169,6 +197,7 @@ class ModularPoint:
             modulo = self._ring, self._polynomials, self._zero, self._turn
         # All at once: whoever interrupts finds the old place or the new one.
         self._place, self._number_of_prime, self._values, self._partners = place, number, [], {}
+        self._tried = tried
         self._ring, self._polynomials, self._zero, self._turn = modulo
 
     def _degrees(self) -> list[int]:
@@ -251,11 +280,14 @@ class ModularPoint:
                 for prime, _ in fmpz(number.numerator).factor():
                     root = root * self._root_of_prime(int(prime))
                 return root
-        try:
-            root = value.sqrt()
-            return min(root, -root, key=int)
-        except DomainError as error:
-            raise _MovedError from error
+        if self._is_no_residue(value):
+            raise _MovedError
+        root = value.sqrt()
+        return min(root, -root, key=int)
+
+    def _is_no_residue(self, value: fmpz_mod) -> bool:
+        """Whether a number has no square root modulo the prime, by its Jacobi symbol."""
+        return fmpz(int(value)).jacobi(self._ring.modulus()) < 0
 
     def _root_of_prime(self, prime: int) -> fmpz_mod:
         """The positive square root of a small prime, as a Gauss sum."""
@@ -291,6 +323,14 @@ class ModularPoint:
         # The norm multiplies degrees by those of all roots; points without roots are left out.
         size = degree(element) * prod(roots) ** 2
         return int(size) / 2 ** (_BITS - 1)
+
+
+def point_of(field: Tower) -> ModularPoint:
+    """The point of a field, made when it is asked for first."""
+    point = field.tables.get("modular point")
+    if point is None:
+        point = field.tables["modular point"] = ModularPoint(field)
+    return point
 
 
 def degree(element: Element) -> int:

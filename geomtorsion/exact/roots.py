@@ -230,7 +230,17 @@ def square_root_inside(
     # Radicands without roots are compared by their factors alone, nested ones by norms.
     base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
     nested = [g for g in quadratic if g not in base]
-    return _inside(field, element, base, nested)
+    try:
+        return _inside(field, element, base, nested, briefly=True)
+    except _DearError:
+        # Norms of sums under many roots are long; that a sum is no square is mostly seen at once.
+        if field.is_no_square(element):
+            return None
+        return _inside(field, element, base, nested)
+
+
+class _DearError(Exception):
+    """A norm is too long to be multiplied out before it is known to be needed."""
 
 
 def _with_those_below(field: Tower, element: Element) -> set[Generator]:
@@ -262,10 +272,19 @@ def _algebraic(field: Tower, element: Element) -> bool:
 
 
 def _inside(
-    field: Tower, element: Element, base: list[Generator], nested: list[Generator]
+    field: Tower,
+    element: Element,
+    base: list[Generator],
+    nested: list[Generator],
+    briefly: bool = False,
 ) -> Element | None:
-    """The square root in the tower: base generators first, nested ones on top; or None."""
+    """The square root in the tower: base generators first, nested ones on top; or None.
+
+    briefly: a `_DearError` where a norm is not multiplied out at once.
+    """
     if element.is_kept:
+        if briefly:
+            raise _DearError
         # Roots that cancel when it is multiplied out would look as if they were there.
         element = field.whole(element)
     if not element._num:
@@ -278,20 +297,20 @@ def _inside(
     position = field.generators.index(top)
     low, high = split(field.lift(element), position)
     if not high:
-        found = _inside(field, element, *below)
+        found = _inside(field, element, *below, briefly)
         if found is not None:
             return found
-        found = _inside(field, element * top.tail, *below)
+        found = _inside(field, element * top.tail, *below, briefly)
         return None if found is None else found / field.generator_element(top)
     den = field.denominator(element).inverse()
     a, b = field.polynomial(low) * den, field.polynomial(high) * den
-    norm = _inside(field, a * a - b * b * top.tail, *below)
+    norm = _inside(field, a * a - b * b * top.tail, *below, briefly)
     if norm is None:
         return None
     # One of the two halves is a square where the element is one; which, its branch decides.
     for sign in (1, -1):
         half = (a + norm * sign) * fmpq(1, 2)
-        first = _inside(field, half, *below)
+        first = _inside(field, half, *below, briefly)
         if first is not None and first._num:
             return first + b / (first * 2) * field.generator_element(top)
     return None

@@ -18,17 +18,11 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact import polynomials
+from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator, Names
 from geomtorsion.exact.kept import kept, leaves
-from geomtorsion.exact.limits import (
-    FACTORED_HERE,
-    LARGEST_POWER_TERMS,
-    MOST_AT_ONCE,
-    terms_of_power,
-)
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
@@ -150,6 +144,10 @@ class Tower(ABC):
     @abstractmethod
     def cleared(self, element: Element, largest: int) -> Element | None:
         """1 over an element, multiplied out; None where a product would be above the largest."""
+
+    @abstractmethod
+    def is_no_square(self, element: Element) -> bool:
+        """Whether an element is seen to have no square root in the field; not multiplied out."""
 
     @abstractmethod
     def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
@@ -315,7 +313,7 @@ class Tower(ABC):
         It is kept as it is where multiplying it out would be dear (see `kept`).
         """
         terms = list(terms)  # making them may add generators; only then is the ring fixed
-        found = self.added(terms, MOST_AT_ONCE)
+        found = self.added(terms, limits.MOST_AT_ONCE)
         return kept(self, terms) if found is None else found
 
     def added(self, terms: list[tuple[Any, ...]], largest: int) -> Element | None:
@@ -338,8 +336,8 @@ class Tower(ABC):
                     pairs = len(num) * len(part)
                     if pairs > largest:
                         return None
-                    if pairs > LARGEST_POWER_TERMS:
-                        num = polynomials.product(num, part, LARGEST_POWER_TERMS)
+                    if pairs > limits.LARGEST_POWER_TERMS:
+                        num = polynomials.product(num, part, limits.LARGEST_POWER_TERMS)
                     else:
                         num = num * part
                 if element._den:
@@ -367,7 +365,9 @@ class Tower(ABC):
             if den != common:
                 if len(num) * self._cofactor_terms(common, den) > largest:
                     return None
-                num = polynomials.product(num, self.cofactor(common, den), LARGEST_POWER_TERMS)
+                num = polynomials.product(
+                    num, self.cofactor(common, den), limits.LARGEST_POWER_TERMS
+                )
             whole.append(num)
         return self._normalised(polynomials.added(whole), common)
 
@@ -377,7 +377,7 @@ class Tower(ABC):
         if known is None:
             have = dict(den)
             known = self._cofactor_sizes[common, den] = prod(
-                terms_of_power(len(self.factors[index]), exponent - have.get(index, 0))
+                limits.terms_of_power(len(self.factors[index]), exponent - have.get(index, 0))
                 for index, exponent in common
             )
         return known
@@ -467,7 +467,7 @@ class Tower(ABC):
         if not rest.is_constant():
             # Many numerators of one tensor differ by a number and by known factors.
             key = str(rest)
-            own, others = self._factored.get(key) or factored(rest, FACTORED_HERE)
+            own, others = self._factored.get(key) or factored(rest, limits.FACTORED_HERE)
             self._factored[key] = own, others
             content, factors = content * own, factors + others
         # In an order that does not depend on which were known.

@@ -1,0 +1,50 @@
+"""Roots: whether a sum under a root is a square in the field is told without long norms."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+from geomtorsion.exact import Field
+from geomtorsion.exact.modular import point_of
+
+x, y = sp.symbols("x y", positive=True)
+
+
+def sum_of_roots(count: int) -> sp.Expr:
+    """Roots of unlike sums."""
+    return sp.Add(*(sp.sqrt(x + k * y + k**2) for k in range(1, count + 1)))
+
+
+def test_a_root_of_a_sum_of_ten_roots() -> None:
+    """Its norm over the ten has millions of terms; a number that is no square says as much."""
+    field, inner = Field([x, y]), sum_of_roots(10)
+    root = field.read(sp.sqrt(1 + inner))
+    assert field.all_sure
+    assert field.generators[0].kind == "root"
+    assert (root * root - 1 - field.read(inner)).is_zero is True
+    assert (root - field.read(inner)).is_zero is False
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_a_square_of_a_sum_of_roots(count: int) -> None:
+    """It is known as one, and no generator is added; and never as none."""
+    field, inner = Field([x, y]), sum_of_roots(count)
+    square = field.read(sp.expand((1 + inner) ** 2))
+    known = len(field.generators)
+    assert square.sqrt() == field.read(1 + inner)
+    assert len(field.generators) == known
+    assert field.is_no_square(square) is False
+    assert field.is_no_square(square + 1) is True
+
+
+def test_asking_often_takes_no_place_from_decisions() -> None:
+    """Each question moves the point; later decisions have as many places as the first."""
+    field = Field([x, y])
+    square = field.read(sp.expand((1 + sum_of_roots(2)) ** 2))
+    for _ in range(200):
+        assert field.is_no_square(square) is False
+    long = field.read(sp.sqrt(x + 3) + y) ** 3
+    zero = field.sum([(1, long, square), (-1, square, long)])
+    assert zero.is_zero is True
+    assert point_of(field).image(square * long - long * square) == 0
