@@ -69,7 +69,13 @@ class AtomSlabs:
 def _parts(given: Any) -> Iterator[Any]:
     """Arrays, of which parts are read when they are asked for, one after another."""
     if callable(given):
-        for part in cast("Callable[[], Iterable[Any]]", given)():
+        found = cast("Callable[[], object]", given)()
+        if not isinstance(found, Iterable):
+            raise CrystalError(
+                "source: a function that gives an iterator of arrays was needed, but it gave "
+                f"{checks.shown(found)}."
+            )
+        for part in found:
             yield checks.array(part, POSITIONS, CrystalError, shape=(None, 3))
     elif isinstance(given, list | tuple) and not _are_rows(given):
         for one in given:

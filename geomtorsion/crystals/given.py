@@ -44,7 +44,7 @@ class Given:
         """What came, looked at once; errors say what was needed."""
         edges = None if cell is None else _cell(cell)
         flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
-        if len(flags) != 3 or any(flag not in (0, 1) for flag in flags):
+        if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
             raise CrystalError(
                 f"periodic: three truth values were needed, but {checks.shown(flags)} came."
             )

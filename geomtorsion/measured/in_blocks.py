@@ -266,7 +266,8 @@ class BlockedSurvey:
         return one * two * self.size**2
 
     def survey(self, drawn: int = 1000) -> tuple[Survey, dict[str, Any]]:
-        """A thinned survey for a picture, of the layer of the largest b, and a summary of all.
+        """A thinned survey for a picture, of the layer of the largest b, and a summary of all,
+        whose median and floor are those of the thinned survey.
 
         drawn: places along an axis at most; pictures have no more pixels.
         Errors of a map in blocks, of the largest component, hold noise and grid together: as if all

@@ -347,6 +347,7 @@ REFUSED = {
     "block": (X, CELL, 0, CrystalError, "block"),
     "narrow": (block("fcc", (8, 8, 2))[0], [8, 8, 2], 4, CrystalError, "edge 3 repeats after 2"),
     "shape": (X[:, :2], CELL, 4, CrystalError, r"\(atoms, 3\)"),
+    "function": (lambda: None, CELL, 4, CrystalError, "a function that gives an iterator"),
     "used up": (iter([X]), CELL, 4, CrystalError, "Give a function"),
     "no file": ("gone.npy", CELL, 4, FileFormatError, "no such file"),
     "no npz": ("gone.npz", CELL, 4, FileFormatError, "no such file"),

@@ -1,5 +1,8 @@
 """Crystals: lattice, labels, torsion and dislocation lines of atoms."""
 
+# Tests give what users give, wrong things included.
+# pyright: reportArgumentType=false
+
 import json
 import tracemalloc
 from fractions import Fraction
@@ -280,6 +283,7 @@ REFUSED = {
     "no rotation": (lambda: Crystal(X, CELL, orient=np.ones((3, 3))), "a rotation was needed"),
     "species": (lambda: Crystal(X, CELL, species=["Cu"]), "one for each of 500 atoms"),
     "periodic": (lambda: Crystal(X, CELL, (True, True)), "three truth values"),
+    "periods": (lambda: Crystal(X, CELL, (np.ones(2), 1, 1)), "three truth values"),
 }  # fmt: skip
 
 
