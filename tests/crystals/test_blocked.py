@@ -178,10 +178,10 @@ def peak(places, cell, folder, size):
 def test_memory_under_noise_is_that_of_a_block(tmp_path):
     """Three times as many atoms need tetrahedra, but not more at once."""
     found = []
-    for length in (12, 36):
-        places, cell = block("bcc", (4, 4, length))
+    for length in (16, 48):
+        places, cell = block("bcc", (5, 5, length))
         noise = 0.1 * 0.75**0.5 * np.random.default_rng(0).normal(size=places.shape)
-        found.append(peak(places + noise, cell, tmp_path / str(length), 12))
+        found.append(peak(places + noise, cell, tmp_path / str(length), 4))
     assert found[1] < 1.3 * found[0]
 
 
