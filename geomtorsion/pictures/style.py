@@ -7,19 +7,18 @@ from dataclasses import dataclass
 from html import escape
 from importlib.util import find_spec
 from io import StringIO
+from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import GeomtorsionError, MissingExtraError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.precision import EPS, PRINTED
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
@@ -140,16 +139,28 @@ def can_draw() -> bool:
     return find_spec("matplotlib") is not None
 
 
-def save(figure: Figure, path: Path, dpi: int = STYLE.resolution) -> None:
-    """Write a figure in the format of its suffix, the same bytes each time."""
+def save(figure: Figure, path: str | Path, dpi: int = STYLE.resolution) -> None:
+    """Write a figure in the format of its suffix, the same bytes each time.
+
+    Raises
+    ------
+    FileFormatError
+        matplotlib cannot write it like that.
+    """
+    path = Path(path)
     # An extra: without matplotlib this module can still be imported.
     import matplotlib as mpl
 
     blank = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
-    kind = path.suffix.removeprefix(".")
+    kind = path.suffix.removeprefix(".").lower()
     metadata = blank.get(kind, {"CreationDate": None, "Producer": None, "Creator": None})
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
-        figure.savefig(path, dpi=dpi, metadata=metadata)
+        try:
+            figure.savefig(path, dpi=dpi, metadata=metadata)
+        except ValueError as error:
+            raise FileFormatError(
+                f"{path.name}: {error}. A picture is a .png, .svg or .pdf: name it like that."
+            ) from None
 
 
 def svg_text(figure: Figure) -> str:

@@ -331,7 +331,7 @@ class _Measured:
 
 
 def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hashable, list[_Member]]:
-    """Motions by their equations: those with equal ones can be solved in one batch."""
+    """Motions by equations, times and accuracy: those with equal ones are solved in one batch."""
     groups: dict[Hashable, list[_Member]] = {}
     own = tuple(scene.numbers[1])
     for place, varied in enumerate(changes):
@@ -346,7 +346,10 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hasha
             member = _Member(place, varied, *other.numbers, other)
             assembly = other.assembly
             switches = str([part.switches for part in assembly.parts.values()])
-            key = (tuple(member.parameters), tuple(assembly.rates.items()), switches)
+            # An axis of symmetry, for one, may be another while the equations are the same.
+            read = tuple(x for item in other.selection.watch for x in item.made_of(assembly))
+            times = other.t, other.samples, other.accuracy
+            key = (tuple(member.parameters), tuple(assembly.rates.items()), switches, read, times)
         groups.setdefault(key, []).append(member)
     return groups
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from geomtorsion.errors import FileFormatError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import curve_pictures
 from geomtorsion.pictures.curves import caption, continued
 from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.pictures.sphere import parted, towards
-from geomtorsion.pictures.style import SERIES, STROKES, mathematics, number, save
+from geomtorsion.pictures.style import SERIES, STROKES, mathematics, new_figure, number, save
 from geomtorsion.spaces import load, names
 from geomtorsion.spaces.first_motions import first_motion
 
@@ -120,3 +121,14 @@ def test_every_space_has_a_first_motion(name):
     if np.sum(np.linalg.eigvalsh(eta) < 0) == 1 and not frame.complex:
         u = np.array(first.frame_velocity)
         assert u @ eta @ u == pytest.approx(-1, abs=0.01)
+
+
+def test_pictures_go_where_their_names_say(tmp_path):
+    """Paths may be text; a form that is none is told, not a ValueError of matplotlib."""
+    pytest.importorskip("matplotlib")
+    figure = new_figure(1, 1)
+    save(figure, str(tmp_path / "a.PNG"))
+    assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
+    for name in ("a.jpg", "a.xyz"):
+        with pytest.raises(FileFormatError, match=r"A picture is a \.png, \.svg or \.pdf"):
+            save(figure, tmp_path / name)

@@ -298,3 +298,30 @@ def test_names_that_a_sweep_does_not_have_are_told():
         _ = found["last mutation"]
     with pytest.raises(UnknownNameError, match="There are last nutation"):
         found.plot(measure="gravity.g")
+
+
+def test_last_times_and_accuracies_that_are_varied():
+    """All were solved to the time of the first: two last times gave one value."""
+    scene = load("lagrange_cusp").with_values(watch=["nutation"], t=0.1)
+    found = scene.sweep({"t": [0.1, 0.2], "accuracy": [1e-6, 1e-10]}, "last nutation")
+    alone = [scene.with_values(t=t).run()["nutation"][-1] for t in (0.1, 0.2)]
+    for k in range(2):
+        assert found["last nutation"][:, k] == pytest.approx(alone, abs=1e-6)
+    assert found.errors[:, 1].max() <= 1e-10
+
+
+def test_each_body_of_a_sweep_has_its_own_axis_of_symmetry():
+    """The axis was that of the first body, where the equations of all are written alike."""
+    turned = np.array([[1.0, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]])
+    bodies = [np.diag(moments) for moments in ((1.0, 1.0, 1.5), (1.0, 1.5, 1.0))]
+    tensors = [turned @ body @ turned.T for body in bodies]
+    scene = Scene(
+        Body(inertia=tensors[0]), [effects.AngularDamping(0.1)],
+        State(omega=(0, 0, 0), euler=(0, 0, 0)), watch=["axis"], t=1,
+    )  # fmt: skip
+    found = scene.sweep({"body.inertia": tensors}, "last axis[2]")
+    alone = [
+        scene.with_values({"body.inertia": rows.tolist()}).run()["axis"][-1, 2] for rows in tensors
+    ]
+    assert abs(alone[0] - alone[1]) > 0.1
+    assert found["last axis[2]"] == pytest.approx(alone, abs=1e-9)
