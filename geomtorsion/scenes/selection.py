@@ -130,7 +130,8 @@ class StateSelection:
         found = {*part.states, *part.replaces}
         speeds = {symbol.name for symbol in self.assembly.speeds}
         # A force acts on the rotation too, where a constraint couples the two.
-        if any(v is not None for v in (part.moment, part.momentum, part.inertia, part.constraint)):
+        turning = (part.moment, part.momentum, part.inertia, part.constraint)
+        if part.naive or any(v is not None for v in turning):
             found |= speeds
         if part.force is not None:
             pairs = zip(VELOCITY, part.force, strict=True)

@@ -238,6 +238,8 @@ def test_the_naive_law_leaves_out_the_whole_angular_momentum():
         E.Rotor((1, 2, 2), momentum=0.8, inertia=0.3),
     ):
         result = run(BODY, [E.Naive(), more], ["omega", "energy"], 5, omega=(1, 2, 3))
+        assert result.scene is not None
+        assert "naive" in result.scene.selection.effects
         assert abs(result["omega"] - [1, 2, 3]).max() < NEAR
         assert np.ptp(result["energy"]) < NEAR
 
