@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from geomtorsion import scenes
-from geomtorsion.checks import near_names, shown
+from geomtorsion.checks import cut, near_names, shown
 from geomtorsion.cli.sources import open_space, shipped_or_file
 from geomtorsion.cli.values import number, parts
 from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
@@ -59,7 +59,11 @@ def open_scene(
         changes["accuracy"] = accuracy
     if t is not None:
         changes["t"] = quantity(t, "s")
-    changes |= dict(_setting(text) for text in settings or ())
+    given = [_setting(text) for text in settings or ()]
+    for place, (path, _) in enumerate(given):
+        if path in (other for other, _ in given[:place]):
+            raise StartError(f"--set: {cut(path)} is given twice. Give it once.")
+    changes |= dict(given)
     return scene.with_values(changes) if changes else scene
 
 

@@ -71,6 +71,10 @@ def network(
     if unit is not None and not 0 < unit < float("inf"):
         raise NetworkError(f"--unit: a positive length in metres was needed, but {unit} came.")
     loops = _circuits({"circle": circle, "polygon": polygon})
+    if lattice is not None and not loops:
+        raise NetworkError(
+            "--lattice: it belongs to circuits. Give one with --circle or --polygon."
+        )
     parts = 2 + len(loops) + (output is not None)
     with bar(f"{file.name}: reading", parts) as show:
         done = 0

@@ -76,3 +76,10 @@ def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
     assert "damaged.data: line 27: a position: a finite number" in run(str(damaged), code=2).stderr
     assert "--unit: a positive length" in run(str(TRIANGLE), "--unit", "-1", code=2).stderr
     assert "cubic, hexagonal, none" in run(str(TRIANGLE), "--symmetry", "hcp", code=2).stderr
+
+
+def test_a_lattice_is_for_circuits() -> None:
+    """Without one it said nothing, whatever its name."""
+    assert "--lattice: it belongs to circuits" in run(
+        str(TRIANGLE), "--lattice", "quasi", code=2
+    ).stderr  # fmt: skip

@@ -89,6 +89,7 @@ def test_pictures_and_film(tmp_path, monkeypatch):
         (("run", "helix", "--set", "body.mass=-1"), "positive number"),
         (("run", "helix", "--resume"), "name it with -o"),
         (("run", "helix", "--overwrite"), "name it with -o"),
+        (("run", "helix", "--set", "t=1", "--set", "t=2"), "t is given twice"),
         (("run", "helix", "--t", "0.1", "--animate", "film.avi"), r".gif or an .mp4"),
     ],
 )
