@@ -116,15 +116,36 @@ class Phase:
         one = self.lattice @ cell_vector(vector, subject, self)
         if not one.any():
             raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
-        count = len(self.group.quaternions)
-        every = rotated(self.group.quaternions, np.broadcast_to(one, (count, 3)))
         found: list[np.ndarray] = []
         # Lattice constants have four digits or so.
         near = 1e-4 * np.abs(one).max()
-        for image in every:
+        for image in images_of(self, one[None])[:, 0]:
             if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
                 found.append(image)
         return np.array(found)
+
+
+def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
+    """All that the rotations of a phase make of vectors, crystal axes, shape (rotations, k, 3).
+
+    Raises
+    ------
+    OrientationError
+        They do not bring the lattice upon itself: what they make is not equivalent.
+    """
+    edges = phase.lattice.T
+    both = np.concatenate([edges, vectors])
+    turns = phase.group.quaternions
+    found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
+    whole = found[:, :3] @ np.linalg.inv(edges)
+    # Half of the way to what is surely none: constants that are hardly off do no harm.
+    if np.abs(whole - np.rint(whole)).max() > 0.25:
+        raise OrientationError(
+            f"phase {phase.name!r}: a lattice of the symmetry {phase.laue} was needed, but lengths "
+            f"{phase.lengths} and angles {phase.angles} make none. Give the constants of its cell, "
+            "such as angles=(90, 90, 120) of a hexagonal one."
+        )
+    return found[:, 3:]
 
 
 def cell_vector(

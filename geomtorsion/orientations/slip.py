@@ -10,8 +10,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
-from geomtorsion.orientations.phases import Phase, cell_vector
-from geomtorsion.rigid.attitude import rotated
+from geomtorsion.orientations.phases import Phase, cell_vector, images_of
 
 Indices = Sequence[float]
 # Structure -> plane (h, k, l) and Burgers vector in units of a, b, c; of hcp with four indices.
@@ -79,9 +78,7 @@ class SlipFamily:
                 f"Burgers vector: one in the plane {_shown(plane)} was needed, but {_shown(vector)}"
                 " leaves it. Give u, v, w with h u + k v + l w = 0."
             )
-        turns = phase.group.quaternions
-        both = np.stack([normal / sizes[0], one / sizes[1]])
-        images = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], 1)
+        images = images_of(phase, np.stack([normal / sizes[0], one / sizes[1]]))
         kept: list[np.ndarray] = []
         for pair in images:
             # Planes have no sides, and b and -b belong to one system.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import OrientationError
-from geomtorsion.orientations import Phase
+from geomtorsion.orientations import Phase, slip_families
 from tests.orientations.synthetic import NICKEL
 
 ZINC = ((2.66, 2.66, 4.95), (90, 90, 120))
@@ -51,3 +51,13 @@ def test_edges_in_one_plane_are_no_lattice(angles):
     with pytest.raises(OrientationError, match="make no lattice"):
         Phase("flat", "-1", (3, 4, 5), angles)
     assert Phase("low", "-1", (3, 4, 5), (60, 60, 119.999)).lattice[2, 2] > 0.01
+
+
+def test_a_lattice_without_the_symmetry_of_its_group():
+    """Of zinc without its angles nothing that is turned by 60 degrees is a lattice vector."""
+    odd = Phase("zinc", "6/mmm", ZINC[0])
+    for ask in (lambda: odd.family((1, 0, 0)), lambda: slip_families(odd, "hcp")):
+        with pytest.raises(OrientationError, match="a lattice of the symmetry 6/mmm was needed"):
+            ask()
+    hardly = Phase("tetragonal", "m-3m", (3.0, 3.0, 3.05))
+    assert len(hardly.family((0.5, 0.5, 0))) == 6
