@@ -91,7 +91,8 @@ def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
 def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:
     """The lower bound of a coordinate whose domain is as long as a full turn; None of others."""
     above: sp.Expr | None = None
-    below: sp.Expr | None = None
+    # Of a symbol that is declared positive sympy takes phi > 0 for said.
+    below: sp.Expr | None = sp.S.Zero if symbol.is_nonnegative else None
     for relation in frame.domain:
         if relation.free_symbols != {symbol} or not hasattr(relation, "gts"):
             continue

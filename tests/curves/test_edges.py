@@ -205,3 +205,13 @@ def test_members_end_at_edges_too(engine):
     for k in (0, 2):
         alone = solve(one.with_start(velocity=speeds[k]), 20.0, 1e-9, engine=engine)
         assert found.coordinates[k, -1] == pytest.approx(alone.coordinates[-1], rel=1e-8)
+
+
+@pytest.mark.parametrize("assumed", [{}, {"positive": True}, {"nonnegative": True}])
+def test_an_angle_that_is_declared_positive(assumed: dict[str, bool]) -> None:
+    """0 < phi < 2 pi is a full turn, whether the sign stands in the domain or with the symbol."""
+    r, phi = sp.Symbol("r", positive=True), sp.Symbol("phi", **assumed)
+    frame = Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0, phi > 0, phi < 2 * sp.pi])
+    assert [edge.words for edge in edges_of(frame) if "phi" in edge.words] == []
+    round_it = solve(geodesic(frame, [1.0, 6.2], [0.0, 1.0]), t=1.0)
+    assert round_it(1.0)[1] > 2 * sp.pi
