@@ -15,7 +15,7 @@ from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geode
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
-from geomtorsion.ode.numbers import check_memory
+from geomtorsion.ode.numbers import Numbers, check_memory
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
 from geomtorsion.spaces.first_motions import first_motion
 
@@ -137,10 +137,10 @@ class Pair:
 
 def solve_pair(
     space: Space,
-    start: Sequence[float] | None = None,
-    velocity: Sequence[float] | None = None,
+    start: Numbers | None = None,
+    velocity: Numbers | None = None,
     *,
-    frame_velocity: Sequence[float] | None = None,
+    frame_velocity: Numbers | None = None,
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
@@ -201,10 +201,10 @@ def solve_pair(
 
 def pair_problems(
     space: Space,
-    start: Sequence[float] | None = None,
-    velocity: Sequence[float] | None = None,
+    start: Numbers | None = None,
+    velocity: Numbers | None = None,
     *,
-    frame_velocity: Sequence[float] | None = None,
+    frame_velocity: Numbers | None = None,
     t: float | None = None,
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
