@@ -1,5 +1,7 @@
 """Map files: what is written is read; what is damaged is refused with its line and a remedy."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -156,11 +158,13 @@ def test_a_user_may_say_the_symmetry(tmp_path):
 def test_groups_of_phases_that_are_not_there(tmp_path):
     """What a user says about the symmetry is not left out without a word."""
     path = write(tmp_path, ctf(), "a.ctf")
-    for laue in ({2: "6/mmm"}, {"1": "6/mmm"}):
+    given: list[Any] = [{2: "6/mmm"}, {"1": "6/mmm"}]
+    for laue in given:
         with pytest.raises(FileFormatError, match="is that of no phase. Those of the file are 1."):
             read_map_file(path, laue)
+    word: Any = "6/mmm"
     with pytest.raises(FileFormatError, match="laue: .*'6/mmm' came"):
-        OrientationMap.read(path, laue="6/mmm")
+        OrientationMap.read(path, laue=word)
 
 
 def test_commas_behind_a_point_without_an_orientation(tmp_path):
