@@ -48,7 +48,6 @@ class Settings:
     unpacked: int = 64_000_000
     nodes: int = 250_000
     pixels: int = 1_048_576
-    phases: int = 32
     across: int = 400
     title: int = 60
     request: int = 24_000

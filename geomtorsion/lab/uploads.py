@@ -146,10 +146,8 @@ def _orientations(
     path: Path, threshold: float | None, laue: tuple[str, int] | None
 ) -> OrientationMap:
     """An orientation map."""
-    groups = {}
-    if laue is not None:
-        group, number = laue
-        groups = dict.fromkeys([number] if number else range(1, PAGE.phases + 1), group)
+    # 0 stands for all phases, on the page and for who reads maps.
+    groups = {} if laue is None else {laue[1]: laue[0]}
     if threshold is None:
         return OrientationMap.read(path, laue=groups)
     return OrientationMap.read(path, laue=groups, threshold=threshold)

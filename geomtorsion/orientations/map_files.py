@@ -59,7 +59,8 @@ class MapFile:
 def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
     """An orientation map from a .ctf or .ang file.
 
-    laue: number of a phase -> name of its Laue group, instead of what the file says.
+    laue: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
+    file says.
 
     Raises
     ------
@@ -85,7 +86,7 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
 def _check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) -> None:
     """Refuse groups of phases that are not in the file."""
     for number in laue:
-        if number not in phases:
+        if number not in (0, *phases):
             raise FileFormatError(
                 f"{name}: laue: number {shown(number)} is that of no phase. Those of the file are "
                 f"{', '.join(map(str, phases))}."
@@ -137,7 +138,7 @@ class _Source:
         horizontal: str,
     ) -> Phase:
         """A phase, with the Laue group that the user gives or the file."""
-        group = self.laue.get(number, laue)
+        group = self.laue.get(number, self.laue.get(0, laue))
         if group is None:
             self.fail(
                 line,
@@ -369,7 +370,8 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
 
     Numbers of phases are those of orix and one more: its phases begin with 0. Steps are in um.
 
-    given: number of a phase -> name of its Laue group, instead of what the file says.
+    given: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
+    file says.
 
     Raises
     ------
@@ -414,7 +416,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
             continue
         group = None if phase.point_group is None else phase.point_group.laue.name
         lattice = phase.structure.lattice
-        known = laue.get(key + 1, group)
+        known = laue.get(key + 1, laue.get(0, group))
         if known is None:
             raise FileFormatError(
                 f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "

@@ -167,7 +167,8 @@ class OrientationMap:
         Parameters
         ----------
         laue
-            Number of a phase -> name of its Laue group, where the file is wrong or silent.
+            Number of a phase (0: of every other one) -> name of its Laue group, where the file is
+            wrong or silent.
         axes
             Rotation from the axes of the map (x along rows, y along columns) to those to which the
             Euler angles refer, shape (3, 3); the same axes if not given. Instruments differ here:

@@ -155,6 +155,13 @@ def test_a_user_may_say_the_symmetry(tmp_path):
     assert OrientationMap.read(path, laue={1: "m-3m"}).phases[1].laue == "m-3m"
 
 
+def test_a_group_of_every_phase(tmp_path):
+    """0, which is no phase, stands for all that have no group of their own there."""
+    path = write(tmp_path, ctf(laue=44), "a.ctf")
+    assert OrientationMap.read(path, laue={0: "mmm"}).phases[1].laue == "mmm"
+    assert OrientationMap.read(path, laue={0: "mmm", 1: "m-3m"}).phases[1].laue == "m-3m"
+
+
 def test_groups_of_phases_that_are_not_there(tmp_path):
     """What a user says about the symmetry is not left out without a word."""
     path = write(tmp_path, ctf(), "a.ctf")
