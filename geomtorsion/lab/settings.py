@@ -13,8 +13,7 @@ class Settings:
     upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
     sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
     nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
-    many as a camera of 1024 x 1024 has. phases: numbers of phases for which a symmetry can be
-    chosen. title: letters of its name.
+    many as a camera of 1024 x 1024 has. title: letters of its name.
     request: characters of one request; the largest tetrad of the page has 36 entries.
     address: characters of one text that is kept in the address of the page.
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
