@@ -60,9 +60,6 @@ class Field(Tower):
     ((-2*M + r)/r, True)
     """
 
-    # Functions of a field, each in a file of its own.
-    derivative, root = derivative, root
-
     def __init__(
         self,
         symbols: Sequence[sympy.Symbol],
@@ -182,6 +179,14 @@ class Field(Tower):
     def brief(self, element: Element) -> Element | None:
         """An element multiplied out, if that takes little."""
         return kept.multiplied_out(self, element, briefly=True)
+
+    def root(self, element: Element, order: int, radical: sympy.Expr | None = None, /) -> Element:
+        """The root of an order, positive at the sample point; adds a generator if it must."""
+        return root(self, element, order, radical)
+
+    def derivative(self, element: Element, symbol: sympy.Symbol, /) -> Element:
+        """The partial derivative of an element."""
+        return derivative(self, element, symbol)
 
     def conjugate(self, element: Element) -> Element:
         """The element with I replaced by -I, also inside roots, logs and exponents."""
