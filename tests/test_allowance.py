@@ -18,15 +18,7 @@ from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 from geomtorsion.exact import Field
 from geomtorsion.precision import ball_precision
 
-
-@pytest.fixture(autouse=True)
-def callbacks_end_quietly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A callback of hypothesis at each collection of garbage may be what an interruption hits.
-
-    It is not written down: the limit may be met again meanwhile.
-    """
-    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)
-
+pytestmark = pytest.mark.usefixtures("callbacks_end_quietly")
 
 t, r, x, y, z = sp.symbols("t r x y z", real=True)
 f, g = sp.Function("f"), sp.Function("g")

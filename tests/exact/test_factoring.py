@@ -100,6 +100,7 @@ SLOW = sp.Mul(
 )
 
 
+@pytest.mark.usefixtures("callbacks_end_quietly")
 def test_limits_end_it():
     """The root of a product needs its factors; the field is as good as before."""
     field = Field([x, y])
