@@ -48,8 +48,8 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     internal = assembly.constrained(vector_sum(parts, "momentum"))
     turning = assembly.constrained(vector_sum(parts, "moment"))
     # The naive law leaves this out; of a body that is held, with what Steiner's part has in it.
-    left = 0 if any(part.naive for part in parts) else 1
-    gyroscopic = left * omega.cross(inertia * omega + internal)
+    naive = any(part.naive for part in parts)
+    gyroscopic = (0 if naive else 1) * omega.cross(inertia * omega + internal)
     turning -= gyroscopic + internal.applyfunc(assembly.derivative)
     # A free body: translation and rotation are separate, and the speeds are Omega.
     if assembly.constraint is None:
@@ -60,7 +60,9 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     fixed = replace(
         assembly, rates={s: r for s, r in assembly.rates.items() if s not in assembly.speeds}
     )
-    pulling -= mass * (v.applyfunc(fixed.derivative) + left * omega.cross(v))
+    # Where no point is held, m Omega x v is no part of Omega x L but of m v' in space.
+    turned = 0 if naive and assembly.constraint.arm is not None else 1
+    pulling -= mass * (v.applyfunc(fixed.derivative) + turned * omega.cross(v))
     turning -= inertia * omega.applyfunc(fixed.derivative)
     pairs = [(omega.diff(speed), v.diff(speed)) for speed in assembly.speeds]
     matrix = sp.Matrix(

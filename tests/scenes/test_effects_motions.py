@@ -4,6 +4,7 @@
 # pyright: reportArgumentType=false
 
 import math
+from dataclasses import dataclass
 
 import mpmath
 import numpy as np
@@ -254,6 +255,29 @@ def test_a_naive_top_is_one_top_wherever_its_moments_are_about():
         for body, place in ((BODY, "centre"), (Body(2.0, inertia=about_pivot), "pivot"))
     ]  # fmt: skip
     assert abs(motions[0] - motions[1]).max() < NEAR
+
+
+@dataclass(frozen=True)
+class Blade(E.Effect):
+    """Chaplygin's sleigh as a user would write it, which excludes nothing."""
+
+    key = "blade"
+
+    def adds(self, context):
+        u, spin = context.state("u"), context.Omega[2]
+        tied = E.Constraint(("u", "Omega3"), (0, 0, spin), (u, 0.3 * spin, 0), start={"u": -1})
+        return E.Contribution(constraint=tied)
+
+
+def test_the_naive_law_keeps_the_turning_of_a_velocity_in_body_axes():
+    """m Omega x v is no part of Omega x L where no point is held: here Omega x L vanishes."""
+    right, naive = (
+        run(BODY, [Blade(), *law], ["velocity", "omega"], 3, omega=(0, 0, 2))
+        for law in ([], [E.Naive()])
+    )
+    assert np.ptp(right["omega"][:, 2]) > 1
+    for name in ("velocity", "omega"):
+        assert abs(naive[name] - right[name]).max() < NEAR
 
 
 def test_chaplygins_sleigh_ends_straight_ahead():
