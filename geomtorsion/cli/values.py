@@ -24,6 +24,22 @@ def parts(text: str) -> tuple[str, ...]:
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
+def some_names(text: str, option: str) -> list[str]:
+    """Names separated by commas: at least one, for none would pass for all.
+
+    Examples
+    --------
+    >>> some_names("torsion, ricci,", "--only")
+    ['torsion', 'ricci']
+    """
+    found = list(parts(text))
+    if not found:
+        raise UnknownNameError(
+            f"{option} {shown(text)}: at least one name is needed. Name one, or leave {option} out."
+        )
+    return found
+
+
 def number(text: str, what: str) -> float:
     """A number, written as one or as an expression such as pi/2.
 

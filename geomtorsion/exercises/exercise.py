@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from geomtorsion.checks import close_names
+from geomtorsion.checks import close_names, known_name
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import check_question
@@ -105,15 +105,15 @@ class Exercise:
         UnknownNameError
             There is none; the message lists those there are.
         """
-        for question in self.questions:
-            if question.name == name:
-                return question
-        known = ", ".join(question.name for question in self.questions)
-        near = close_names(name, [question.name for question in self.questions])
-        hint = f" Did you mean {near[0]}?" if near else ""
-        raise UnknownNameError(
-            f"exercise {self.number} has no question {name[:60]!r}: there is {known}.{hint}"
+        known = {question.name: question for question in self.questions}
+        found = known_name(
+            name,
+            known,
+            f"exercise {self.number}",
+            UnknownNameError,
+            message="{subject} has no question {value}: there is {known}. {hint}",
         )
+        return known[found]
 
     def solution(self) -> dict[str, Value]:
         """The right answers, computed now: question -> {index counted from 0: expression}."""

@@ -41,6 +41,13 @@ def test_unknown_exercises(number, seed, says):
         registry.load(number, seed)
 
 
+@pytest.mark.parametrize("name", [3, None, ["christoffel"], "cristoffel"])
+def test_unknown_questions(name):
+    """What is no name of a question is refused by name, whatever it is."""
+    with pytest.raises(UnknownNameError, match=r"3.2 has no question .*: there is christoffel"):
+        registry.load("3.2").question(name)
+
+
 def test_an_exercise_shows_itself():
     """One line in a terminal, the statement in a notebook."""
     exercise = registry.load("3.2", seed=4)

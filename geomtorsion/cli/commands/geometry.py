@@ -12,7 +12,7 @@ from geomtorsion.cli.formats import latex_of, mathematica_of, python_of, text_of
 from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
-from geomtorsion.cli.values import parts
+from geomtorsion.cli.values import some_names
 from geomtorsion.pictures.quantities import chosen_quantities, geometry_data
 
 
@@ -75,7 +75,7 @@ def geometry(
     """
     with working(source) as progress:
         space = open_space(source)
-        names = [] if only == "all" else list(parts(only))
+        names = [] if only == "all" else some_names(only, "--only")
         quantities = chosen_quantities(space, names, basis.value, progress)
     match form:
         case Format.text:

@@ -125,6 +125,10 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
             f"{output} holds a run that was stopped. Give --resume to go on with it, or "
             "--overwrite to begin anew."
         )
+    if resume and not path.exists():
+        raise CheckpointError(
+            f"{output} holds nothing that was stopped. Leave out --resume and --kept."
+        )
     output.mkdir(parents=True, exist_ok=True)
     return path
 

@@ -57,6 +57,11 @@ def test_everything_is_the_default():
     assert places == sorted(places)
 
 
+def test_no_quantity_is_not_every_quantity():
+    """A list of nothing but commas is refused."""
+    assert "at least one name is needed" in run("geometry", "s2", "--only", ",", code=2).stderr
+
+
 def test_roots_are_stated():
     """The branch of every root that was read stands in the heading."""
     assert "read as" in shown("schwarzschild", "--only", "determinant")

@@ -122,6 +122,15 @@ def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
     assert (tmp_path / "table.csv").exists()
 
 
+@pytest.mark.parametrize("option", ["--resume", "--kept"])
+def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
+    """A directory that holds no stopped run is refused, and not made."""
+    folder = tmp_path / "misspelt"
+    refused = run("run", "lagrange_cusp", "--t", "0.1", option, "-o", str(folder), code=2)
+    assert "holds nothing that was stopped. Leave out --resume" in refused.stderr
+    assert not folder.exists()
+
+
 def test_errors_of_files_name_file_and_line(tmp_path):
     """As a person sees it on the command line."""
     file = tmp_path / "bad.toml"
