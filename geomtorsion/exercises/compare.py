@@ -24,7 +24,7 @@ EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
 # Functions that are made by turning another one round.
 _INVERSE = (
     sympy.asin, sympy.acos, sympy.atan, sympy.acot, sympy.atan2, sympy.asinh, sympy.acosh,
-    sympy.atanh, sympy.log,
+    sympy.atanh, sympy.acoth, sympy.asec, sympy.acsc, sympy.asech, sympy.acsch, sympy.log,
 )  # fmt: skip
 # Half of the digits may have cancelled on the way; what differs in the others is different.
 SURE = 10.0 ** (-DIGITS // 2)

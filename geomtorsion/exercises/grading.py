@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError
+from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
@@ -218,13 +218,15 @@ def grade(
 
     Returns
     -------
-    Marks. Rows of the output that belong to unchanged files and the same task are kept, so that
-    grading that was interrupted goes on where it stopped.
+    Marks. Rows of the output that belong to unchanged files and the same task (with as many
+    seconds) are kept, so that grading that was interrupted goes on where it stopped.
 
     Raises
     ------
     FileFormatError
         The folder holds no TOML file, or the output cannot be written.
+    ArgumentError
+        numbers is empty.
     """
     # Sorted: the same folder gives the same table on every system.
     files = sorted(path for path in Path(folder).iterdir() if path.suffix == ".toml")
@@ -235,10 +237,16 @@ def grade(
     read = {path: _read(path) for path in files}
     # One that is named twice counts once.
     found = tuple(dict.fromkeys(numbers)) if numbers is not None else _occurring(read.values())
+    if numbers is not None and not found:
+        raise ArgumentError(
+            "numbers: at least one exercise that counts was needed, but none came. Name one, or "
+            "leave it out: all that anybody answered count then."
+        )
     for number in found:
         load(number)
     chosen = ASKED_FOR if numbers is not None else OCCURRING
-    task = _Task(found, seed, f"{' '.join(found) or 'none'} ({chosen})", _namesakes(read))
+    counted = f"{' '.join(found) or 'none'} ({chosen})"
+    task = _Task(found, seed, counted, _namesakes(read), seconds)
     table = Path(output)
     before = _rows_of(table, found)
     rows: list[Mapping[str, str]] = []
@@ -268,23 +276,24 @@ def grade(
 class _Task:
     """What is graded: the exercises, the seed asked for, how both are told, and who came twice.
 
-    namesakes: file -> other files of the same student.
+    namesakes: file -> other files of the same student. seconds: for the answers to one exercise.
     """
 
     numbers: tuple[str, ...]
     seed: int | None
     counted: str
     namesakes: Mapping[Path, tuple[str, ...]]
+    seconds: float
 
     def fingerprint(self, path: Path) -> str:
-        """Changes when the file or the task does."""
+        """Changes when the file, the task or its time does."""
         try:
             fits = path.stat().st_size < 10**7 and path.is_file()
             content = path.read_bytes() if fits else b""
         except OSError:
             content = b""
         others = ",".join(self.namesakes.get(path, ()))
-        task = f"{path.name}|{self.counted}|{self.seed}|{others}|"
+        task = f"{path.name}|{self.counted}|{self.seed}|{others}|{self.seconds}|"
         return hashlib.sha256(task.encode("utf-8", "surrogateescape") + content).hexdigest()[:16]
 
 

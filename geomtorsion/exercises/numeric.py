@@ -26,7 +26,8 @@ _NAMES = frozenset(
 )
 INVERSE = {"cot": "tan", "sec": "cos", "csc": "sin", "coth": "tanh", "sech": "cosh",
             "csch": "sinh"}  # fmt: skip
-_TURNED = {"acot": "atan"}
+_TURNED = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin", "asech": "acosh",
+           "acsch": "asinh"}  # fmt: skip
 
 
 def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:

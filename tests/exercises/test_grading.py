@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from geomtorsion import exercises
-from geomtorsion.errors import FileFormatError, LimitError, UnknownNameError
+from geomtorsion.errors import ArgumentError, FileFormatError, LimitError, UnknownNameError
 from geomtorsion.exercises import grading
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.examiner import Examiner
@@ -172,6 +172,9 @@ def test_a_changed_file_is_graded_again(folder, tmp_path):
     assert marks.kept == 2
     assert table_of(output)[one.name]["3.2"] == "1"
     assert grade(few, output, ["3.2"]).kept == 0
+    # More time may bring an answer that took too long to its end.
+    assert grade(few, output, ["3.2"], seconds=20).kept == 0
+    assert grade(few, output, ["3.2"], seconds=20).kept == 3
 
 
 def test_one_seed_for_all(folder, tmp_path):
@@ -191,6 +194,8 @@ def test_unknown_exercises_and_empty_folders(tmp_path):
     (tmp_path / "a.toml").write_text("", "utf-8")
     with pytest.raises(UnknownNameError, match="9.9"):
         grade(tmp_path, tmp_path / "marks.csv", ["9.9"])
+    with pytest.raises(ArgumentError, match="at least one exercise that counts"):
+        grade(tmp_path, tmp_path / "marks.csv", [])
 
 
 def test_rows_are_harmless_in_a_spreadsheet():

@@ -25,7 +25,7 @@ def question(kind="expression", **more) -> Question:
     "text",
     ["sin(x)*exp(y)/(2 + cos(x))", "sqrt(2 + x)", "atan2(x, y)", "acot(x)", "sec(x)*csc(y)",
      "log(3 + x, 2)", "asinh(x) + acosh(2 + y) + atanh(y/3)", "sech(x)*csch(y)", "pi*E*coth(x)",
-     "x^(1/3)"],
+     "x^(1/3)", "acoth(2 + x) + asec(2 + y) + acsc(-2 - x)", "asech(x)*acsch(y)"],
 )  # fmt: skip
 def test_values_agree_with_sympy(text):
     """Floats at many points and many digits at one, against sympy's own evaluation."""
