@@ -13,7 +13,7 @@ import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.codegen import graph
-from geomtorsion.errors import LoopError
+from geomtorsion.errors import LoopError, MissingValueError
 
 Vector = tuple[float, ...]
 # What users give: numbers exact or not, points, planes by two coordinates or two vectors, and
@@ -176,6 +176,11 @@ class Curve:
         angles, and cos(1000 s) next to cos(s) would become a polynomial of degree 1000 that no
         floating point can sum.
         """
+        if self.symbols:
+            names = ", ".join(sorted(symbol.name for symbol in self.symbols))
+            raise MissingValueError(
+                f"the loop contains {names}: give it values first, loop.at({{...}})."
+            )
         derivatives = [expression.diff(self.parameter) for expression in self.expressions]
         outputs = [*self.expressions, *derivatives]
         return graph([self.parameter.name], outputs, factor=False).numpy()

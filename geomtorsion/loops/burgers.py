@@ -24,13 +24,14 @@ from geomtorsion.loops.integrals import (
     line_route,
     refuse_other_periods,
 )
-from geomtorsion.loops.loop import Loop, check_loop, with_numbers
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
 from geomtorsion.loops.scattered import ScatteredFrame
 from geomtorsion.loops.validation import check_accuracy
+from geomtorsion.loops.values import with_numbers
 
 
 @overload
@@ -101,8 +102,8 @@ def burgers_vector(
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     exact
-        Give a closed form instead of numbers, in which parameters stay symbols; see
-        `exact_burgers_vector`.
+        Give a closed form instead of numbers, in which parameters without a value stay symbols;
+        see `exact_burgers_vector`. It has no accuracy to be asked for.
 
     Returns
     -------
@@ -137,7 +138,7 @@ def burgers_vector(
     checks.instance(frame, Frame, "frame")
     check_loop(loop, frame.dimension)
     if exact:
-        return exact_burgers_vector(frame, loop)
+        return exact_burgers_vector(frame, loop, parameters=parameters)
     check_accuracy(accuracy)
 
     start = time.perf_counter()

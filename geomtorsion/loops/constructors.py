@@ -12,7 +12,7 @@ import scipy  # loads its parts when they are asked for
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ExpressionError, LoopError, MissingValueError
+from geomtorsion.errors import ExpressionError, LoopError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.names import FUNCTIONS
@@ -109,24 +109,24 @@ def _periods(
 
 
 def filled(part: Part, values: Parameters) -> Part:
-    """A part with numbers for its symbols; see Loop.at."""
+    """A part with numbers for those of its symbols that have a value; see Loop.at."""
     (arc,) = part.arcs
     if not isinstance(arc, Curve) or not arc.symbols:
         return part
     names = checks.by_name(values, "parameters", LoopError)
-    missing = sorted(s.name for s in arc.symbols if s.name not in names)
-    if missing:
-        raise MissingValueError(
-            f"the loop contains {', '.join(missing)}: give values, "
-            f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
-        )
-    table = {s: exact_number(validation.exact_input(names[s.name], s.name)) for s in arc.symbols}
+    table = {
+        s: exact_number(validation.exact_input(names[s.name], s.name))
+        for s in arc.symbols
+        if s.name in names
+    }
     known = replace(
         arc,
         expressions=tuple(x.subs(table) for x in arc.expressions),
         start=arc.start.subs(table),
         end=arc.end.subs(table),
     )
+    if known.symbols:
+        return replace(part, arcs=(known,))
     return _finished(part, known, part.size == 1 and not any(part.centre))
 
 

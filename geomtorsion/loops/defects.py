@@ -20,9 +20,10 @@ from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.forms import Poles, forms, parameter_values
 from geomtorsion.loops.integrals import line_route
-from geomtorsion.loops.loop import Loop, with_numbers
+from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
+from geomtorsion.loops.values import with_numbers
 from geomtorsion.loops.winding import turns_round
 
 if TYPE_CHECKING:

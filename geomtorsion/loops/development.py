@@ -17,13 +17,14 @@ from geomtorsion.loops.arcs import Parameters, Part
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
-from geomtorsion.loops.loop import Loop, check_loop, with_numbers
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.sampled import SampledFrame
 from geomtorsion.loops.scattered import ScatteredFrame
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
+from geomtorsion.loops.values import with_numbers
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:

@@ -33,6 +33,7 @@ from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
+from geomtorsion.loops.values import with_values
 from geomtorsion.precision import working_digits
 
 # A symbol for cos(t) and one for sin(t), once all multiples of t are expanded.
@@ -235,13 +236,23 @@ class ExactBurgersVector:
         return f"$b = {sp.latex(sp.Matrix(self.vector))}$"
 
 
-def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> ExactBurgersVector:
+def exact_burgers_vector(
+    frame: Frame, loop: Loop, seconds: float = 20.0, *, parameters: Parameters | None = None
+) -> ExactBurgersVector:
     """Burgers vector of a loop in closed form.
 
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
     sympy can integrate. The result is compared with a numerical integral before it is given.
     Decimal numbers in the loop count as what they say: 0.3 is 3/10.
+
+    Parameters
+    ----------
+    seconds
+        How long a closed form is looked for.
+    parameters
+        Values of parameters of frame and loop, {symbol or name: number}, put in exactly before
+        anything is integrated; those without a value stay symbols.
 
     Raises
     ------
@@ -253,6 +264,8 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
         No closed form was found within the time, or it does not agree with the numbers.
     LoopError
         The loop is known by numbers only (a spline), or has another dimension than the frame.
+    UnknownNameError
+        A value is given for what neither frame nor loop contains.
 
     Examples
     --------
@@ -262,11 +275,14 @@ def exact_burgers_vector(frame: Frame, loop: Loop, seconds: float = 20.0) -> Exa
     >>> frame = Frame([x, y, z], [[1, 0, 0], [0, 1, 0], [-y / 2, x / 2, 1]])
     >>> exact_burgers_vector(frame, Loop.circle([0, 0, 0], r)).vector
     (0, 0, pi*R**2)
+    >>> exact_burgers_vector(frame, Loop.circle([0, 0, 0], r), parameters={r: 0.3}).vector
+    (0, 0, 9*pi/100)
     """
     start = time.perf_counter()
     checks.instance(frame, Frame, "frame")
     check_loop(loop, frame.dimension)
     checks.positive(seconds, "seconds", LoopError)
+    frame, loop = with_values(frame, loop, parameters)
     total = [sp.S.Zero] * frame.dimension
     where = sample_of(frame, loop.symbols)
     _refuse_poles(frame, loop, where)

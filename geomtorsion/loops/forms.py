@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import TYPE_CHECKING
@@ -334,16 +334,8 @@ def parameter_values(
     UnknownNameError
         A name means nothing to this frame.
     """
-    table: dict[str, object] = {}
-    known = {symbol.name for symbol in frame.field.symbols}
-    for name, value in checks.by_name(given, "parameters", UnknownNameError).items():
-        if name not in known or name in {symbol.name for symbol in frame.coordinates}:
-            names = [s.name for s in frame.field.symbols if s not in frame.coordinates]
-            raise UnknownNameError(
-                f"{name} is no parameter of this frame. Parameters are: "
-                f"{', '.join(names) or 'none'}."
-            )
-        table[name] = value
+    table = checks.by_name(given, "parameters", UnknownNameError)
+    refuse_unknown(frame, table)
     missing = [symbol.name for symbol in wanted if symbol.name not in table]
     if missing:
         raise MissingValueError(
@@ -351,6 +343,23 @@ def parameter_values(
             f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
         )
     return tuple(_number(table[symbol.name], symbol.name) for symbol in wanted)
+
+
+def refuse_unknown(frame: Frame, names: Iterable[str]) -> None:
+    """Refuse names that are no parameters of a frame.
+
+    Raises
+    ------
+    UnknownNameError
+        One is none; the message says which there are.
+    """
+    known = [s.name for s in frame.field.symbols if s not in frame.coordinates]
+    for name in names:
+        if name not in known:
+            raise UnknownNameError(
+                f"{name} is no parameter of this frame. Parameters are: "
+                f"{', '.join(known) or 'none'}."
+            )
 
 
 def _number(value: object, name: str) -> float | complex:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import LoopError
+from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
 from geomtorsion.loops.quadrature import integrate
@@ -19,8 +19,6 @@ from geomtorsion.precision import CALCULATED
 if TYPE_CHECKING:
     import networkx as nx
     import sympy as sp
-
-    from geomtorsion.geometry import Frame
 
 
 @dataclass(frozen=True, repr=False)
@@ -338,10 +336,13 @@ class Loop:
         >>> float(Loop.circle([0, 0], R).at({R: 1}).area[0, 1].round(12))
         3.14159265359
         """
-        parts = tuple(
-            constructors.filled(part, values) if self.symbols else part for part in self.parts
-        )
-        return Loop(parts, self.name)
+        found = filled(self, values)
+        if missing := sorted(symbol.name for symbol in found.symbols):
+            raise MissingValueError(
+                f"the loop contains {', '.join(missing)}: give values, "
+                f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
+            )
+        return found
 
     # -- what it is -----------------------------------------------------------------------------
 
@@ -463,19 +464,8 @@ def check_loop(loop: object, dimension: int) -> None:
         )
 
 
-def with_numbers(
-    frame: Frame, loop: Loop, parameters: Parameters | None
-) -> tuple[Loop, Parameters | None]:
-    """A loop with numbers for its symbols, and the values that are left for the frame.
-
-    Raises
-    ------
-    MissingValueError
-        A symbol of the loop has no value.
-    """
+def filled(loop: Loop, values: Parameters) -> Loop:
+    """A loop with numbers for those of its symbols that have a value; the others stay."""
     if not loop.symbols:
-        return loop, parameters
-    known = {symbol.name for symbol in frame.field.symbols}
-    alone = {symbol.name for symbol in loop.symbols} - known
-    found = loop.at(parameters or {})
-    return found, {k: v for k, v in (parameters or {}).items() if str(k) not in alone}
+        return loop
+    return Loop(tuple(constructors.filled(part, values) for part in loop.parts), loop.name)

@@ -15,9 +15,10 @@ from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.development import back_by
-from geomtorsion.loops.loop import Loop, check_loop, with_numbers
+from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.transport import STAGES, collocation, increments, transported
 from geomtorsion.loops.validation import number, vector
+from geomtorsion.loops.values import with_numbers
 from geomtorsion.precision import CALCULATED
 
 

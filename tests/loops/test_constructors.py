@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from geomtorsion.errors import LoopError
+from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.loops import Loop, burgers_vector, develop, develop_period, exact_burgers_vector
 from geomtorsion.spaces import load
@@ -97,3 +97,11 @@ def test_symbols_in_loops_with_periods() -> None:
     assert exact_burgers_vector(SCREW, loop).vector == (0, 2 * sp.pi * a, B)
     found = burgers_vector(SCREW, loop, parameters={"a": 3, "b": 1})
     assert found.vector == pytest.approx([0, 6 * math.pi, 1], abs=1e-12)
+
+
+def test_a_loop_with_symbols_has_no_points_yet() -> None:
+    """It says which values it needs, and how they are given."""
+    loop = Loop.circle([0, 0], R)
+    for asked in (lambda: loop.then(loop), lambda: loop.base, loop.points):
+        with pytest.raises(MissingValueError, match=r"contains r: give it values first, loop\.at"):
+            asked()

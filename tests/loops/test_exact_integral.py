@@ -11,6 +11,7 @@ from geomtorsion.errors import (
     MissingValueError,
     SingularPointError,
     UndecidedError,
+    UnknownNameError,
 )
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector, parallel_screws
@@ -52,6 +53,30 @@ def test_closed_forms(space: str, loop: Loop, expected: tuple[sp.Expr, ...]) -> 
     found = burgers_vector(load(space).frame, loop, exact=True)
     for one, two in zip(found.vector, expected, strict=True):
         assert sp.simplify(one - two) == 0, found
+
+
+def test_values_are_put_in_exactly() -> None:
+    """Some or all of the symbols of frame and loop; what has no value stays a symbol."""
+    frame, loop = load("screw_dislocation").frame, Loop.circle([0, 0, 0], R)
+    assert burgers_vector(frame, loop, exact=True, parameters={"b": 0.3}).vector[2] == THIRD
+    area = sp.Symbol("a") * R
+    plane = load("heisenberg").frame
+    ellipse = Loop.ellipse([0, 0, 0], (R, sp.Symbol("a")))
+    for values, left in (({R: 0.3}, area.subs(R, THIRD)), ({R: 2, "a": 3}, 6), ({}, area)):
+        found = burgers_vector(plane, ellipse, exact=True, parameters=values)
+        assert found.vector == (0, 0, -sp.pi * left)
+    with pytest.raises(UnknownNameError, match="c is no parameter of this frame"):
+        burgers_vector(frame, loop, exact=True, parameters={"b": 1, "c": 2})
+
+
+def test_a_value_decides_whether_a_line_is_enclosed() -> None:
+    """Without it no one closed form holds."""
+    frame, loop = load("screw_dislocation").frame, Loop.circle([1, 0, 0], R)
+    with pytest.raises(UndecidedError, match="depends on R"):
+        burgers_vector(frame, loop, exact=True)
+    for radius, expected in ((0.5, 0), (2, b)):
+        found = burgers_vector(frame, loop, exact=True, parameters={"R": radius})
+        assert found.vector == (0, 0, expected)
 
 
 def test_closed_form_and_numbers_agree() -> None:

@@ -46,6 +46,9 @@ from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 
 MOST_PICTURES = 12
+WHOLE_TURN = "0,2*pi"
+# What a file of loops may say of the frame, and measured fields have not.
+ONLY_FORMULAS = ("parameters", "accuracy")
 # Kinds of loops whose fields are separated by colons, and what the fields are called.
 FIELDS = {
     "circle": ("centre", "radius", "plane"),
@@ -87,8 +90,8 @@ def burgers(
         Texts, option("--loop", metavar="'KIND TEXT'", text="Any of these, as in 'circle 20,30:8'.")
     ] = [],
     interval: Annotated[
-        str, typer.Option(metavar="START,END", help="Bounds of s in --curve.")
-    ] = "0,2*pi",
+        str | None, option(metavar="START,END", text="Bounds of s in --curve; default: 0,2*pi.")
+    ] = None,
     loops: Annotated[
         list[Path],
         option(metavar="FILE", text="Loops from a JSON or CSV file; - for JSON on standard input."),
@@ -145,14 +148,22 @@ def burgers(
         "circle": circle, "ellipse": ellipse, "polygon": polygon,
         "plaquette": plaquette, "curve": curve, "spline": spline,
     }  # fmt: skip
+    refuse_interval(interval, curve, any_kind)
     wanted: list[Loop] = []
     parameters: Values = {}
     for path in loops:
         read = _read(frame, path)
+        if measured:
+            named = {f"--loops {path}: {key}": getattr(read, key) for key in ONLY_FORMULAS}
+            refuse_options(named, measured)
         wanted += read.loops
         parameters |= read.parameters
         accuracy = read.accuracy if accuracy is None else accuracy
     parameters |= exact_assignments(values)
+    if exact and accuracy is not None:
+        raise LoopError(
+            f"accuracy {accuracy}: a closed form has none to ask for. Drop it, or --exact."
+        )
     wanted += _described(frame, given, interval)
     wanted += (_named_kind(frame, text, interval) for text in any_kind)
     if not wanted:
@@ -217,14 +228,14 @@ def _read(frame: Frame, path: Path) -> LoopFile:
     return read_loops(frame, path)
 
 
-def _described(frame: Frame, given: Mapping[str, Texts], interval: str) -> Iterator[Loop]:
+def _described(frame: Frame, given: Mapping[str, Texts], interval: str | None) -> Iterator[Loop]:
     """Loops that stand on the command line."""
     for kind, texts in given.items():
         for text in texts:
             yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
 
 
-def _named_kind(frame: Frame, text: str, interval: str) -> Loop:
+def _named_kind(frame: Frame, text: str, interval: str | None) -> Loop:
     """The loop that `--loop "KIND TEXT"` means."""
     kind, _, rest = text.strip().partition(" ")
     if kind not in KINDS or not rest.strip():
@@ -239,13 +250,22 @@ def _named_kind(frame: Frame, text: str, interval: str) -> Loop:
 def refuse_options(given: Mapping[str, object], measured: bool) -> None:
     """Refuse options that belong to the other kind of source."""
     for name, value in given.items():
-        if value is not None and value is not False and value != []:
+        if value is not None and value is not False and value not in ([], {}):
             other = "spaces given by formulas" if measured else "measured fields"
             this = "measured" if measured else "a space"
             raise LoopError(f"{name}: it belongs to {other}, but the source is {this}. Drop it.")
 
 
-def loop_data(kind: str, text: str, interval: str, option: str = "") -> dict[str, Any]:
+def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
+    """Refuse bounds of a curve where no curve is asked for."""
+    if interval is not None and not curves and not any(x.split()[:1] == ["curve"] for x in others):
+        raise LoopError(
+            f"--interval {cut(interval)}: it bounds s in --curve, but no curve came. Drop it, or "
+            "give --curve 'EXPR;EXPR;...'. A file of loops has intervals of its own."
+        )
+
+
+def loop_data(kind: str, text: str, interval: str | None, option: str = "") -> dict[str, Any]:
     """The loop that `--kind TEXT` means, as `loop_from_data` takes it.
 
     option: how it was typed, for messages, if not so.
@@ -262,7 +282,7 @@ def loop_data(kind: str, text: str, interval: str, option: str = "") -> dict[str
         if kind == "circle":
             inner["radius"] = fields[1]
     elif kind == "curve":
-        inner = {"expressions": _split(text, ";"), "interval": _split(interval, ",")}
+        inner = {"expressions": _split(text, ";"), "interval": _split(interval or WHOLE_TURN, ",")}
     else:
         points = [_split(point, ",") for point in text.split(";") if point.strip()]
         inner = {"points" if kind == "spline" else "vertices": points}
@@ -278,7 +298,7 @@ def _solved(
 ) -> tuple[dict[str, Any], BurgersVector | None]:
     """The result of one loop as plain data, and as an object for the picture."""
     if exact:
-        closed = exact_burgers_vector(frame, loop)
+        closed = exact_burgers_vector(frame, loop, parameters=parameters)
         formula = [str(x) for x in closed.vector]
         return {"loop": loop.name, "exact": formula, "seconds": closed.seconds}, None
     asked: dict[str, Any] = {} if accuracy is None else {"accuracy": accuracy}

@@ -65,6 +65,15 @@ def test_closed_forms() -> None:
     assert "b = (0, 0, -pi/4)" in run("heisenberg", "--circle", "0,0,0:1/2", "--exact").stdout
 
 
+def test_closed_forms_take_values() -> None:
+    """--set is put in exactly; bounds of a curve are those of --interval."""
+    half = ("--curve", "cos(s);sin(s);0", "--interval", "0,4*pi")
+    found = data("screw_dislocation", "--set", "b=1/3", "--exact", *half)
+    assert found["results"][0]["exact"] == ["0", "0", "2/3"]
+    found = data("heisenberg", "--loop", half[0][2:] + " " + half[1], *half[2:])
+    assert found["results"][0]["vector"][2] == pytest.approx(-2 * math.pi)
+
+
 def test_a_pipeline(tmp_path: Path) -> None:
     """JSON in on standard input or from a file, CSV too; JSON out, and files with pictures."""
     loops = json.dumps(
@@ -145,6 +154,8 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--set", "R", "--circle", "0,1,0:1"), "NAME=VALUE was needed"),
         (("--set", "R=1", "--circle", "0,1,0:1"), "R is no parameter"),
         (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
+        (("--interval", "0,pi", "--circle", "0,1,0:1"), "no curve came. Drop it"),
+        (("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:1"), "Drop it, or --exact"),
         (("--loops", "none.json"), "cannot be read"),
         (("--spline", "0,0,0;1,0,0;0,1,0", "--exact"), "known by numbers only"),
     ],
@@ -220,6 +231,23 @@ def test_measured_circuits_that_fail(tmp_path) -> None:
     assert found[0]["kind"] == "OrientationError"
     assert "vector" in found[1]
     assert "failed" in run(path, *options, "--loop", "circle 1.5,2:1", code=1).stdout
+
+
+def test_a_file_of_loops_of_the_other_kind(tmp_path) -> None:
+    """What it says of a frame given by formulas is refused for measured fields, by its key."""
+    circle = {"circle": {"centre": [2, 3], "radius": 1.5}}
+    for extra in ({"accuracy": 1e-3}, {"parameters": {"b": 2}}):
+        given = json.dumps({"loops": [circle], **extra})
+        said = run(str(grid(tmp_path)), "--loops", "-", code=2, given=given).stderr
+        assert f"--loops -: {next(iter(extra))}: it belongs to spaces given by formulas" in said
+
+
+def test_closed_forms_have_no_accuracy_in_files() -> None:
+    """It is refused there as it is on the command line."""
+    circle = {"circle": {"centre": [2, 3, 0], "radius": 1.5}}
+    given = json.dumps({"loops": [circle], "accuracy": 0.1})
+    said = run("heisenberg", "--exact", "--loops", "-", code=2, given=given).stderr
+    assert "Drop it, or --exact" in said
 
 
 @pytest.mark.parametrize(
