@@ -20,7 +20,7 @@ from geomtorsion.exact.limits import check_parts, check_written
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from geomtorsion.exact.element import Element
 
@@ -220,7 +220,7 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
             chosen[id(one)] = short
             built = length(short)
         lengths[id(one)] = built
-    least = _parts_at_least(element, chosen, parts)
+    least = _parts_at_least(element, chosen, parts.size)
     check_parts(least, f"more than {least:,}")
     # What turns out to be too long is not kept: the next one who asks is told so, too.
     made: dict[int, tuple[Element, sympy.Expr]] = {}
@@ -266,33 +266,42 @@ def _vanishes(part: Element) -> bool:
 
 
 def _check_sums(element: Element, parts: Parts) -> None:
-    """Refuses a kept element that has too many parts in what is surely written as it is."""
-    # Whether a sum stands above the line; None where it stands on both sides.
-    sides: dict[Sum, bool | None] = {}
+    """Refuses a kept element that has too many parts in what is surely written as it is.
+
+    The longest sums are looked at first: how long one is where it is collected takes time to find,
+    and what is far too long is so by a few of them.
+    """
+    sums: dict[Sum, None] = {}
+    either: dict[int, Element] = {}
     seen: set[int] = set()
-    waiting, least = [element], 0
+    waiting = [element]
     while waiting:
         one = waiting.pop()
-        if id(one) in seen:
+        if id(one) in seen or _vanishes(one):
             continue
         seen.add(id(one))
-        if one.is_kept:
-            if not _vanishes(one) and short_of(one) is None:
-                assert one._recipe is not None
-                waiting += one._recipe.parts
-            continue
-        for base, exponent in form(one).powers:
-            if isinstance(base, Sum):
-                above = exponent > 0
-                # It is written once at least, unless what stands on both sides cancels.
-                if base not in sides:
-                    sides[base], least = above, least + parts.size(base)
-                elif sides[base] is not None and sides[base] is not above:
-                    sides[base], least = None, least - parts.size(base)
-        check_parts(least, f"more than {least:,}")
+        short = short_of(one) if one.is_kept else None
+        if short is not None:
+            either[id(one)] = short
+        elif one.is_kept:
+            assert one._recipe is not None
+            waiting += one._recipe.parts
+        else:
+            sums.update((base, None) for base, _ in form(one).powers if isinstance(base, Sum))
+    # What is written in one way or another may have as few as one part.
+    sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
+    longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
+    for k, base in enumerate(longest):
+        sizes[base] = parts.size(base)
+        # Twice as many sums each time: that they are counted costs little beside them.
+        if k & (k + 1) == 0 or base is longest[-1]:
+            least = _parts_at_least(element, either, lambda one: sizes.get(one, 2))
+            check_parts(least, f"more than {least:,}")
 
 
-def _parts_at_least(element: Element, chosen: dict[int, Element], parts: Parts) -> int:
+def _parts_at_least(
+    element: Element, chosen: dict[int, Element], size_of: Callable[[Sum], int]
+) -> int:
     """How many parts a kept element has at least as it is written, each counted where it stands.
 
     chosen: what is written multiplied out. Of products bases and exponents are looked at alone;
@@ -308,7 +317,7 @@ def _parts_at_least(element: Element, chosen: dict[int, Element], parts: Parts) 
         if id(part) not in known:
             found = known[id(part)] = dict(form(chosen.get(id(part), part)).powers)
             sizes.update(
-                (base, parts.size(base) if isinstance(base, Sum) else 1)
+                (base, size_of(base) if isinstance(base, Sum) else 1)
                 for base in found
                 if base not in sizes
             )

@@ -1,5 +1,7 @@
 """Limits: what would grow without end is refused at once, or read and worked with."""
 
+import random
+import re
 import subprocess
 import sys
 import time
@@ -10,6 +12,7 @@ import sympy as sp
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import Field
 from geomtorsion.exact.limits import check_power
+from geomtorsion.exact.writing import shortest
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.spaces.files import read_file
 
@@ -118,9 +121,9 @@ def test_what_is_far_too_long_is_not_written_before_it_is_refused():
     """The sums that it is built of tell, before any of them is an expression of sympy."""
     w, x, y, z = sp.symbols("w x y z")
     field = Field([w, x, y, z])
-    power, w = field.read(1 + x + y + z) ** 35, field.symbol(w)
-    total = field.sum([(1, power + k * w, power - k * w) for k in range(1, 20)])
-    with pytest.raises(LimitError, match=r"an expression of more than 25\d,\d{3} parts would be"):
+    power, w = field.read(1 + x + y + z) ** 20, field.symbol(w)
+    total = field.sum([(1, power + k * w, power - k * w) for k in range(1, 60)])
+    with pytest.raises(LimitError, match=r"an expression of more than 29\d,\d{3} parts would be"):
         _ = total.sympy
     # Below the limit nothing is refused.
     few = field.read(1 + x + y + z) ** 12
@@ -151,6 +154,25 @@ def test_few_sums_that_stand_at_many_places_are_refused_before_they_are_written(
     # What all terms share stands in front once, and is no reason.
     shared = field.sum([(k, written, one**k) for k in range(1, 200)])
     assert sp.lambdify([x, y, z], shared.sympy)(0, 2, -1) == 0
+
+
+def test_what_is_far_too_long_is_refused_by_its_longest_sums():
+    """Not before all are collected, which takes seconds: half of them are more than enough."""
+    x, y, z = sp.symbols("x y z")
+    field = Field([x, y, z])
+    numbers = random.Random(1)
+
+    def long():
+        powers = [[numbers.randint(0, 5) for _ in range(3)] for _ in range(25)]
+        return field.read(sum(numbers.randint(2, 99) * x**a * y**b * z**c for a, b, c in powers))
+
+    found = field.sum([(1, long(), long(), long()) for _ in range(20)])
+    for _ in range(7):
+        found = field.sum([(1, found, found, field.symbol(x)), (1, found, field.symbol(y))])
+    with pytest.raises(LimitError, match="parts would be written") as caught:
+        shortest(found)
+    (told,) = re.findall(r"more than ([\d,]+) parts", str(caught.value))
+    assert 250_000 < int(told.replace(",", "")) < 500_000
 
 
 def test_the_largest_multiple_of_an_angle():
