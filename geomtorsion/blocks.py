@@ -6,9 +6,10 @@ was killed goes on with what is missing, here, in processes or on a cluster, to 
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -52,6 +53,34 @@ def open_ledger(folder: Path, described: Mapping[str, Any]) -> bool:
             "folder, or give the same arguments."
         )
     return True
+
+
+def digest_of(path: Path) -> str:
+    """Of the bytes of a file; of a folder, of its files with their names.
+
+    A file of the same name and size may hold something else, such as the next frame.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such file.
+    """
+    if path.is_dir():
+        files = sorted(one for one in path.rglob("*") if one.is_file())
+        listed = [f"{one.relative_to(path).as_posix()} {digest_of(one)}" for one in files]
+        return hashlib.sha256("\n".join(listed).encode()).hexdigest()
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def digest_of_arrays(parts: Iterable[np.ndarray]) -> str:
+    """Of the bytes of arrays, one after another."""
+    found = hashlib.sha256()
+    for part in parts:
+        found.update(np.ascontiguousarray(part).data)
+    return found.hexdigest()
 
 
 def write_array(path: Path, values: np.ndarray) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, cast
 from zipfile import ZipFile
@@ -12,6 +12,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.blocks import digest_of_arrays
 from geomtorsion.crystals.given import POSITIONS, positions_of
 from geomtorsion.crystals.method import METHOD
 from geomtorsion.errors import CrystalError, FileFormatError
@@ -47,10 +48,8 @@ class AtomSlabs:
 
     @property
     def digest(self) -> str:
-        """Of the first slab: what has the same name and size may hold other atoms, such as the next
-        frame of a trajectory."""
-        first = next(iter(self), np.zeros((0, 3)))
-        return hashlib.sha256(np.ascontiguousarray(first).tobytes()).hexdigest()
+        """Of all atoms; of those that a function gives, which may take long, of the first slab."""
+        return digest_of_arrays(islice(self, 1) if callable(self.given) else self)
 
     def __iter__(self) -> Iterator[np.ndarray]:
         """Slabs of shape (k, 3), each of at most SLAB atoms; small arrays become one of them."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geomtorsion.blocks import read_array, write_array
+from geomtorsion.blocks import digest_of, read_array, write_array
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.crystals.atom_files import AtomData, atom_frames, frame_count
 from geomtorsion.crystals.crystal import Crystal
@@ -129,7 +129,7 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
 
 def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
     """What the reports in a folder are of, checked against what is noted there."""
-    said = {"file": path.name, "bytes": path.stat().st_size, **asdict(wanted)}
+    said = {"file": path.name, "digest": digest_of(path), **asdict(wanted)}
     text, note = json.dumps(said, indent=1), folder / SETTINGS
     if note.exists() and read_text(note) != text:
         raise CheckpointError(

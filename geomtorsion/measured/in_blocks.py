@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, GridError
+from geomtorsion.blocks import digest_of
+from geomtorsion.errors import CheckpointError, GeomtorsionError, GridError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops import BlockMap, blocked_map
 from geomtorsion.loops.fields.sources import Source
@@ -119,18 +119,6 @@ def open_in_blocks(
         values, starts, steps, tuple(frame.names), float(levels[0]), frame.order,
         tuple(frame.periodic), frame.unit, frame.vector_unit, digest_of(path),
     )  # fmt: skip
-
-
-def digest_of(path: Path) -> str:
-    """Of the bytes of a file; of a folder of its files and their sizes."""
-    if path.is_dir():
-        files = sorted(one for one in path.rglob("*") if one.is_file())
-        listed = [f"{one.relative_to(path)} {one.stat().st_size}" for one in files]
-        return hashlib.sha256("\n".join(listed).encode()).hexdigest()
-    if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file.")
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 @dataclass(frozen=True, eq=False)

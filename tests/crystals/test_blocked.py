@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from geomtorsion.crystals import Crystal, blocked_crystal
+from geomtorsion.crystals import Crystal, atom_slabs, blocked_crystal
 from geomtorsion.crystals.blocked import forget_blocks
 from geomtorsion.errors import CheckpointError, CrystalError, FileFormatError, GridError
 from tests.crystals.polycrystals import bicrystal, polycrystal, turned
@@ -318,14 +318,17 @@ def test_damage_is_done_again_or_told(tmp_path):
         blocked_crystal(places, tmp_path, cell, 4, OPEN).dislocations()
 
 
-def test_other_atoms_of_the_same_size_are_another_crystal(tmp_path):
+def test_other_atoms_of_the_same_size_are_another_crystal(tmp_path, monkeypatch):
     """The next frame of a trajectory is refused, whether it comes as an array, a function or in
-    the same file; the same atoms are taken up."""
+    the same file, and where it differs behind the first slab; the same atoms are taken up."""
+    monkeypatch.setattr(atom_slabs, "SLAB", 500)
     places, cell = line()
     later = places + np.array([0.01, 0, 0])
+    last = places.copy()
+    last[-1] += 0.01
     file = tmp_path / "frame.npy"
     for k, (one, two) in enumerate(
-        ((places, later), (lambda: iter([places]), lambda: iter([later])), (file, file))
+        ((places, last), (lambda: iter([places]), lambda: iter([later])), (file, file))
     ):
         folder = tmp_path / f"of-{k}"
         np.save(file, places)

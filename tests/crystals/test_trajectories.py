@@ -40,6 +40,12 @@ def test_other_settings_or_files_are_refused(tmp_path: Path):
     list(reports(file, WANTED, folder))
     with pytest.raises(CheckpointError, match="other settings"):
         list(reports(file, Wanted(lattice="fcc"), folder))
+    content = file.read_bytes()
+    file.write_bytes(content[:-3] + b"9" + content[-2:])
+    assert file.stat().st_size == len(content)
+    with pytest.raises(CheckpointError, match="another file"):
+        list(reports(file, WANTED, folder))
+    file.write_bytes(content)
     (folder / "000000.json").write_text("{")
     with pytest.raises(GeomtorsionError, match=r"000000\.json.*no JSON"):
         list(reports(file, WANTED, folder))

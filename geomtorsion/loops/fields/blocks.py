@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.blocks import open_ledger, read_array, run_blocks, write_array
+from geomtorsion.blocks import digest_of_arrays, open_ledger, read_array, run_blocks, write_array
 from geomtorsion.errors import CheckpointError, GridError
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
@@ -191,11 +191,19 @@ class BlockMap:
             yield number, np.load(self.file(number), allow_pickle=False)
 
     @property
+    def _digest(self) -> str:
+        """Of what the first, the middle and the last block are computed from."""
+        numbers = self.numbers
+        chosen = sorted({0, len(numbers) // 2, len(numbers) - 1})
+        return digest_of_arrays(self._read(numbers[k], beside_holes=False)[1] for k in chosen)
+
+    @property
     def ledger(self) -> dict[str, Any]:
         """What a run must have in common with the one that it takes up."""
         given = self.source.given
         return {
             "source": given if isinstance(given, str) else type(given).__name__,
+            "digest": self.source.digest or self._digest,
             "shape": list(self.source.shape),
             "steps": list(self.steps),
             "block": list(self.block),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.blocks import digest_of, digest_of_arrays
 from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.fields.contents import guarded, module
@@ -48,6 +49,16 @@ class Source:
                 f"source: shape (rows, columns, N_1, N_2, ...) was needed, but {sizes} came."
             )
         return cls(given, sizes)
+
+    @property
+    def digest(self) -> str | None:
+        """Of all values or their files; None of a function, all of which may take long."""
+        if callable(self.given):
+            return None
+        if isinstance(self.given, str):
+            return digest_of(Path(self.given))
+        array = opened(self.given)
+        return digest_of_arrays(np.asarray(array[:, :, k]) for k in range(self.shape[2]))
 
     def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
         """The values of nodes from low to high; beyond the ends of an axis it begins again."""

@@ -96,16 +96,16 @@ def test_halos_are_no_wider_than_stencils(tmp_path, size, less, order, halo, hol
     )
     sides, wide = (5, 3) if size else (0, 0), halo - less
     at_the_corner, inside = found.numbers.index((0, 0)), found.numbers.index((5, 4))
-    # At first one node is read everywhere for the reference.
-    assert len(asked) == 1 + len(found.numbers) + holes
-    first = asked[1 + at_the_corner + holes]
+    # At first one node is read for the reference, and three blocks to know the field again.
+    assert len(asked) == 4 + len(found.numbers) + holes
+    first = asked[4 + at_the_corner + holes]
     # Beside a hole a stencil may lie on one side.
     more = max(order, 4) - 2 * less if holes else wide
     assert first == [(0, 10 + side + more) for side in sides]
     around = [
         (low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides, strict=True)
     ]
-    assert asked[1 + inside + holes] == around
+    assert asked[4 + inside + holes] == around
 
 
 def test_nothing_is_read_across_the_plane(tmp_path):
@@ -117,7 +117,7 @@ def test_nothing_is_read_across_the_plane(tmp_path):
         return SOLID[(slice(None), slice(None), *index)]
 
     blocked_map(source, tmp_path, (1, 1, 1), (99, 99, 1), 2, shape=SOLID.shape)
-    assert asked[1:] == [[(0, 13), (0, 12), (k, k + 1)] for k in range(11)]
+    assert asked[1:] == [[(0, 13), (0, 12), (k, k + 1)] for k in (0, 5, 10, *range(11))]
 
 
 def test_killed_and_taken_up_again(tmp_path):
@@ -129,7 +129,8 @@ def test_killed_and_taken_up_again(tmp_path):
         "count = 0\n"
         "def source(index):\n"
         "    global count\n    count += 1\n"
-        "    if count > 5: os._exit(9)\n"
+        # Three calls see whose blocks these are.
+        "    if count > 8: os._exit(9)\n"
         "    return generated(index)\n"
         f"blocked_map(source, {str(tmp_path / 'a')!r}, (1, 1), 10, 3, shape=(1, 2, 40, 40))\n"
     )
@@ -213,6 +214,28 @@ def test_a_folder_of_another_run_is_refused(tmp_path):
     (tmp_path / "ledger.json").write_text("{")
     with pytest.raises(CheckpointError, match="no JSON"):
         blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+
+
+def test_other_values_of_the_same_size_are_another_field(tmp_path):
+    """Refused where one value differs in arrays and files, and in any block of a function."""
+    other = FLAT.copy()
+    other[1, 1, 20, 3] += 1e-9
+    file = tmp_path / "field.npy"
+    sources = (
+        (FLAT, other),
+        (lambda index: FLAT[(..., *index)], lambda index: other[(..., *index)]),
+        (file, file),
+    )
+    for k, (one, two) in enumerate(sources):
+        folder = tmp_path / f"of-{k}"
+        arguments = (folder, STEPS, 20, 2)
+        np.save(file, FLAT)
+        shape = FLAT.shape if callable(one) else None
+        first = blocked_map(one, *arguments, shape=shape).read()
+        assert np.array_equal(blocked_map(one, *arguments, shape=shape).read(), first)
+        np.save(file, other)
+        with pytest.raises(CheckpointError, match="another run: digest differ"):
+            blocked_map(two, *arguments, shape=shape)
 
 
 INFINITE = FLAT.copy()
