@@ -154,7 +154,8 @@ def read(question: Question, given: object) -> Value:
         return numbers(question, given, name)
     if question.kind == "choice":
         return {(): _chosen(question, given)}
-    return _dropped(components(question, given, name))
+    # A zero that is written is an answer of its own: it is dropped when symmetry has been used.
+    return components(question, given, name)
 
 
 def _dropped(value: Value) -> Value:
@@ -230,8 +231,8 @@ def _agreement(question: Question, value: Value) -> dict[Index, str]:
 
 def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
     """Exact: right if every difference vanishes and every value agrees over the domain."""
-    domain, given = question.domain, value
-    value = completed(given, question.symmetry)
+    domain, given = question.domain, _dropped(value)
+    value = _dropped(completed(value, question.symmetry))
     agreement = compare_all(domain, value, question.solution)
     if all(state == EQUAL for state in agreement.values()):
         return _right(question)
@@ -395,7 +396,7 @@ def _sides(given: object, where: str) -> list[tuple[object, object]]:
 
 def _lines(text: str) -> list[str]:
     """Equations with semicolons, line ends, commas or a word between; numbers before them go."""
-    text = text.replace("==", "=").replace("\\\\", ";")
+    text = text.replace("==", "=").replace("\\\\", "\n").replace("\\;", " ").replace("\\,", " ")
     parts = re.split(r"[;\n]|\band\b", text)
     lines = [line for part in parts for line in split_outside(part, ",")]
     return [re.sub(r"^\s*(?:\(?[0-9][.)]\s)", "", line) for line in lines if line.strip()]

@@ -65,7 +65,7 @@ def table_or_list(question: Question, text: str, where: str) -> object:
 
 def _with_signs(text: str) -> str:
     """Only what stands between entries is rewritten here; each entry is read by itself later."""
-    return plain_signs(text) if "\\begin" in text or not text.isascii() else text
+    return plain_signs(text) if "\\" in text or not text.isascii() else text
 
 
 def _is_name(question: Question, label: str) -> bool:

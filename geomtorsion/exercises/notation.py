@@ -47,7 +47,6 @@ def without_latex(text: str) -> str:
     text = _PRODUCT.sub("*", _SPACES.sub(" ", re.sub(r"\\\\(?=[^A-Za-z]|$)", "\0", text)))
     text = _UPRIGHT.sub(r"\1", _DOT.sub(_rate, text))
     text = _MATRIX.sub(_rows, text.replace("\0", "\\\\"))
-    text = re.sub(r"\\[dtc]?frac\s*([0-9])\s*([0-9])", r"((\1)/(\2))", text)
     text = _without_braces(text)
     text = _INDEX.sub(r"_\1", text)
     return re.sub(r"\\([A-Za-z]+)", lambda m: f" {_LETTERS.get(m[1], m[1])}", text).strip()
@@ -67,7 +66,9 @@ def _rows(match: re.Match[str]) -> str:
 
 
 _BRACES = r"\s*\{([^{}]*)\}"
-_QUOTIENT = re.compile(r"\\[dtc]?frac" + _BRACES + _BRACES)
+# Of a quotient a part that is one sign, such as 2, r or \phi, needs no braces.
+_PART = rf"\s*(?:\{{([^{{}}]*)\}}|([0-9A-Za-z]|\\(?:{'|'.join(LETTERS)})(?![A-Za-z])))"
+_QUOTIENT = re.compile(r"\\[dtc]?frac(?![A-Za-z])" + _PART + _PART)
 _ROOT = re.compile(r"\\sqrt\s*(?:\[\s*([0-9]+)\s*\])?" + _BRACES)
 _SCRIPT = re.compile(r"([_^])" + _BRACES)
 _ARGUMENT = re.compile(r"(\\(?![dtc]?frac|sqrt)[A-Za-z]+)" + _BRACES)
@@ -77,7 +78,7 @@ def _without_braces(text: str) -> str:
     """Quotients, roots, scripts and arguments with round brackets, from the inside out."""
     while True:
         before = text
-        text = _QUOTIENT.sub(r"((\1)/(\2))", text)
+        text = _QUOTIENT.sub(r"((\1\2)/(\3\4))", text)
         text = _ROOT.sub(_root, text)
         text = _SCRIPT.sub(_script, text)
         text = _ARGUMENT.sub(r"\1(\2)", text)

@@ -168,6 +168,10 @@ def test_half_of_a_symmetric_answer_is_enough():
     assert code_of(anti, "1,2 = -x") == "sign"
     both = components([[1, x], [x, 0]], symmetry="symmetric")
     assert code_of(both, "1,1 = 1; 2,1 = x") == "right"
+    # A zero that is written is no half that was left out.
+    assert code_of(anti, "1,2 = x; 2,1 = 0") == "incomplete"
+    assert code_of(both, "[[1, x], [0, 0]]") == "incomplete"
+    assert code_of(both, "[[1, x], [x, 0]]") == "right"
 
 
 def test_a_share_of_the_components_counts():
