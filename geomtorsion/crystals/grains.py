@@ -112,8 +112,19 @@ class Grains:
         return found
 
     def wall(self, one: int, other: int) -> Wall:
-        """The wall between two grains, or what it would be where they do not touch."""
+        """The wall between two grains, or what it would be where they do not touch.
+
+        Raises
+        ------
+        CrystalError
+            A number is that of no grain, or both are the same.
+        """
         first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
+        if first is second:
+            raise CrystalError(
+                f"wall: two different grains were needed, but {first.number} came twice. Give "
+                "two of them."
+            )
         for wall in self.walls:
             if wall.grains == (first.number, second.number):
                 return wall

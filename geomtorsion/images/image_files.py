@@ -137,7 +137,7 @@ def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
     Raises
     ------
     ImageError
-        It is no signal of two axes, or its pixels are not square.
+        It is no signal of two axes, its pixels are not square, or an axis decreases.
     """
     try:
         manager = signal.axes_manager
@@ -154,7 +154,13 @@ def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
             f"signal: one image was needed, but {checks.shown(signal)} came. Choose one: "
             "signal.inav[0]."
         )
-    steps = [abs(checks.number(scale, "scale", ImageError)) for scale, _ in given]
+    steps = [checks.number(scale, "scale", ImageError) for scale, _ in given]
+    if min(steps) < 0:
+        raise ImageError(
+            f"signal: axes that increase from pixel to pixel were needed, but the scales are "
+            f"{steps[0]:.6g} and {steps[1]:.6g}. What is seen in a mirror has b of another sign: "
+            "turn the data round, and give scales above 0."
+        )
     units = [unit if isinstance(unit, str) else "px" for _, unit in given]
     if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or units[0] != units[1]:
         raise ImageError(

@@ -129,10 +129,12 @@ class LatticeImage:
     def of_signal(cls, signal: Any) -> LatticeImage:
         """From a two-dimensional hyperspy signal, with its scale and unit.
 
+        As of files, x goes along the rows of its data and y from the last one to the first.
+
         Raises
         ------
         ImageError
-            It is no such signal, or its pixels are not square.
+            It is no such signal, its pixels are not square, or an axis decreases.
         """
         return cls(*pixels_of_signal(signal))
 

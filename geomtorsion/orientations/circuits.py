@@ -103,7 +103,7 @@ class Circuit:
     @classmethod
     def of_cells(
         cls,
-        cells: np.ndarray | Sequence[Sequence[int]],
+        cells: np.ndarray | Sequence[Sequence[int]] | Sequence[Sequence[bool]],
         corner: Sequence[int] = (0, 0),
         name: str = "circuit",
     ) -> Circuit:
@@ -112,8 +112,7 @@ class Circuit:
         Parameters
         ----------
         cells
-            How often the circuit runs round each cell, or an array of truth values, shape
-            (rows, columns).
+            How often the circuit runs round each cell, or whether it does, shape (rows, columns).
         corner
             Row and column of the pixel of least row and column of the first cell.
 
@@ -127,12 +126,10 @@ class Circuit:
             "{subject}: whole numbers or truth values of shape (rows, columns), not all zero, were "
             "needed, but {value} came."
         )
-        given: object = cells
-        if isinstance(given, np.ndarray) and given.dtype.kind == "b":
-            given = given.astype(int)
         found = checks.array(
-            given, "cells", OrientationError, shape=(None, None), message=needed, shaped=needed
-        )
+            _counted(cells), "cells", OrientationError, shape=(None, None), message=needed,
+            shaped=needed,
+        )  # fmt: skip
         if not found.any() or (found != np.rint(found)).any():
             raise OrientationError(needed.format(subject="cells", value=checks.shown(cells)))
         inside = np.pad(found.astype(np.int64), 1)
@@ -188,6 +185,15 @@ class Circuit:
     def pixels(self) -> np.ndarray:
         """All pixels that it passes, each once, shape (k, 2)."""
         return np.unique(np.concatenate([self.starts, self.ends]), axis=0)
+
+
+def _counted(cells: object) -> object:
+    """Cells with 1 for True and 0 for False; what is no table of truth values as it came."""
+    try:
+        found = np.asarray(cells) if isinstance(cells, list | tuple | np.ndarray) else None
+    except ValueError:
+        return cells
+    return cells if found is None or found.dtype.kind != "b" else found.astype(int)
 
 
 def _pixel(pixel: object) -> tuple[int, int]:

@@ -261,5 +261,7 @@ def test_a_grain_is_a_crystal_of_its_own():
     assert part.grains.is_single
     assert part.share > 0.5
     assert grains.wall(1, 0) is grains.walls[0]
+    with pytest.raises(CrystalError, match="two different grains were needed, but 0 came twice"):
+        grains.wall(0, 0)
     with pytest.raises(CrystalError, match="number"):
         crystal.grain(2)

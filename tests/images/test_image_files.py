@@ -15,6 +15,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+from tests.images.atoms import crystal
 
 tifffile = pytest.importorskip("tifffile")
 PIL = pytest.importorskip("PIL.Image")
@@ -162,11 +163,22 @@ def test_signals_bring_their_scale():
     assert (image.step, image.unit, image.values.shape) == (0.05, "nm", GREY.shape)
     for signal, match in (
         (Signal(GREY, 0.05, 0.06), "square pixels were needed"),
+        (Signal(GREY, -0.05, 0.05), "axes that increase.*-0.05 and 0.05"),
+        (Signal(GREY, 0.05, -0.05), "axes that increase"),
         (Signal(GREY, 0.05), "one image was needed"),
         (Signal(GREY, 0.05, 0.05, navigation=3), "Choose one: signal.inav"),
     ):
         with pytest.raises(ImageError, match=match):
             gt.LatticeImage.of_signal(signal)
+
+
+def test_signals_have_the_sign_of_a_known_dislocation():
+    """b = - integral of du round an edge dislocation, known in closed form; lengths in nm."""
+    image = crystal(256, "square")
+    phases = gt.LatticeImage.of_signal(Signal(image.values, 0.05, 0.05)).phases()
+    found = phases.burgers(gt.Loop.circle(0.05 * np.array(image.centre), 0.05 * 77))
+    assert found.whole.tolist() == (-np.rint(phases.spots @ image.b * 0.05)).tolist() != [0, 0]
+    assert np.abs(found.vector + 0.05 * image.b).max() < 0.02 * 0.05 * np.linalg.norm(image.b)
 
 
 @pytest.mark.parametrize("given", [GREY, None, "signal", object(), Signal])

@@ -40,6 +40,13 @@ def test_every_pixel_is_left_as_often_as_it_is_reached():
     assert circuit.pixels.min() >= 1
 
 
+@pytest.mark.parametrize("made", [list, tuple, np.array])
+def test_cells_as_truth_values_are_cells_once_round(made):
+    """In lists as in arrays."""
+    rows = [[True, False], [True, True]]
+    assert chain(Circuit.of_cells(made(rows))) == chain(Circuit.of_cells([[1, 0], [1, 1]]))
+
+
 def test_windings_are_those_of_the_loop():
     """Against Loop.winding, point by point, for a curve that runs round some points twice."""
     loop = Loop.spline([[1, 1], [5, 1], [5, 4], [2, 4], [2, 2], [4, 2], [4, 5], [1, 5]])
@@ -66,6 +73,8 @@ HALF: Any = ((1.5, 1), 2)
         (lambda: Circuit.square(*HALF), "pixel: a whole number"),
         (lambda: Circuit.square((1,), 2), "a row and a column were needed"),
         (lambda: Circuit.of_cells(np.zeros((2, 2), dtype=int)), "not all zero"),
+        (lambda: Circuit.of_cells([[True], [True, False]]), "whole numbers or truth values"),
+        (lambda: Circuit.of_cells([[False]]), "not all zero"),
         (lambda: Circuit.of_cells(np.array([["x"]])), "whole numbers or truth values"),
         (lambda: Circuit.through([(0, 0), (1, 1), (0, 1)]), "share neither row nor column"),
         (lambda: Circuit.through([(0, 0), (0, 1)]), "three or more"),
