@@ -16,6 +16,7 @@ from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError, GridError, ImageError, OrientationError
+from geomtorsion.files import UNSIGNED
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
 from geomtorsion.measured import Closure, Measured, Survey, open_measured
@@ -28,7 +29,7 @@ from geomtorsion.progress import bar
 OPTIONS = tuple(
     "sigma threshold order laue slip size plane spots resolution blocks steps workers".split()
 )
-_SIZE = re.compile(r"((?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([^0-9.].*)?")
+_SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
 
 
 @dataclass(frozen=True)

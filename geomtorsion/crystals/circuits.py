@@ -18,6 +18,7 @@ from geomtorsion.crystals.shells import reach_of_shells
 from geomtorsion.crystals.triangulation import Cell
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.reactions import Vector, written
+from geomtorsion.loops.validation import once_round
 
 # An atom and how many periods further it is meant.
 Site = tuple[int, int, int, int]
@@ -100,8 +101,7 @@ class AtomCircuits:
             checks.count(k, f"atoms[{j}]", CrystalError, 0, len(self.places) - 1)
             for j, k in enumerate(checks.entries(checks.rows(atoms), "atoms", CrystalError))
         ]
-        if len(numbers) > 1 and numbers[0] == numbers[-1]:
-            numbers = numbers[:-1]
+        numbers = once_round(numbers, "atoms")
         if len(set(numbers)) < 3:
             raise CrystalError(
                 f"atoms: three different ones or more were needed for a circuit, but "

@@ -17,7 +17,7 @@ from geomtorsion.conventions import Signed
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.spanning_forest import Forest, spanning_forest
-from geomtorsion.loops.validation import check_sums, largest, listed, value_rows
+from geomtorsion.loops.validation import check_sums, largest, value_rows
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -437,7 +437,7 @@ class Cochain:
             Two neighbours are not joined by an edge, or by several of different values.
         """
         self._on_edges()
-        nodes, (edges, senses) = self._cycle(cycle)
+        nodes, edges, senses = self.complex.along(cycle)
         several = self._several
         for k, edge in enumerate(edges.tolist()):
             if several[edge]:
@@ -447,18 +447,6 @@ class Cochain:
                     ".over({edge: sense})."
                 )
         return self.along(tuple(nodes), edges, senses)
-
-    def _cycle(
-        self, cycle: Sequence[Hashable]
-    ) -> tuple[list[Hashable], tuple[np.ndarray, np.ndarray]]:
-        """Nodes of a cycle, and its edges with their senses."""
-        chain = listed(cycle, "cycle")
-        if len(chain) > 1 and chain[0] == chain[-1]:
-            chain.pop()
-        if len(chain) < 2:
-            raise NetworkError(f"a cycle of two nodes or more was needed, but {chain} came.")
-        numbers = np.array([self.complex.number(node) for node in chain], dtype=np.int64)
-        return chain, self.complex.steps(numbers, np.roll(numbers, -1))
 
     def along(self, cycle: Cycle, edges: np.ndarray, senses: np.ndarray) -> CycleBurgers:
         """The sum along edges, by number and sense, that are known to form a cycle."""

@@ -13,7 +13,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops.validation import listed, whole
+from geomtorsion.loops.validation import listed, once_round, whole
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -197,7 +197,8 @@ class Complex:
             count = len(corners)
         else:
             named = [
-                listed(cycle, f"cycles[{k}]") for k, cycle in enumerate(listed(cycles, "cycles"))
+                once_round(cycle, f"cycles[{k}]")
+                for k, cycle in enumerate(listed(cycles, "cycles"))
             ]
             rows = [np.array([self.number(x) for x in cycle], dtype=np.int64) for cycle in named]
             owner = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
@@ -321,6 +322,20 @@ class Complex:
             raise NetworkError(f"there is no edge between {a!r} and {b!r}.")
         edges = self._table[1][place]
         return edges, np.where(self.pairs[edges, 0] == starts, 1, -1)
+
+    def along(self, cycle: object, least: int = 2) -> tuple[list[Hashable], np.ndarray, np.ndarray]:
+        """The nodes of a cycle in order, each once, and number and sense of the edges between them.
+
+        Raises
+        ------
+        NetworkError
+            Two neighbours are not joined by an edge, a node is not there, or they are too few.
+        """
+        chain = once_round(cycle, "cycle")
+        if len(chain) < least:
+            raise NetworkError(f"a cycle of {least} nodes or more was needed, but {chain} came.")
+        numbers = np.array([self.number(node) for node in chain], dtype=np.int64)
+        return chain, *self.steps(numbers, np.roll(numbers, -1))
 
     def __repr__(self) -> str:
         names = ("node", "edge", "face", "cell")

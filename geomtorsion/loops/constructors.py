@@ -358,9 +358,7 @@ def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Num
 
 def cycle(graph: nx.Graph[Hashable], nodes: Sequence[Hashable], position: str) -> Part:
     """Polygon along a cycle of a graph; see Loop.from_cycle."""
-    chain = list(nodes)
-    if len(chain) > 1 and chain[0] == chain[-1]:
-        chain.pop()
+    chain = validation.once_round(nodes, "cycle")
     corners = []
     for node in chain:
         if node not in graph:

@@ -17,13 +17,12 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import read_text
+from geomtorsion.files import finite_number, read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import DislocationLine, LineArrays
 from geomtorsion.loops.polylines import Polyline
 from geomtorsion.loops.reactions import CONSTRAINTS
 
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 # One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
 
@@ -260,8 +259,8 @@ class _Rows:
         """So many finite numbers; OVITO may write the size of the core behind a point."""
         if len(words) < count:
             self.fail(f"{what}: {count} numbers were needed, but {len(words)} came.")
-        found = [float(w) if _NUMBER.fullmatch(w) else math.nan for w in words[:count]]
-        if not all(map(math.isfinite, found)):
+        found = [x for x in map(finite_number, words[:count]) if x is not None]
+        if len(found) < count:
             self.fail(f"{what}: finite numbers were needed, but {shown(' '.join(words))} came.")
         return found
 

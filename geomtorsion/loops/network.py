@@ -116,18 +116,10 @@ class Network:
         NetworkError
             Two neighbours are not joined by an edge, or there are fewer than three nodes.
         """
-        chain = list(cycle)
-        if len(chain) > 1 and chain[0] == chain[-1]:
-            chain.pop()
-        if len(chain) < 3:
-            raise NetworkError(
-                f"a cycle of three nodes or more was needed, but {chain} came: a path to and fro "
-                "encloses nothing."
-            )
-        complex = self.edges.complex
-        numbers = np.array([complex.number(node) for node in chain], dtype=np.int64)
         # Straight edges between the same nodes are all the same: the first will do.
-        return self.cochain.along(tuple(chain), *complex.steps(numbers, np.roll(numbers, -1)))
+        # A path to and fro encloses nothing.
+        chain, edges, senses = self.edges.complex.along(cycle, least=3)
+        return self.cochain.along(tuple(chain), edges, senses)
 
     @cached_property
     def forest(self) -> Forest:

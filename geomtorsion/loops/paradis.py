@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Mapping
 from os import PathLike
@@ -14,14 +13,13 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import read_text
+from geomtorsion.files import finite_number, read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
 
 Tag = tuple[int, int]
 Row = tuple[int, list[str]]
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 # What the numbers of a file consist of; whether they are numbers is seen as they are read.
 _FLOATS = re.compile(r"[0-9eE.,+\-\s]*")
@@ -57,10 +55,9 @@ class _Reader:
 
     def number(self, word: str, what: str) -> float:
         """A finite number."""
-        if _NUMBER.fullmatch(word):
-            value = float(word)
-            if math.isfinite(value):
-                return value
+        value = finite_number(word)
+        if value is not None:
+            return value
         self.fail(f"{what}: a finite number was needed, but {shown(word)} came.")
 
     def whole(self, word: str, what: str) -> int:

@@ -179,6 +179,18 @@ def listed(values: object, subject: str) -> list[Any]:
     )
 
 
+def once_round(values: object, subject: str) -> list[Any]:
+    """The entries of a cycle in order, the first of which may stand at its end again.
+
+    Examples
+    --------
+    >>> once_round([1, 2, 3, 1], "cycle"), once_round([1, 2, 3], "cycle")
+    ([1, 2, 3], [1, 2, 3])
+    """
+    chain = listed(values, subject)
+    return chain[:-1] if len(chain) > 1 and chain[0] == chain[-1] else chain
+
+
 def value_rows(values: object, name: str, count: int) -> np.ndarray:
     """Rows of whole numbers or of finite floats."""
     message = "{subject}: an array of real numbers was needed, but {value} came."

@@ -253,7 +253,7 @@ RING = Complex.of_edges([[0, 1], [1, 2], [2, 0]])
         (lambda: Cochain(RING, np.ones((3, 1))).coboundary(), "has no faces"),
         (lambda: Cochain(RING, np.ones((3, 1)), degree=0).forest, "values on nodes have no cycles"),
         (lambda: Cochain(RING, np.ones((3, 1))).around([0, 7, 1]), "node 7 is not in"),
-        (lambda: Cochain(RING, np.ones((3, 1))).around([0]), "two nodes or more"),
+        (lambda: Cochain(RING, np.ones((3, 1))).around([0]), "2 nodes or more"),
         (lambda: Cochain(RING, np.ones((3, 1))).over({3: 1}), "edges from 0 to 2"),
         (lambda: Cochain(RING, np.ones((3, 1))).over({0: 0.5}), "whole multiples"),  # type: ignore[dict-item]
         (lambda: Cochain(RING, np.ones((3, 1))).over(np.ones((1, 3))), "whole numbers of shape"),

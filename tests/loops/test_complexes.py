@@ -82,7 +82,7 @@ def test_simplices_of_scattered_points(dimension):
 def test_faces_from_cycles_of_nodes():
     """Lists of names or an array of numbers; senses as the edges are given."""
     plain = Complex.of_edges([[0, 1], [2, 1], [2, 0], [2, 3], [3, 0]], labels="abcd")
-    named = plain.with_faces(["abc", "acd"])
+    named = plain.with_faces(["abca", "acd"])
     assert named.faces.toarray().tolist() == [[1, -1, 1, 0, 0], [0, 0, -1, 1, 1]]
     numbered = plain.with_faces(np.array([[0, 1, 2], [0, 2, 3]]))
     assert (numbered.faces != named.faces).nnz == 0

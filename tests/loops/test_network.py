@@ -200,7 +200,7 @@ def test_bad_questions_are_refused(screws):
         net.burgers([(0, 0), (5, 5), (0, 1)])
     with pytest.raises(NetworkError, match="not in the network"):
         net.burgers([(0, 0), "somewhere", (0, 1)])
-    with pytest.raises(NetworkError, match="three nodes"):
+    with pytest.raises(NetworkError, match="3 nodes"):
         net.burgers([(0, 0), (0, 1)])
     with pytest.raises(LimitError, match="limit is 200 edges"):
         net.cycles("minimum")
@@ -214,3 +214,11 @@ def test_bad_questions_are_refused(screws):
     unvalued = Network(spaces.load("screw_dislocation").frame, grid_graph((2, 2), 0.3))
     with pytest.raises(MissingValueError):
         _ = unvalued.integrals
+
+
+def test_a_cycle_that_is_no_list_is_refused(screws):
+    """In our own words, here and where a loop is made of it."""
+    graph = grid_graph((15, 15), 0.2)
+    for ask in (Network(screws, graph).burgers, lambda cycle: Loop.from_cycle(graph, cycle)):
+        with pytest.raises(NetworkError, match="cycle: a list was needed, but 5 came"):
+            ask(5)

@@ -22,7 +22,13 @@ from geomtorsion.blocks import digest_of_arrays, open_ledger, read_array, run_bl
 from geomtorsion.errors import CheckpointError, GridError
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
-from geomtorsion.loops.fields.grid import Grid, check_order, periodic_axes
+from geomtorsion.loops.fields.grid import (
+    Grid,
+    check_length,
+    check_order,
+    other_order,
+    periodic_axes,
+)
 from geomtorsion.loops.fields.noise import Noise
 from geomtorsion.loops.fields.sources import Source
 
@@ -144,7 +150,7 @@ class BlockMap:
     @property
     def _other(self) -> int:
         """The order against which errors are measured."""
-        return self.order - 2 if self.order > 2 else 4
+        return other_order(self.order)
 
     def _field(self, values: np.ndarray) -> Field:
         """A block with its halo as a field of its own, less what is subtracted everywhere."""
@@ -327,13 +333,7 @@ def _checked(
     for k, side in zip(pair, sides, strict=True):
         checks.count(side, "size", GridError, 0, grid[k] - 1)
     blocks = _several(block, d, "block", 1)
-    other = order - 2 if order > 2 else 4
-    for name, n in zip(names, grid, strict=True):
-        if n <= max(order, other):
-            raise GridError(
-                f"axis {name}: {max(order, other) + 1} points or more are needed for order {order} "
-                f"with its error estimate, but there are {n}. Choose a lower order."
-            )
+    check_length(names, grid, order)
     noise = checks.number(sigma, "sigma", GridError)
     if noise < 0:
         raise GridError(f"sigma: 0 or more was needed, but {noise:.6g} came.")

@@ -30,6 +30,22 @@ def check_order(order: object) -> None:
         raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
 
 
+def other_order(order: int) -> int:
+    """The order against which errors of an order are measured."""
+    return order - 2 if order > 2 else 4
+
+
+def check_length(names: Sequence[str], shape: Sequence[int], order: int) -> None:
+    """Refuse axes that are too short for an order and that against which it is measured."""
+    needed = max(order, other_order(order)) + 1
+    for name, count in zip(names, shape, strict=True):
+        if count < needed:
+            raise GridError(
+                f"axis {name}: {needed} points or more are needed for order {order} with its "
+                f"error estimate, but there are {count}. Choose a lower order."
+            )
+
+
 def regular_axis(values: object, name: str) -> np.ndarray:
     """A regular axis."""
     axis = numbers(values, f"axis {name}")
@@ -137,16 +153,6 @@ class Grid:
     def known(self) -> KnownNodes:
         """Stencils for points between the nodes."""
         return KnownNodes(self.shape, self.periodic, self.holes)
-
-    def check_length(self, order: int, other: int) -> None:
-        """Refuse axes that are too short for the order."""
-        needed = max(order, other) + 1
-        for name, count in zip(self.names, self.shape, strict=True):
-            if count < needed:
-                raise GridError(
-                    f"axis {name}: {needed} points or more are needed for order {order} with its "
-                    f"error estimate, but there are {count}. Choose a lower order."
-                )
 
     def rule(self, order: int, axis: int, slopes: bool = False) -> Rule:
         """Integrals over the edges along an axis, or derivatives at the nodes (spacing 1)."""

@@ -20,12 +20,14 @@ from geomtorsion.loops.fields.displacement import distortion_of
 from geomtorsion.loops.fields.grid import (
     REGULAR,
     Grid,
+    check_length,
     check_names,
     check_order,
     check_shape,
     check_values,
     mask_of,
     numbers,
+    other_order,
     periodic_axes,
     regular_axis,
 )
@@ -74,7 +76,7 @@ class Samples:
         inner = values[:, : len(axes)]
         unknown = mask_of(self.mask, shape) | np.isnan(inner).any(axis=(0, 1))
         grid = Grid(axes, names, wraps, unknown)
-        grid.check_length(self.order, self.other_order)
+        check_length(names, shape, self.order)
         check_values(values, grid)
         if grid.has_holes:
             values = np.where(unknown, np.nan, values)
@@ -324,7 +326,7 @@ class Samples:
     @property
     def other_order(self) -> int:
         """The order against which errors are measured."""
-        return self.order - 2 if self.order > 2 else 4
+        return other_order(self.order)
 
     @cached_property
     def holes(self) -> tuple[Hole, ...]:
