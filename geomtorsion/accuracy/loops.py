@@ -133,7 +133,8 @@ def loop_costs(
         raise LoopError(f"there is no rule {unknown[0]!r}; known are {', '.join(RULES)}.")
     truth = reference(frame, loop, parameters)
     largest = max(abs(x) for x in truth)
-    if not largest:
+    # What half of the digits do not tell from nothing is rounding.
+    if largest <= loop.size * mpmath.mpf(10) ** (-_digits(loop) // 2):
         raise LoopError("the Burgers vector of this loop vanishes: it has no relative error.")
     rows: list[LoopCost] = []
     for rule in rules:
@@ -164,8 +165,7 @@ def reference(
     table = {symbol: values[symbol.name] for symbol in frame.field.symbols if symbol.name in values}
     table |= {symbol: values[symbol.name] for symbol in loop.symbols if symbol.name in values}
     total = [mpmath.mpf(0)] * frame.dimension
-    # A loop of size 1e-12 cancels 24 digits.
-    digits = DIGITS + int(2 * max(0, -mpmath.log10(loop.size)))
+    digits = _digits(loop)
     with working_digits(digits):
         for times, piece in pieces(loop):
             _, t, low, high = piece
@@ -175,6 +175,12 @@ def reference(
                     function = sp.lambdify(t, f.subs(table), "mpmath")
                     total[i] += times * mpmath.quad(function, mpmath.linspace(*bounds, 5))
         return tuple(total)
+
+
+def _digits(loop: Loop) -> int:
+    """With how many digits a loop is integrated."""
+    # A loop of size 1e-12 cancels 24 digits.
+    return DIGITS + int(2 * max(0, -mpmath.log10(loop.size)))
 
 
 def _best_time(run: Callable[[], Any]) -> float:

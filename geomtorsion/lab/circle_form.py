@@ -12,24 +12,22 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import Frame
 from geomtorsion.lab.as_typed import read_typed
 from geomtorsion.lab.numbers import names_text, raised
-from geomtorsion.lab.space_info import space_of
+from geomtorsion.lab.space_info import is_round_the_axis, radius_name, space_of
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.pictures.formula import expression_mathml
 from geomtorsion.pictures.text import greek_name
 
-# What a radius may be called; a parameter of the space may have the name as well.
-RADIUS = sp.Symbol("R", positive=True)
-
 
 def circle_form(
-    space: str, centre: Sequence[str], radius: str = "R", plane: Sequence[int] = (0, 1)
+    space: str, centre: Sequence[str], radius: str = "", plane: Sequence[int] = (0, 1)
 ) -> Json:
     """b^i of a circle in a shipped space, and twice the torsion times the area at its centre.
 
     Parameters
     ----------
     centre, radius
-        Exact expressions as text, in the parameters of the space and R.
+        Exact expressions as text, in the parameters of the space and R, the radius (rho where the
+        space has an R of its own), which is what an empty radius stands for.
     plane
         Two coordinates, by number.
 
@@ -49,10 +47,16 @@ def circle_form(
             f"each of {names_text([symbol.name for symbol in frame.coordinates])}."
         )
     symbols = {symbol.name: symbol for symbol in frame.parameters}
-    symbols.setdefault("R", RADIUS)
+    own = radius_name(frame)
+    symbols[own] = sp.Symbol(own, positive=True)
     places = zip(centre, frame.coordinates, strict=True)
     at = [_read(text, symbols, f"centre, {symbol}") for text, symbol in places]
-    size = _read(radius, symbols, "radius")
+    size = _read(radius.strip() or own, symbols, "radius")
+    if is_round_the_axis(space, at, plane):
+        raise LoopError(
+            "a circle about the axis is none in r and phi: these forms are for circles in "
+            "coordinates. Put its centre off the axis."
+        )
     first, second = plane
     b = exact_circle(frame, at, size, (first, second))
     small = _small(frame, at, size, (first, second))

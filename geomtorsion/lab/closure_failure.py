@@ -10,12 +10,13 @@ import sympy as sp
 from scipy.integrate import cumulative_simpson
 
 from geomtorsion.codegen import graph
+from geomtorsion.curves.edges import edges_of
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.geometry import cartan
 from geomtorsion.lab.numbers import names_text, raised, shown, table
 from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.settings import PAGE
-from geomtorsion.lab.space_info import POLAR, space_of
+from geomtorsion.lab.space_info import is_round_the_axis, space_of
 from geomtorsion.loops import Loop, burgers_vector, develop
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hodograph import Hodograph, hodograph
@@ -58,7 +59,7 @@ def closure_failure(
     frame = space_of(space).frame
     values = dict(first_motion(frame).parameters)
     first, second = plane
-    if space in POLAR and centre[0] == 0 and {first, second} == {0, 1}:
+    if is_round_the_axis(space, centre, plane):
         return _round_the_axis(frame, values, [float(x) for x in centre], float(radius))
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     b = burgers_vector(frame, loop, parameters=values)
@@ -69,7 +70,7 @@ def closure_failure(
     return {
         "pictures": [_path(drawn, names, first, second), _image(drawn, b)],
         "table": _table(b, expected),
-        "sentence": _sentence(b, expected, names, (first, second)),
+        "sentence": _sentence(b, expected, names, (first, second)) + _outside(frame, b),
         "b": np.real(b.vector).tolist(),
         "expected": expected,
         "error": float(b.error),
@@ -118,6 +119,21 @@ def _round_the_axis(
         "expected": [0.0] * len(centre),
         "error": float(found.error),
     }  # fmt: skip
+
+
+def _outside(frame: Frame, b: BurgersVector) -> str:
+    """What is said of a loop that leaves the domain of its coordinates; nothing of others."""
+    at = b.loop.points(PAGE.samples)
+    names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
+    place = [*np.real(at), *(b.parameters[p.name] for p in frame.parameters)]
+    for edge in edges_of(frame):
+        [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
+        if np.min(inside) < 0:
+            return (
+                f" The circle leaves these coordinates ({edge.condition}): beyond, the coframe is "
+                "only continued."
+            )
+    return ""
 
 
 def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.accuracy.loops import loop_costs
+from geomtorsion.errors import LoopError
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import table
 from geomtorsion.lab.plot import LOOKS, Plot
 from geomtorsion.lab.settings import PAGE
-from geomtorsion.lab.space_info import space_of
+from geomtorsion.lab.space_info import is_round_the_axis, space_of
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.pair import pair_problems
@@ -57,6 +58,11 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
     """Rules of quadrature round a circle, against fifty digits."""
     frame = space_of(space).frame
     first, second = plane
+    if is_round_the_axis(space, centre, plane):
+        raise LoopError(
+            "the rules here are for circles in coordinates, and one about the axis is none in r "
+            "and phi. Move its centre off the axis."
+        )
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     values = dict(first_motion(frame).parameters)
     found = loop_costs(frame, loop, parameters=values, rules=_RULES, points=_POINTS)

@@ -188,4 +188,6 @@ def _sentence(pair: Pair, largest: float) -> str:
         said = f"Straightest and shortest are one curve here, to {largest:.0e}."
     else:
         said = f"Straightest and shortest part: by {largest:.4g} at most."
-    return " ".join([said, *dict(pair.stops).values()])
+    kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
+    ends = [f"The {kinds[curve]} path: {reason}" for curve, reason in pair.stops.items()]
+    return " ".join([said, *ends])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -97,6 +97,7 @@ def space_form(space: str) -> Json:
         "signature": _signature(frame),
         "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
         "planes": [list(pair) for pair in combinations(range(n), 2)],
+        "radius": radius_name(frame),
     }
 
 
@@ -126,6 +127,22 @@ def space_info(space: str) -> Json:
         "velocity": list(first.frame_velocity),
         "t": first.t,
     }
+
+
+def radius_name(frame: Frame) -> str:
+    """What the radius of a circle is called where nothing of the space is called so."""
+    return "rho" if any(symbol.name == "R" for symbol in frame.field.symbols) else "R"
+
+
+def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
+    """Whether a circle is meant about the axis of polar coordinates, where it is none in them.
+
+    Examples
+    --------
+    >>> [is_round_the_axis("wedge_disclination", [r, 0, 0], [0, 1]) for r in (0, 1)]
+    [True, False]
+    """
+    return space in POLAR and centre[0] == 0 and set(plane) == {0, 1}
 
 
 def _loop_ranges(name: str, count: int) -> list[list[float]]:

@@ -74,5 +74,8 @@ def test_bad_requests() -> None:
         loop_costs(FRAME, Loop.circle(CENTRE, 1), rules=["Simpson"])
     with pytest.raises(LoopError, match="vanishes"):
         loop_costs(load("flat_polar").frame, Loop.polygon([[1, 0], [1, 2], [1, 1]]))
+    # Its digits leave 1e-55 of nothing.
+    with pytest.raises(LoopError, match="vanishes"):
+        loop_costs(load("heisenberg").frame, Loop.circle([0, 0, 0], 0.3, (1, 2)))
     with pytest.raises(LoopError, match="known by numbers only"):
         loop_costs(FRAME, Loop.spline([[0, 1, 0], [1, 1, 0], [0, 2, 0]]))

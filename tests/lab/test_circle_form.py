@@ -5,6 +5,7 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LoopError, UndecidedError
 from geomtorsion.lab.circle_form import circle_form
+from geomtorsion.lab.costs import costs
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 
@@ -23,6 +24,22 @@ def test_as_in_numbers(space: str, centre: list[str]):
     table = {"R": 1.0 if space == "s2" else 0.3}
     for text, value in zip(found, right.vector, strict=True):
         assert float(sp.S(text).subs(table)) == pytest.approx(value, abs=1e-12)
+
+
+def test_a_radius_is_no_parameter_of_the_space():
+    """On the sphere of radius R the circle has another name: 2 pi R rho J1(rho) cos(theta)."""
+    [_, b] = circle_form("s2", ["1/2", "0"])["b"]
+    assert b == "2*pi*R*rho*cos(1/2)*besselj(1, rho)"
+    assert "rho" not in circle_form("so3", ["0", "1", "0"])["b"][0]
+
+
+def test_round_the_axis_of_polar_coordinates_there_is_no_circle_in_them():
+    """The picture is of the circle about the axis; another one would pass for its closed form."""
+    case = {"space": "wedge_disclination", "centre": [0, 0, 0], "radius": 0.3, "plane": [0, 1]}
+    with pytest.raises(LoopError, match="off the axis"):
+        circle_form("wedge_disclination", ["0", "0", "0"])
+    with pytest.raises(LoopError, match="off the axis"):
+        costs("loop", case)
 
 
 def test_what_is_said():

@@ -115,6 +115,26 @@ def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
     assert beside["error"] < 1e-10
 
 
+@pytest.mark.parametrize(
+    ("name", "centre", "condition"),
+    [("flat_polar", [0.2, 1.0], "r > 0"), ("so3", [0.3, 0.1, 0.2], "phi2 > 0"),
+     ("edge_dislocation", [0.3, 0.1, 0.2], "2*pi*(x**2 + y**2) > b*y")],
+)  # fmt: skip
+def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
+    """What is integrated beyond the domain is no coframe of the space any more."""
+    outside = closure_failure(name, centre, 0.3, [0, 1])["sentence"]
+    assert f"leaves these coordinates (the domain is {condition})" in outside
+    inside = closure_failure(name, [1.0, 1.0, 1.0][: len(centre)], 0.3, [0, 1])["sentence"]
+    assert "leaves" not in inside
+
+
+def test_a_path_that_ends_is_named():
+    """Which of the two the sentence is about, and why it ends."""
+    said = paths("s2", [1.0, 1.0], 5.0)["sentence"]
+    assert "The straightest path: the motion stops at t = 1.24159" in said
+    assert "The shortest path" not in said
+
+
 def test_a_core_is_seen_from_its_middle():
     """b r^2 / (r^2 + c^2) round the axis of a smooth core."""
     known = space_info("screw_core")

@@ -88,10 +88,10 @@ def loops(asked: Asked, runner: Runner) -> Shown:
     form, kept = asked.form, asked.kept
     space = controls.spaces(form, controls.FIRST_LOOP, kept, "loop")
     facts = runner.ask("space_form", space=space.value)
-    plane = controls.plane(form, facts, kept.of_case("loop", space.value, controls.FIRST_LOOP))
-    radius = form.text(value=kept.text("radius form", "R"), label="radius")
-    begin = _exact_centre(facts)
     own = kept.of_case("loop", space.value, controls.FIRST_LOOP)
+    plane = controls.plane(form, facts, own)
+    radius = form.text(value=own.text("radius form", facts["radius"]), label="radius")
+    begin = _exact_centre(facts)
     given = own.text("centre form", ";".join(begin)).split(";")
     given = given if len(given) == len(begin) else begin
     names = facts["coordinates"]
@@ -114,7 +114,7 @@ def loops(asked: Asked, runner: Runner) -> Shown:
         {"result": _told(reply, "loop-said")},
         {
             "loop": (space.value, controls.FIRST_LOOP),
-            "radius form": (radius.value, "R"),
+            "radius form": (radius.value, facts["radius"]),
             "centre form": (";".join(at), ";".join(begin)),
             "plane": (f"{shown[i]}, {shown[k]}", f"{shown[usual[0]]}, {shown[usual[1]]}"),
         },
