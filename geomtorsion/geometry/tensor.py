@@ -326,9 +326,8 @@ class Tensor:
         return arithmetic.equals_scalar(self, other)
 
     def __hash__(self) -> int:
-        if not self.slots:
-            return hash(self[()])
-        return hash((self.slots, frozenset(self.components.nonzero.items())))
+        known = (self.slots, frozenset(self.components.nonzero.items()))
+        return hash(known if self.slots else self[()])
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
@@ -336,6 +335,13 @@ class Tensor:
         if self.slots:
             raise AttributeError("a tensor with indices is no expression")
         return lambda: self[()]
+
+    @property
+    def _op_priority(self) -> float:
+        """What sympy asks for where a tensor stands behind an expression: Lambda * g is a tensor."""
+        if not self.slots:
+            raise AttributeError("a tensor of rank 0 is an expression")
+        return sp.Expr._op_priority + 1
 
     # -- other values and points ---------------------------------------------------------------
 

@@ -55,6 +55,22 @@ def test_arithmetic_of_scalars(curvature):
     assert POLAR.scalar(R) ** half == sp.sqrt(R)
 
 
+def test_expressions_in_front_of_tensors():
+    """Lambda * g is g * Lambda, whatever the expression; what has no sense is refused by us."""
+    constant, ball = sp.Symbol("Lambda"), gt.Frame([R, PHI], [[1, 0], [0, sp.sin(R)]])
+    metric = ball.metric
+    for factor in (constant, sp.Rational(1, 2), sp.pi, constant + X, sp.Function("f")(X)):
+        product = factor * metric
+        assert product.slots == "dd"
+        assert product == metric * factor
+    ricci = gt.levi_civita(ball).curvature.ricci
+    assert (ricci - sp.Integer(1) * metric).is_zero
+    with pytest.raises(TensorIndexError, match="can be added to a tensor, not to Lambda"):
+        _ = constant + metric
+    with pytest.raises(TensorIndexError, match="has no powers"):
+        _ = constant / metric
+
+
 def test_scalars_in_sympy(curvature):
     """sympy takes a scalar for the expression that it is."""
     assert sp.sympify(curvature) == sp.Rational(3, 2)
