@@ -16,6 +16,7 @@ from sympy.printing.pretty.stringpict import prettyForm
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import TensorIndexError
+from geomtorsion.exact.printing import TexPrinter, TextPrinter
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.frame import Frame
@@ -110,10 +111,10 @@ def text(tensor: Tensor) -> str:
     heading += f" (coordinates {names}; slots {tensor.slots or 'none'})"
     if not independent:
         return f"{heading}: all components vanish"
-    lines = [heading]
+    lines, write = [heading], TextPrinter().doprint
     for index in list(independent)[:SHOWN]:
         place = f"[{', '.join(map(str, index))}]" if index else ""
-        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {short(tensor, index)}")
+        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {write(short(tensor, index))}")
     total = len(tensor.components.support)
     hidden = len(independent) - min(SHOWN, len(independent))
     if hidden:
@@ -145,20 +146,21 @@ def latex(tensor: Tensor) -> str:
     """LaTeX for notebooks: a matrix for two indices, else a list of independent components."""
     symbol = _symbol_latex(tensor.symbol)
     label = _indexed(symbol, letters(tensor.slots), tensor.slots)
+    write = TexPrinter().doprint
     if not tensor.slots:
-        return rf"$\displaystyle {symbol} = {sp.latex(short(tensor, ()))}$"
+        return rf"$\displaystyle {symbol} = {write(short(tensor, ()))}$"
     independent = tensor.components.independent
     if not independent:
         return rf"$\displaystyle {label} = 0$"
     if len(tensor.slots) == 2:
         n = tensor.frame.dimension
-        rows = [" & ".join(sp.latex(short(tensor, (i, j))) for j in range(n)) for i in range(n)]
+        rows = [" & ".join(write(short(tensor, (i, j))) for j in range(n)) for i in range(n)]
         body = r" \\ ".join(rows)
         return rf"$\displaystyle {label} = \begin{{pmatrix}} {body} \end{{pmatrix}}$"
     lines = []
     for index in list(independent)[:SHOWN_LATEX]:
         left = _indexed(symbol, _marks(tensor, index), tensor.slots)
-        lines.append(rf"{left} &= {sp.latex(short(tensor, index))}")
+        lines.append(rf"{left} &= {write(short(tensor, index))}")
     hidden = len(independent) - len(lines)
     if hidden > 0:
         lines.append(rf"&\text{{and {hidden} more independent components}}")

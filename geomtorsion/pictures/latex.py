@@ -11,6 +11,7 @@ import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
+from geomtorsion.exact.printing import PrintedOnce
 from geomtorsion.pictures.text import GREEK, MOST_PRIMES, greek_name, ordered_terms, to_sympy
 
 if TYPE_CHECKING:
@@ -122,7 +123,7 @@ def latex_matrix(rows: Sequence[Sequence[str]]) -> str:
     return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
 
 
-class _Printer(LatexPrinter):
+class _Printer(PrintedOnce, LatexPrinter):
     """sympy's LaTeX, with the order of terms, the primes and the brackets of a person."""
 
     _default_settings = LatexPrinter._default_settings | {"inv_trig_style": "full"}

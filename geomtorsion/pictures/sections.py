@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy
 
+from geomtorsion.exact.printing import TexPrinter
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import (
     equation_latex,
@@ -98,10 +99,10 @@ def aligned(chosen: Quantity, *, every: bool = False) -> str:
     """The components as LaTeX, one align* environment; needs amsmath."""
     entry, tensor = chosen.entry, chosen.tensor
     components = chosen.nonzero if every else chosen.independent
-    lines = []
+    lines, write = [], TexPrinter().doprint
     for index, element in components.items():
         left = latex_label(entry.latex, latex_marks(tensor, index), tensor.slots)
-        lines.append(f"  {left} &= {sympy.latex(chosen.written(element))}")
+        lines.append(f"  {left} &= {write(chosen.written(element))}")
     if not lines:
         lines = [f"  {latex_label(entry.latex, chosen.letters, tensor.slots)} &= 0"]
     body = " \\\\\n".join(lines)

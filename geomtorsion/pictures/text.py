@@ -11,6 +11,7 @@ from sympy.printing.str import StrPrinter
 
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.printing import PrintedOnce
 
 _LETTERS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
@@ -92,7 +93,7 @@ def ordered_terms(expression: sympy.Add) -> list[sympy.Expr]:
     return [terms[first], *terms[:first], *terms[first + 1 :]]
 
 
-class _Printer(StrPrinter):
+class _Printer(PrintedOnce, StrPrinter):
     """sympy's own text, with the order of terms, Greek letters and primes of a person."""
 
     def __init__(self, *, greek: bool) -> None:

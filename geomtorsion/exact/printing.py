@@ -1,0 +1,51 @@
+"""Printing: expressions as text and as LaTeX, where equal parts stand at many places."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.printer import Printer
+from sympy.printing.str import StrPrinter
+
+
+class PrintedOnce(Printer):
+    """A printer that writes each part once, however often it stands in what it prints.
+
+    Components of dense frames are made of few different parts: 4,000 at a million places.
+    """
+
+    def __init__(self, settings: dict[str, Any] | None = None) -> None:
+        super().__init__(settings)
+        self._texts: dict[sp.Basic, str] = {}
+
+    def _print(self, expr: Any, **kwargs: object) -> str:
+        # What stands in another's exponent or is asked for in another style is another text.
+        if kwargs or not isinstance(expr, sp.Basic) or not expr.args:
+            return super()._print(expr, **kwargs)
+        if expr not in self._texts:
+            self._texts[expr] = super()._print(expr)
+        return self._texts[expr]
+
+
+class TextPrinter(PrintedOnce, StrPrinter):
+    """What `str` gives of an expression.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> TextPrinter().doprint(x**2 * sp.sin(x * y))
+    'x**2*sin(x*y)'
+    """
+
+
+class TexPrinter(PrintedOnce, LatexPrinter):
+    r"""What `sympy.latex` gives of an expression.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> TexPrinter().doprint(x**2 * sp.sin(x * y))
+    'x^{2} \\sin{\\left(x y \\right)}'
+    """
