@@ -1,7 +1,7 @@
 """worker pool: processes with limits of time and memory; one that exceeds them is replaced.
 
-`python -m geomtorsion.exercises.worker_pool MODULE:FUNCTION` is such a process: it calls the
-function with one JSON request per line of standard input and writes one JSON reply per line.
+Such a process runs `main("MODULE:FUNCTION")`: it calls the function with one JSON request per line
+of standard input and writes one JSON reply per line.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ STARTING = 120.0
 # Bytes of address space of one process; compiled integrators reserve far more than they use.
 MEMORY = 6 * 2**30
 READY = "ready"
+# Not by -m: the package imports this module, and runpy would warn that it comes a second time.
+_BEGIN = f"import sys; from {__name__} import main; main(sys.argv[1])"
 EXCEEDED = "exceeded"
 
 
@@ -44,7 +46,7 @@ class Worker:
         # that are graded); but this very package is, wherever it was imported from here.
         paths = [str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")]
         self.process: subprocess.Popen[str] = subprocess.Popen(
-            [sys.executable, "-P", "-m", "geomtorsion.exercises.worker_pool", function],
+            [sys.executable, "-P", "-c", _BEGIN, function],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=None if errors_shown else subprocess.DEVNULL,
@@ -284,7 +286,3 @@ def main(function: str) -> None:
     requests = os.fdopen(os.dup(0), encoding="utf-8")
     module, _, name = function.partition(":")
     serve(getattr(import_module(module), name), requests, replies)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1])

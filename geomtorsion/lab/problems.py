@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from geomtorsion import exercises
 from geomtorsion.errors import LimitError
 from geomtorsion.exercises.prose import html_of, latex_of
-from geomtorsion.exercises.question import how_to_answer, symbol_names
+from geomtorsion.exercises.question import example, how_to_answer, symbol_names
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab import views
 from geomtorsion.lab.settings import PAGE
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 # Kind of a question -> how it is answered.
 HOW = {
     "expression": "an expression, such as sin(phi2)/2",
-    "components": "index = value, such as 1,2,2 = 1/r; 2,1,2 = -1/r; or nested lists; indices "
-    "from 1; what is left out is zero",
+    "components": "index = value, such as {example}; or nested lists; indices from 1; what is left "
+    "out {rest}",
     "equations": "equations with semicolons between, such as r'' = 0; phi'' = -phi'*r'/r",
     "number": "a number, such as 0.25 or pi/4; several as [1, 2, 3]",
     "choice": "one of the list",
@@ -35,8 +35,13 @@ def how(question: Question) -> str:
     >>> from geomtorsion import exercises
     >>> how(exercises.load("3.2").questions[0])
     'an expression, such as sin(phi2)/2. Names that may occur: phi1, phi2'
+    >>> how(exercises.load("1.1").questions[0]).partition(";")[0]
+    'index = value, such as 1,1 = ...'
     """
     text = HOW[question.kind]
+    if question.kind == "components":
+        rest = "follows by symmetry, or is zero" if question.symmetry else "is zero"
+        text = text.format(example=example(question), rest=rest)
     if question.kind == "number":
         return f"{text}; {how_to_answer(question).rpartition(', ')[2]}"
     if question.kind == "choice":

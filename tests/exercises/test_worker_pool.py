@@ -43,6 +43,14 @@ def test_one_process_answers_all(pool):
     assert first == pool.ask({}, 60)["pid"] != os.getpid()
 
 
+def test_a_worker_begins_without_a_word(capfd, monkeypatch):
+    """Who starts the page sees nothing of how its workers are started."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    with WorkerPool(f"{__name__}:sleepy", errors_shown=True) as made:
+        made.ask({}, 60)
+    assert capfd.readouterr().err == ""
+
+
 def test_what_takes_too_long_is_ended_and_replaced(pool):
     """The process is gone at once, and the next request has another."""
     first = pool.ask({}, 60)["pid"]
