@@ -122,7 +122,7 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
         else:
             arrow(axes, start, end, GAP, 2.4)
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
-    _label(axes, [f"$X^{k}${_over(drawn.unit)}" for k in chosen])
+    _label(axes, [f"$X^{k + 1}${_over(drawn.unit)}" for k in chosen])
     size = f"|b| = {b.magnitude:.4g}" if b.magnitude else "|b| = 0"
     if b.magnitude and not b.vanishes and b.magnitude > 1e-300:
         size += f" ± {b.error:.0e}" if b.error else ""
@@ -147,6 +147,8 @@ def _label(axes: Axes, labels: list[str]) -> None:
 def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     """Burgers vectors per area over a grid, one panel for each component that does not vanish.
 
+    Of more than three the first three are drawn, and the title says so. Components are counted from
+    1, as in all formulas.
     Cells that enclose a defect are ringed. relative: show instead by how much the density differs
     from 2 S_{mn}^i at the centre of each cell.
 
@@ -170,6 +172,8 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     strong = np.nanmax(np.abs(density), axis=(1, 2), initial=0.0)
     shown = [k for k in range(len(strong)) if strong[k] > FLAT * strong.max()] or [0]
     figure = new_figure(min(4.7 * len(shown) + 0.6, 15), 4.3)
+    if len(shown) > 3:
+        figure.suptitle(f"the first 3 of {len(shown)} components", fontsize=11)
     names = [f"${latex(symbol)}$" for symbol in survey.frame.coordinates]
     corners, labels = _corners(survey, names)
     for place, k in enumerate(shown[:3]):
@@ -180,7 +184,7 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
         bar = figure.colorbar(mesh, ax=axes, shrink=0.86, extend=_extend(strong[k], limit))
         bar.ax.tick_params(labelsize=8)
         what = "per area, minus $2S$ at the centre" if relative else "per area"
-        axes.set_title(f"$b^{k}$ {what}", fontsize=11)
+        axes.set_title(f"$b^{k + 1}$ {what}", fontsize=11)
         axes.locator_params(nbins=5)
         axes.set_xlabel(labels[0])
         axes.set_ylabel(labels[1] if not place else "")

@@ -18,7 +18,13 @@ def expression(numbers, depth):
     for _ in range(depth):
         one, other = numbers.choice(parts), numbers.choice(parts)
         exponent = numbers.choice([2, -1, sp.Rational(1, 2), sp.Rational(-3, 4)])
-        made = [one * other + 1, one - other, sp.sin(one), sp.exp(one) * other, (one + x) ** exponent]
+        made = [
+            one * other + 1,
+            one - other,
+            sp.sin(one),
+            sp.exp(one) * other,
+            (one + x) ** exponent,
+        ]
         parts.append(numbers.choice(made))
     return sp.Add(*parts[-3:])
 

@@ -4,9 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.accuracy.loops import LoopCost, LoopCosts
 from geomtorsion.errors import LoopError
+from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_map, burgers_vector, burgers_vectors
 from geomtorsion.loops.hodograph import hodograph
 from geomtorsion.pictures.costs import draw_loop_costs
@@ -61,7 +63,7 @@ def test_axes_say_what_they_show() -> None:
     right: Any = figure.axes[1]
     assert left.get_xlabel() == r"$(\phi_{1} - 0.3)$ / 1e-06"
     assert right.name == "3d"
-    assert right.get_zlabel() == "$X^2$ / 1e-06"
+    assert right.get_zlabel() == "$X^3$ / 1e-06"
     flat = draw_closure(
         burgers_vector(load("flat_polar").frame, Loop.polygon([[1, 0], [2, 0], [2, 2], [1, 2]]))
     )
@@ -79,7 +81,7 @@ def test_a_map_rings_the_defect() -> None:
     found = burgers_map(edge, (grid, grid[2:]), parameters={"b": 2})
     figure = draw_map(found)
     axes, _ = figure.axes
-    assert axes.get_title().startswith("$b^0$")
+    assert axes.get_title().startswith("$b^1$")
     assert [text.get_text() for text in axes.texts] == ["b = 2"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$", "$y$")
     assert axes.get_xlim() == pytest.approx((-1, 1))
@@ -91,10 +93,19 @@ def test_a_map_of_a_smooth_density() -> None:
     grids = (np.linspace(0, 3, 7), np.linspace(0.5, 2, 5))
     found = burgers_map(load("so3").frame, grids)
     first, second = (axes for axes in draw_map(found).axes if axes.get_title())
-    assert (first.get_title(), second.get_title()) == ("$b^0$ per area", "$b^1$ per area")
+    assert (first.get_title(), second.get_title()) == ("$b^1$ per area", "$b^2$ per area")
     colours = first.collections[0].get_array()
     assert np.asarray(colours).reshape(4, 6) == pytest.approx(found.density[0].T)
     assert "minus $2S$" in draw_map(found, relative=True).axes[0].get_title()
+
+
+def test_more_components_than_panels_are_told() -> None:
+    """Three are drawn; that there is a fourth stands above them."""
+    x, y, z, w = sp.symbols("x y z w")
+    rows = [[int(i == k) + (i + 1) * y * int(k == 0) for k in range(4)] for i in range(4)]
+    figure = draw_map(burgers_map(Frame([x, y, z, w], rows), (np.linspace(0, 1, 4),) * 2))
+    assert figure.get_suptitle() == "the first 3 of 4 components"
+    assert len([axes for axes in figure.axes if axes.get_title()]) == 3
 
 
 def test_only_grids_are_maps() -> None:

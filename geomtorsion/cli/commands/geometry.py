@@ -52,7 +52,7 @@ def geometry(
     """Show metric, connections, torsion and curvature.
 
     Only components that do not vanish are shown. Letters are coordinates, digits are legs of the
-    frame, counted from 0.
+    frame, counted from 1; in JSON and Python indices count from 0.
 
     \b
     Examples:

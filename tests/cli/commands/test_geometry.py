@@ -47,6 +47,9 @@ def test_text_in_the_frame():
     """In the frame indices are numbers of legs, counted from 1 as in the paper."""
     text = shown("so3", "--only", "torsion", "--basis", "frame")
     assert "S_{12}^3 = -1/2" in text
+    assert "counted from 1; in JSON and Python indices count from 0" in " ".join(
+        shown("--help").split()
+    )
 
 
 def test_everything_is_the_default():
