@@ -338,7 +338,7 @@ class Tensor:
 
     @property
     def _op_priority(self) -> float:
-        """What sympy asks for where a tensor stands behind an expression: Lambda * g is a tensor."""
+        """What sympy asks for where a tensor stands behind an expression: Lambda * g is one."""
         if not self.slots:
             raise AttributeError("a tensor of rank 0 is an expression")
         return sp.Expr._op_priority + 1
