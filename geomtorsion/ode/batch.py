@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.ode.engines import Engine, Taylor
 from geomtorsion.ode.engines.compiled import heyoka
@@ -289,10 +289,12 @@ def _stacked(
         options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
         if tolerance < FLOOR:
             # scipy takes no smaller tolerance: the steps are shortened instead.
-            trial = solve_ivp(rates, (0.0, duration), y0.ravel(), "DOP853", **options)
+            trial = scipy.integrate.solve_ivp(
+                rates, (0.0, duration), y0.ravel(), "DOP853", **options
+            )
             taken = max(len(trial.t) - 1, 1)
             options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
-        found = solve_ivp(
+        found = scipy.integrate.solve_ivp(
             rates,
             (0.0, duration),
             y0.ravel(),

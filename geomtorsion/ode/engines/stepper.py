@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
@@ -119,7 +119,7 @@ class Steps:
     @property
     def evaluations(self) -> int:
         """Evaluations of the rates."""
-        return STAGES * self.tried
+        return stage_count() * self.tried
 
     def inner(self, *state: float) -> Any:
         """The rates at a state; no numbers where there are none."""
@@ -193,7 +193,7 @@ class Steps:
 
     def _stalls(self) -> bool:
         """Whether time stands still; too many steps are an error."""
-        if self.tried * STAGES > self.most:
+        if self.tried * stage_count() > self.most:
             raise too_many_evaluations(self.most, self.time)
         if abs(self.time - self._mark) < 1e-6 * self.duration:
             self.stuck = "time stands still"
@@ -202,7 +202,12 @@ class Steps:
         return False
 
 
-STAGES: int = DOP853.n_stages
+@cache
+def stage_count() -> int:
+    """Evaluations of the rates in a step of DOP853."""
+    return int(scipy.integrate.DOP853.n_stages)
+
+
 # Rates whose source has more characters than this are called, not written into the step: that takes
 # as long, and less to compile.
 LONGEST_SOURCE = 4000
@@ -274,15 +279,15 @@ class _Writer:
 
     def step(self) -> list[str]:
         """Source of `step`, see `step_of`."""
-        tables, each = DOP853, range(self.n)
+        tables, each, last = scipy.integrate.DOP853, range(self.n), stage_count()
         given = ["rates", "h", "rtol", *map(self._all, ("floor", "y", "k0_")), *self.values]
         lines = [f"def step({', '.join(given)}):"]
-        for s in range(1, STAGES):
+        for s in range(1, last):
             lines += self._stage(s, tables.A[s, :s])
         lines += [f"d{i} = {self._combined(tables.B, i)}" for i in each]
         lines += [f"n{i} = y{i} + h*d{i}" for i in each]
         lines += [f"a{i} = n{i}" for i in self.needed]
-        lines += self._rates(STAGES)
+        lines += self._rates(last)
         lines.append("fifth = third = 0.0")
         # Of order three is what the new states are made of, but for three stages.
         gaps = [a - b for a, b in zip(tables.B, tables.E3, strict=False)]
@@ -291,23 +296,23 @@ class _Writer:
             lines.append(f"a = abs(y{i}); b = abs(n{i}); s = floor{i} + rtol*(a if a > b else b)")
             lines.append(f"e = ({self._combined(tables.E5, i)})/s; fifth += e*e")
             lines.append(f"e = (d{i} - ({self._combined(lower, i)}))/s; third += e*e")
-        every = ", ".join(self._all(f"k{s}_") for s in range(1, STAGES))
-        parts = f"({self._all('n')},), ({self._all(f'k{STAGES}_')},), ({every},)"
+        every = ", ".join(self._all(f"k{s}_") for s in range(1, last))
+        parts = f"({self._all('n')},), ({self._all(f'k{last}_')},), ({every},)"
         return [*lines, f"return fifth, third, {parts}"]
 
     def rows(self) -> list[str]:
         """Source of `rows`, see `rows_of`."""
-        tables, each = DOP853, range(self.n)
-        stages = [f"k{s}_" for s in range(1, STAGES)]
-        spread = map(self._all, ("y", "k0_", "n", f"k{STAGES}_", *stages))
+        tables, each, last = scipy.integrate.DOP853, range(self.n), stage_count()
+        stages = [f"k{s}_" for s in range(1, last)]
+        spread = map(self._all, ("y", "k0_", "n", f"k{last}_", *stages))
         lines = [f"def rows({', '.join(['rates', 'h', *spread, *self.values])}):"]
-        for s, row in enumerate(tables.A_EXTRA, STAGES + 1):
+        for s, row in enumerate(tables.A_EXTRA, last + 1):
             lines += self._stage(s, row[:s])
         lines += [f"d{i} = n{i} - y{i}" for i in each]
         rows = [
             [f"d{i}" for i in each],
             [f"h*k0_{i} - d{i}" for i in each],
-            [f"2*d{i} - h*(k{STAGES}_{i} + k0_{i})" for i in each],
+            [f"2*d{i} - h*(k{last}_{i} + k0_{i})" for i in each],
             *([f"h*({self._combined(row, i)})" for i in each] for row in tables.D),
         ]
         return [*lines, f"return ({', '.join(f'({chr(44).join(row)},)' for row in rows)})"]

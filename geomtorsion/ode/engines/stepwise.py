@@ -10,12 +10,17 @@ from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.integrate import DOP853, LSODA, Radau
-from scipy.optimize import brentq
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Dense, Run, Watch, WorkLimitError
-from geomtorsion.ode.engines.stepper import STAGES, Polynomial, Steps, step_of, too_many_evaluations
+from geomtorsion.ode.engines.stepper import (
+    Polynomial,
+    Steps,
+    stage_count,
+    step_of,
+    too_many_evaluations,
+)
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import ScalarRates, System
 from geomtorsion.precision import EPS
@@ -23,7 +28,6 @@ from geomtorsion.precision import EPS
 # Smaller differences than this are told from rounding by no step of generated code: below it steps
 # are shortened, by the order of the method, and wherever that begins they are as good.
 LEAST = 1e-15
-METHODS = {"DOP853": DOP853, "Radau": Radau, "LSODA": LSODA}
 # scipy accepts no smaller relative tolerance: it is its own rule.
 FLOOR = 100 * EPS
 
@@ -77,7 +81,7 @@ class ScipySteps:
         self._solver: Any = None
         try:
             with np.errstate(all="ignore"):
-                self._solver = METHODS[method](
+                self._solver = getattr(scipy.integrate, method)(
                     rates, self.time, np.array(y0), end, rtol=tolerance, atol=floors,
                     max_step=longest, **options,
                 )  # fmt: skip
@@ -120,11 +124,12 @@ def _counted(function: ScalarRates, most: int, duration: float) -> Any:
     scipy then gives up with what it has, as it does where the rates themselves end.
     """
     calls, mark, stalled = 0, float("-inf"), False
+    looks = STEPS_AT_ONCE * stage_count()
 
     def rates(t: float, y: np.ndarray) -> Sequence[float] | np.ndarray:
         nonlocal calls, mark, stalled
         calls += 1
-        if calls % (STEPS_AT_ONCE * STAGES) == 0:
+        if calls % looks == 0:
             stalled = stalled or abs(t - mark) < 1e-6 * duration
             mark = t
             if calls > most:
@@ -269,7 +274,7 @@ def _crossing(
         return after
     tiny = 4 * np.finfo(float).eps
     # Typed as the pair that it gives where a report is asked for, too.
-    return float(brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
+    return float(scipy.optimize.brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
 
 
 def _joined(pieces: Pieces) -> Dense:
