@@ -78,7 +78,7 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     closed[:count] &= single
     gaps = np.flatnonzero((near[:count] < 0).any(axis=1) & closed[:count])
     if len(gaps):
-        closed[gaps] = _at_surface(gaps, near, kind, tree, places, frame)
+        closed[gaps] = _at_surface(gaps, near, kind, tree, places, cell, frame)
     # What leans on a vacancy that does not close is open, too.
     leaning = held[~closed[count:]].ravel()
     closed[leaning[leaning < count]] = False
@@ -186,7 +186,7 @@ def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray
 
 def _at_surface(
     atoms: np.ndarray, near: np.ndarray, kind: np.ndarray, tree: scipy.spatial.cKDTree,
-    places: np.ndarray, frame: Frame,
+    places: np.ndarray, cell: Cell, frame: Frame,
 ) -> np.ndarray:  # fmt: skip
     """Which of some atoms touch a sphere without atoms that is larger than any in a crystal."""
     lattice = frame.lattice
@@ -199,7 +199,9 @@ def _at_surface(
     for number, way in enumerate(ways):
         left = np.flatnonzero(~found & (missing[:, number - 1] if number else True))
         out = way[left] / np.maximum(np.linalg.norm(way[left], axis=1), 1e-300)[:, None]
-        apart, _ = tree.query(places[atoms[left]] + radius * out)
+        # In the cell: outside of it images are there only as far as neighbours reach.
+        centres, _ = cell.wrapped(places[atoms[left]] + radius * out)
+        apart, _ = tree.query(centres)
         # The atom itself touches it; others may reach in a little where the surface is uneven.
         found[left[apart > METHOD.uneven * radius]] = True
     return found

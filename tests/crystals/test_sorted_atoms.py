@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
+from geomtorsion.crystals import atom_slabs
 from geomtorsion.crystals.atom_slabs import AtomSlabs
 from geomtorsion.crystals.sorted_atoms import SortedAtoms
 from geomtorsion.crystals.triangulation import Cell
@@ -32,9 +33,13 @@ def test_blocks_and_layers_are_what_a_search_finds(tmp_path_factory, seed, size,
     cell = cells(rng)
     given_places = rng.uniform(-9, 9, (200, 3))
     atoms = SortedAtoms.sized(tmp_path_factory.mktemp("atoms"), cell, size)
-    atoms.sort(AtomSlabs([given_places[:50], given_places[50:]]))
+    with pytest.MonkeyPatch.context() as patch:
+        # Four slabs, the last of which is not full.
+        patch.setattr(atom_slabs, "SLAB", 60)
+        atoms.sort(AtomSlabs([given_places[:50], given_places[50:]]))
     assert atoms.count == 200
     places, _ = cell.wrapped(given_places)
+    assert np.array_equal(atoms.every(), places)
     inside = [atoms.inside(block) for block in atoms.blocks]
     assert sorted(np.concatenate([part.numbers for part in inside]).tolist()) == list(range(200))
     for part in inside:
@@ -51,8 +56,10 @@ def test_blocks_and_layers_are_what_a_search_finds(tmp_path_factory, seed, size,
     points, numbers, _ = cell.with_ghosts(places, width)
     wanted = numbers[np.isfinite(cKDTree(some).query(points, distance_upper_bound=width)[0])]
     assert sorted(found.tolist()) == sorted(set(wanted.tolist()))
-    chosen = atoms.chosen(np.array([3, 60, 199]))
-    assert sorted(n for part in chosen.values() for n in part.numbers.tolist()) == [3, 60, 199]
+    # At both ends of slabs.
+    some = [0, 49, 50, 109, 110, 169, 170, 199]
+    chosen = atoms.chosen(np.array(some))
+    assert sorted(n for part in chosen.values() for n in part.numbers.tolist()) == some
     for block, part in chosen.items():
         assert np.isin(part.numbers, atoms.inside(block).numbers).all()
 
