@@ -39,7 +39,7 @@ def crystal_with_a_line(alpha: Fraction, step: Fraction, picture: Path | None) -
             print(f"  moved along the axis of the turn by {abs(turn.along_axis):.12f}")
             # The wedge is missing (alpha < 1) or too much (alpha > 1); turns count from 0 to pi.
             assert abs(turn.angle - abs(2 * math.pi * float(1 - alpha))) < 1e-11
-            assert abs(abs(turn.along_axis) - float(step)) < 1e-11
+            assert abs(abs(turn.along_axis) - abs(float(step))) < 1e-11
         else:
             assert abs(turn.motion.increment).max() < 1e-12
     circle = develop(crystal, loops["a circle"])

@@ -24,15 +24,14 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
 
     so3 = gt.spaces.load("so3").frame
-    energy = sp.sympify("(I1*u1**2 + I2*u2**2 + I3*u3**2)/2")
+    i1, i2, i3, u1, u2, u3 = sp.symbols("I1:4 u1:4")
+    energy = (i1 * u1**2 + i2 * u2**2 + i3 * u3**2) / 2
     derived = gt.equations_of_motion(so3, energy)
     print("Poincare and Hamel:")
     for name, rate in list(derived.rates.items())[-3:]:
         print(f"  {name}' = {rate}")
-    i1, i2, i3, u1, u2, u3 = sp.symbols("I1:4 u1:4")
     euler = [(i2 - i3) / i1 * u2 * u3, (i3 - i1) / i2 * u3 * u1, (i1 - i2) / i3 * u1 * u2]
-    for k, known in enumerate(euler):
-        found = sp.sympify(str(list(derived.rates.values())[3 + k]))
+    for found, known in zip(list(derived.rates.values())[-3:], euler, strict=True):
         assert sp.expand(found - known) == 0
 
     moments, start = (1, 2, 3), (0.5, 0.4, 1.0)

@@ -63,6 +63,18 @@ def test_example_runs(path, monkeypatch, capfd, tmp_path):
     assert not printed.err
 
 
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [("scenes/rolling_disc.py", ["--turning", "-2"]), ("scenes/missile.py", ["--spin", "0"]),
+     ("08_development_and_defects.py", ["--step=-0.2"])],
+)  # fmt: skip
+def test_other_values_are_as_good(name, arguments, monkeypatch, capfd):
+    """Known answers hold for the other sense, and where a formula divides by zero."""
+    monkeypatch.setattr(sys, "argv", [name, *arguments])
+    runpy.run_path(str(FOLDER / name), run_name="__main__")
+    assert capfd.readouterr().out.strip()
+
+
 @pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 def test_example_is_a_lesson(path, monkeypatch, capsys):
     """Each has a docstring, main(), a command line and an assertion in main."""

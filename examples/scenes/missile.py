@@ -44,7 +44,8 @@ def main(arguments: list[str] | None = None) -> None:
     # w' = i r w + i M / I1 with w = Omega1 + i Omega2, r = (I3 - I1) / I1 * spin, M = -40 N m.
     r, push = (along - across) / across * spin, -40 / across
     t = result.times
-    burning = push / r * (np.exp(1j * r * np.minimum(t, 3)) - 1)
+    lit = np.minimum(t, 3)
+    burning = 1j * push * lit if r == 0 else push / r * (np.exp(1j * r * lit) - 1)
     rates = burning * np.exp(1j * r * np.maximum(t - 3, 0))
     gap = np.abs(result["omega"][:, 0] + 1j * result["omega"][:, 1] - rates).max()
 
@@ -59,7 +60,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(f"rates agree with the closed form to {gap:.1e} rad/s")
     print(f"off course by {spun:.2f} degrees spinning, by {unspun:.2f} without spin")
     assert gap < 1e-8
-    assert spun < 0.5 * unspun
+    assert spin == 0 or spun < 0.5 * unspun
 
 
 if __name__ == "__main__":

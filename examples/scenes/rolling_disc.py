@@ -58,8 +58,8 @@ def main(arguments: list[str] | None = None) -> None:
     lean = np.abs(result["nutation"] - LEAN).max()
     centre = result["position"][:, :2]
     # The centre moves with r |Omega3|; it goes round with p.
-    radius = RADIUS * abs(spin) / p
-    middle = centre[0] - radius * np.array([1.0, 0.0]) * np.sign(-spin)
+    radius = RADIUS * abs(spin / p)
+    middle = centre[0] - radius * np.array([1.0, 0.0]) * np.sign(-spin * p)
     off = np.abs(np.linalg.norm(centre - middle, axis=1) - radius).max()
     print(
         f"the lean changes by {lean:.1e}; the centre keeps to a circle of {radius:.6f} m "
