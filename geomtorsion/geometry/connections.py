@@ -32,7 +32,7 @@ def cartan(frame: Frame | Connection) -> Connection:
 
     Equation
     --------
-    Gamma_ab^c = E_i^c d_a e^i_b                    [FizievKleinert1994], eq. (10)
+    Gamma_ab^c = E_i^c d_a e^i_b                    [FizievKleinert1994], below eq. (6)
 
     Examples
     --------
@@ -213,7 +213,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
     Equation
     --------
     Gamma_ab^c = Gamma_bar_ab^c + K_ab^c,  K_abc = S_abc - S_bca + S_cab
-                                                    [FizievKleinert1994], eq. (4)
+                                      [HehlEtAl1976], section II, whose K has the other sign
 
     Parameters
     ----------
