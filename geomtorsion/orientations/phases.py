@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -56,9 +57,7 @@ class Phase:
                 f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
                 f"needed, but {self.lengths} and {self.angles} came. Correct the constants."
             )
-        # The square of the height of c over the plane of a and b is a difference of squares.
-        least = 64 * np.finfo(float).eps * self.lengths[2] ** 2
-        if self.has_lattice and not self.lattice[2, 2] ** 2 > least:
+        if self.has_lattice and min(self._excess) <= 0:
             raise OrientationError(
                 f"phase {self.name!r}: angles {self.angles} make no lattice. Correct them."
             )
@@ -67,6 +66,15 @@ class Phase:
     def group(self) -> LaueGroup:
         """The rotations of its Laue group."""
         return laue_group(self.laue, self.horizontal)
+
+    @property
+    def _excess(self) -> tuple[float, ...]:
+        """By how many degrees, halved, two of the angles are more than the third, and all of them
+        less than 360: above 0 for three edges that lie in no plane."""
+        # As they are written: 40.1 + 50.2 - 90.3 of doubles is not 0.
+        angles = [Fraction(repr(angle)) for angle in self.angles]
+        half = sum(angles) / 2
+        return tuple(float(x) for x in (180 - half, *(half - angle for angle in angles)))
 
     @property
     def has_lattice(self) -> bool:
@@ -83,8 +91,8 @@ class Phase:
         a, b, c = self.lengths
         alpha, beta, gamma = np.radians(self.angles)
         cosine = (np.cos(alpha) - np.cos(beta) * np.cos(gamma)) / np.sin(gamma)
-        with np.errstate(invalid="ignore"):
-            height = np.sqrt(np.sin(beta) ** 2 - cosine**2)
+        # As a product the height of c over a and b keeps its digits where the cell is flat, too.
+        height = 2 * np.sqrt(np.prod(np.sin(np.radians(self._excess)))) / np.sin(gamma)
         columns = np.array(
             [
                 [a, b * np.cos(gamma), c * np.cos(beta)],
@@ -138,8 +146,10 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
     turns = phase.group.quaternions
     found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
     whole = found[:, :3] @ np.linalg.inv(edges)
-    # Half of the way to what is surely none: constants that are hardly off do no harm.
-    if np.abs(whole - np.rint(whole)).max() > 0.25:
+    # Constants that are hardly off do no harm: what they bring nearer to a lattice vector than to
+    # the middle between two is meant to be one.
+    off = np.abs(whole - np.rint(whole))
+    if (off > 0.5 - off).any():
         raise OrientationError(
             f"phase {phase.name!r}: a lattice of the symmetry {phase.laue} was needed, but lengths "
             f"{phase.lengths} and angles {phase.angles} make none. Give the constants of its cell, "

@@ -1,5 +1,6 @@
 """Phases: lattices, families by symmetry, and what is no lattice."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -45,12 +46,26 @@ def test_what_is_no_lattice():
         NICKEL.family((0, 0, 0))
 
 
-@pytest.mark.parametrize("angles", [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130)])
+FLAT = [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130), (40.1, 50.2, 90.3)]
+
+
+@pytest.mark.parametrize("angles", FLAT)
 def test_edges_in_one_plane_are_no_lattice(angles):
     """Up to rounding, too: what is flat was no error, or one of NumPy."""
     with pytest.raises(OrientationError, match="make no lattice"):
         Phase("flat", "-1", (3, 4, 5), angles)
-    assert Phase("low", "-1", (3, 4, 5), (60, 60, 119.999)).lattice[2, 2] > 0.01
+
+
+@pytest.mark.parametrize("angles", [(60, 60, 120), (40.1, 50.2, 90.3), (120, 120, 120)])
+def test_nearly_flat_cells_keep_their_digits(angles):
+    """Next to what is no lattice: the height against 50 digits, 1e-9 degrees from none."""
+    last = angles[2] - 1e-9
+    with mpmath.workdps(50):
+        alpha, beta, gamma = (mpmath.radians(mpmath.mpf(repr(x))) for x in (*angles[:2], last))
+        cosine = (mpmath.cos(alpha) - mpmath.cos(beta) * mpmath.cos(gamma)) / mpmath.sin(gamma)
+        height = float(5 * mpmath.sqrt(mpmath.sin(beta) ** 2 - cosine**2))
+    found = Phase("low", "-1", (3, 4, 5), (*angles[:2], last)).lattice[2, 2]
+    assert found == pytest.approx(height, rel=1e-14)
 
 
 def test_a_lattice_without_the_symmetry_of_its_group():
@@ -61,3 +76,16 @@ def test_a_lattice_without_the_symmetry_of_its_group():
             ask()
     hardly = Phase("tetragonal", "m-3m", (3.0, 3.0, 3.05))
     assert len(hardly.family((0.5, 0.5, 0))) == 6
+
+
+@pytest.mark.parametrize(
+    ("edge", "angle", "fits"), [(1.24, 90, True), (1.26, 90, False), (1, 83, True), (1, 75, False)]
+)
+def test_what_is_nearer_to_a_lattice_vector_than_to_none_is_one(edge, angle, fits):
+    """A cube that is drawn along one edge, or sheared, by a quarter of an edge at most."""
+    phase = Phase("drawn", "m-3m", (1, 1, edge), (90, 90, angle))
+    if fits:
+        assert len(phase.family((1, 0, 0))) == 3
+        return
+    with pytest.raises(OrientationError, match="a lattice of the symmetry m-3m was needed"):
+        phase.family((1, 0, 0))
