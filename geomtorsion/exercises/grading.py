@@ -18,6 +18,9 @@ from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
 from geomtorsion.files import read_json_text, read_text, read_toml
 
+# Keys of a file.
+KEYS = ("student", "name", "seed", "answers")
+
 
 @dataclass(frozen=True)
 class Submission:
@@ -26,13 +29,14 @@ class Submission:
     student: name as written, or that of the file. seed: which variant was worked on; None if the
     file does not say.
     answers: number of an exercise -> question -> answer, or one answer.
-    unknown: keys that are no exercise.
+    unknown: keys that are no exercise. outside: keys beside those of a file, which are not read.
     """
 
     student: str
     seed: int | None
     answers: Mapping[str, object]
     unknown: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
 
 
 def read_submission(path: str | PathLike[str]) -> Submission:
@@ -61,7 +65,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     ...     file = Path(folder, "ada.toml")
     ...     _ = file.write_text('seed = 7\\n[answers]\\n"3.2" = "1/tan(phi2)"\\n')
     ...     read_submission(file)
-    Submission(student='ada', seed=7, answers={'3.2': '1/tan(phi2)'}, unknown=())
+    Submission(student='ada', seed=7, answers={'3.2': '1/tan(phi2)'}, unknown=(), outside=())
     """
     path = Path(path)
     data = loaded(path)
@@ -90,8 +94,9 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     known = set(names())
     unknown = tuple(key[:60] for key in flat if key not in known)
     answers = {key: value for key, value in flat.items() if key in known}
+    outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
     # The form has an empty name, which some leave so.
-    return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown)
+    return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown, outside)
 
 
 def loaded(path: Path) -> Mapping[str, Any]:
@@ -351,7 +356,9 @@ def _mark(
     parts: dict[str, float] = {}
     codes: list[str] = []
     remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
-    unseen = bool(remarks)
+    remarks += [f"{key!r} stands outside of [answers]: it is not read." for key in read.outside]
+    # Of what belongs to the file alone, such as a date, nobody has to look at anything.
+    unseen = bool(read.unknown) or any(key in names() for key in read.outside)
     answered = asked = 0
     for number in task.numbers:
         asked += len(load(number, seed).questions)

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from geomtorsion.errors import OrientationError
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.numbers import raised, table
 from geomtorsion.lab.plot import colours
@@ -185,6 +186,11 @@ class GivenOrientations:
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Crystal axes, lengths in the unit of the map."""
         column, row = corner
+        if min(corner) < 0:
+            raise OrientationError(
+                f"the circuit leaves the map: its corner would be at column {column}, row {row}. "
+                "Choose another place, or a smaller one."
+            )
         b = self.map.burgers(Circuit.square((row, column), side))
         noise = np.sqrt(np.diagonal(b.rotation.T @ b.covariance @ b.rotation).clip(0))
         told = (

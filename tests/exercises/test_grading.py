@@ -270,6 +270,20 @@ def test_an_unknown_part_is_said(tmp_path):
     assert "several questions (ricci, scalar); the answer counts for the first" in eve["remarks"]
 
 
+def test_what_stands_outside_of_the_answers_is_said(tmp_path):
+    """A table that was forgotten is looked at; a date is nobody's business."""
+    files = {
+        "ada.toml": 'seed = 0\n["3.2"]\nchristoffel = "cot(phi2)"\n',
+        "bob.toml": "seed = 0\ndate = 2026-11-23\n" + RIGHT,
+        "eve.toml": '[3.2]\nchristoffel = "cot(phi2)"\n' + RIGHT,
+    }
+    ada, bob, eve = graded(tmp_path, files).values()
+    assert (ada["status"], bob["status"], eve["status"]) == (PARTLY, GRADED, PARTLY)
+    assert ada["remarks"] == "'3.2' stands outside of [answers]: it is not read."
+    assert bob["remarks"] == "'date' stands outside of [answers]: it is not read."
+    assert (ada["earned"], bob["earned"], eve["earned"]) == ("0", "1", "1")
+
+
 def test_two_files_of_one_student_are_said(tmp_path):
     """In both rows, each with the other's name; a third file that comes later changes them."""
     files = {

@@ -78,6 +78,11 @@ def test_a_circuit_that_leaves_the_map_is_refused_with_a_picture(tmp_path: Path)
         assert "b" not in found
         assert found["refused"]
         assert "<polyline" in found["picture"]
+    said = map_circuit(wall_ctf(), "a", [0, 5], 6)["refused"]
+    assert said == (
+        "the circuit leaves the map: its corner would be at column -3, row 2. Choose another "
+        "place, or a smaller one."
+    )
 
 
 def test_a_hole_is_grey_and_refused_where_it_is_touched(tmp_path: Path):
