@@ -222,7 +222,7 @@ def _told(reply: Json, name: str) -> str:
 # Tab -> (who shows it, the control that begins a new case, what survives that).
 TABS: Mapping[str, tuple[Callable[[Asked, Runner], Shown], frozenset[str], frozenset[str]]] = {
     views.TETRAD: (tetrad, frozenset({"start from"}), frozenset(OFFERED)),
-    views.LOOPS: (loops, frozenset({"space"}), frozenset({"radius"})),
+    views.LOOPS: (loops, frozenset({"space"}), frozenset()),
     views.PATHS: (paths, frozenset({"space"}), frozenset()),
     views.TOP: (top, frozenset({"space"}), frozenset({"variations"})),
     views.EXERCISES: (exercises, frozenset({"exercise", "variant"}), frozenset()),

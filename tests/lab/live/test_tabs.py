@@ -129,6 +129,14 @@ def test_loops_and_equations():
     found = shown(views.LOOPS, {"space": space, "radius": "3*R"})
     assert "it has no value" not in found["parts"]["result"]
     assert found["kept"]["radius form"] == "3*R"
+    # On the sphere R is its own radius, not that of the circle.
+    sphere = shown(
+        views.LOOPS,
+        {"space": "s2: the sphere of radius R, compass frame", "radius": "R"},
+        changed=["space"],
+    )
+    assert 'value="rho"' in sphere["controls"]
+    assert not sphere["kept"]["radius form"]
     beside = shown(views.LOOPS, {"space": space, "centre x": "2"})
     assert "changes along the circle" in beside["parts"]["result"]
     naive = shown(views.TOP, {"variations": "naive: as if there were no torsion"})
