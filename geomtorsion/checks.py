@@ -101,7 +101,8 @@ def plain(value: object) -> Any:
     """
     found: Any = value
     if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
-        found = found.item()
+        # What is masked is not known, whatever number lies under the mask.
+        found = math.nan if bool(getattr(found, "mask", False)) else found.item()
     inner = getattr(found, "sympy", None) if hasattr(type(found), "sympy") else None
     return inner if isinstance(inner, sp.Expr) else found
 
@@ -514,6 +515,8 @@ def array(
 ) -> np.ndarray:
     """An array of finite doubles; None in the shape stands for any length.
 
+    Masked entries are nan: nothing is known there.
+
     message is used for what is no array of real numbers: text, rows of different lengths, complex
     numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as [0, 2], its value
     being the entry there; infinite=None lets nan and infinity through.
@@ -537,7 +540,7 @@ def array(
             count = len(values)
             check_room(count, f"{subject}: {count:,} numbers", "Give fewer.")
             values = np.arange(values.start, values.stop, values.step)
-        found = np.asarray(values)
+        found = unmasked(values)
         if found.dtype.kind == "O":
             # Fractions and sympy numbers come as objects; each is looked at.
             sizes = [real(entry) for entry in found.ravel()]
@@ -562,6 +565,30 @@ def array(
         place = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
         _fail(error, infinite, subject, float(found[place]), place=list(place) or "")
     return found
+
+
+def unmasked(values: object) -> np.ndarray:
+    """An array as it comes, real numbers with nan where they are masked.
+
+    Raises
+    ------
+    TypeError, ValueError
+        It is none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> unmasked(np.ma.array([1, 2, 3], mask=[False, True, False])), unmasked([1, 2])
+    (array([ 1., nan,  3.]), array([1, 2]))
+    """
+    # As for `array`: it takes long to load.
+    import numpy as np
+
+    if not isinstance(values, np.ma.MaskedArray) or values.dtype.kind not in "iufO":
+        return np.asarray(values)
+    if not np.ma.is_masked(values):
+        return np.asarray(values)
+    return np.where(np.ma.getmaskarray(values), np.nan, values.data.astype(float))
 
 
 # -- names and words ------------------------------------------------------------------------------

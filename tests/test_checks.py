@@ -9,7 +9,14 @@ import pytest
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import GridError, LimitError, LoopError, ShapeError, StartError
+from geomtorsion.errors import (
+    ArgumentError,
+    GridError,
+    LimitError,
+    LoopError,
+    ShapeError,
+    StartError,
+)
 from geomtorsion.exact import Field
 
 X = sp.Symbol("x")
@@ -255,3 +262,19 @@ def test_how_many_numbers_there_is_room_for():
     checks.check_room(249_000_000, "t", "Give fewer.")
     with pytest.raises(LimitError, match="limit is 2 GB"):
         checks.check_room(251_000_000, "t", "Give fewer.")
+
+
+@pytest.mark.parametrize("kind", [float, np.float32, int, object])
+def test_what_is_masked_is_not_known(kind):
+    """The number under a mask is never taken: refused, or nan where that is let through."""
+    given = np.ma.array(
+        np.array([[1, 7], [3, 4]], dtype=kind), mask=np.array([[False, True], [False, False]])
+    )
+    with pytest.raises(ArgumentError, match=r"x\[0, 1\] = nan is not finite"):
+        checks.array(given, "x", ArgumentError)
+    assert np.isnan(checks.array(given, "x", ArgumentError, infinite=None)[0, 1])
+    whole = np.ma.array(np.array([1, 7], dtype=kind), mask=False)
+    assert checks.array(whole, "x", ArgumentError).tolist() == [1, 7]
+    for one in (np.ma.masked, given[0, 1], np.ma.array(7, mask=True)):
+        with pytest.raises(ArgumentError, match="x"):
+            checks.number(one, "x", ArgumentError)

@@ -55,6 +55,11 @@ class LatticeImage:
 
     def __post_init__(self) -> None:
         """Check the array once."""
+        if np.ma.is_masked(self.values):
+            raise ImageError(
+                "image: values at all pixels were needed, but some are masked. Fill them with the "
+                "mean, .filled(array.mean()): a place without lattice is a hole."
+            )
         values = checks.array(
             self.values, "image", ImageError, shape=(None, None),
             message="{subject}: an array of grey values was needed, but {value} came. Give one "
@@ -66,11 +71,6 @@ class LatticeImage:
                 "came. Give a larger part."
             )
         check_size("image", values.shape)
-        if np.ma.is_masked(self.values):
-            raise ImageError(
-                "image: values at all pixels were needed, but some are masked. Fill them with the "
-                "mean, .filled(array.mean()): a place without lattice is a hole."
-            )
         # Products of four of them have to be finite, and not zero.
         most = float(np.abs(values).max())
         if most and not 1e-70 < most < 1e70:

@@ -157,7 +157,7 @@ def whole(values: object, subject: str, columns: int | None = None) -> np.ndarra
         It is none, or has another number of columns.
     """
     try:
-        found = np.asarray(values)
+        found = checks.unmasked(values)
     except (TypeError, ValueError):
         found = np.empty(0, dtype=object)
     if not found.size and found.dtype.kind == "f":
@@ -194,7 +194,7 @@ def once_round(values: object, subject: str) -> list[Any]:
 def value_rows(values: object, name: str, count: int) -> np.ndarray:
     """Rows of whole numbers or of finite floats."""
     message = "{subject}: an array of real numbers was needed, but {value} came."
-    found = values if isinstance(values, np.ndarray) else None
+    found = checks.unmasked(values) if isinstance(values, np.ndarray) else None
     if found is None or found.dtype.kind not in "iuf":
         try:
             found = np.asarray(values)

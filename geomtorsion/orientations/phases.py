@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -72,7 +71,7 @@ class Phase:
         """By how many degrees, halved, two of the angles are more than the third, and all of them
         less than 360: above 0 for three edges that lie in no plane."""
         # As they are written: 40.1 + 50.2 - 90.3 of doubles is not 0.
-        angles = [Fraction(repr(angle)) for angle in self.angles]
+        angles = [checks.repr_fraction(angle) for angle in self.angles]
         half = sum(angles) / 2
         return tuple(float(x) for x in (180 - half, *(half - angle for angle in angles)))
 

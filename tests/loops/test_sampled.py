@@ -14,10 +14,12 @@ import geomtorsion.spaces as spaces
 from geomtorsion.errors import ArgumentError, FileFormatError, GridError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import (
+    Cochain,
     EdgeList,
     Loop,
     Network,
     SampledFrame,
+    blocked_map,
     burgers_vector,
     develop,
     parallel_screws,
@@ -326,3 +328,20 @@ def test_samples_where_a_frame_was_asked_for(wavy):
         develop(grid, loop)
     with pytest.raises(ArgumentError, match="neither closed forms nor parameters"):
         burgers_vector(grid, loop, exact=True)
+
+
+def test_masked_nodes_are_holes(tmp_path):
+    """What lies under the mask of an array is nothing that was measured: a hole, as NaN is."""
+    y, x = np.mgrid[:12, :10].astype(float)
+    values = np.ma.array([[-x, y]], mask=False)
+    values[0, 0, 5, 5] = 1e9
+    values[0, 0, 5, 5] = np.ma.masked
+    axes = (np.arange(12.0), np.arange(10.0))
+    grid, known = (SampledFrame(axes, one) for one in (values, values.filled(np.nan)))
+    assert [hole.nodes.tolist() for hole in grid.holes] == [[[5, 5]]]
+    assert np.array_equal(grid.plaquettes().vectors, known.plaquettes().vectors, equal_nan=True)
+    cut = [blocked_map(one, tmp_path / str(k), (1, 1), 20).read()
+           for k, one in enumerate((values, values.filled(np.nan)))]  # fmt: skip
+    assert np.array_equal(*cut, equal_nan=True)
+    with pytest.raises(NetworkError, match="edge 1: finite values were needed"):
+        Cochain.of_edges([[0, 1], [1, 2], [2, 0]], np.ma.masked_equal([[1.0], [2.0], [3.0]], 2))

@@ -90,6 +90,8 @@ def opened(given: Any, inner: str = "coframe") -> Any:
         found = given
         if not hasattr(found, "shape") or not hasattr(found, "dtype"):
             found = checks.array(given, "source", GridError, infinite=None)
+        elif isinstance(found, np.ma.MaskedArray):
+            found = checks.unmasked(found)
     else:
         path = Path(given)
         if not path.exists():
