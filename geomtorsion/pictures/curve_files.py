@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.pictures.curves import (
     attitude_picture,
     coordinates_picture,
@@ -18,6 +19,7 @@ from geomtorsion.pictures.curves import (
     paths_picture,
     quality_picture,
 )
+from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.quantities import Data
 from geomtorsion.pictures.style import can_draw, save
 
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from geomtorsion.ode import Solution
-    from geomtorsion.pictures.pair import Pair
 
 Draw = Callable[["Pair"], "Figure"]
 
@@ -41,7 +42,7 @@ def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
     >>> list(curve_pictures(solve_pair(load("so3"), engine=RungeKutta())))
     ['paths', 'attitude', 'coordinates', 'distance', 'quality']
     """
-    embedding = pair.embedding
+    embedding = checks.instance(pair, Pair, "pair").embedding
     shown: dict[str, tuple[Draw, str]] = {}
     if len(pair.symbols) <= 3 or (embedding is not None and embedding.place):
         shown["paths"] = (paths_picture, "Autoparallel and geodesic from one start.")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sympy import latex
 
+from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector
 from geomtorsion.loops.hodograph import Hodograph, hodograph
@@ -34,9 +35,12 @@ def draw_closure(b: BurgersVector) -> Figure:
 
     Raises
     ------
+    ArgumentError
+        b is no Burgers vector of a frame, such as one of measured data.
     MissingExtraError
         matplotlib is not installed.
     """
+    checks.instance(b, BurgersVector, "b")
     drawn = hodograph(b)
     figure = new_figure(9.6, 4.6)
     names = [latex(symbol) for symbol in b.frame.coordinates]
@@ -160,9 +164,12 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     ------
     LoopError
         The survey is no grid.
+    ArgumentError
+        What came is no survey of a frame, such as a map of measured data.
     MissingExtraError
         matplotlib is not installed.
     """
+    checks.instance(survey, BurgersMap, "survey")
     if survey.areas.ndim != 2:
         raise LoopError("only a survey over a grid (burgers_map) can be drawn as a map.")
     density = np.real(survey.density)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geomtorsion.errors import LimitError, NetworkError
-from geomtorsion.loops import DislocationNetwork, LineArrays, Loop
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, LimitError, NetworkError
+from geomtorsion.loops import DislocationNetwork, LineArrays, Loop, Network
 from geomtorsion.loops.line_families import LineFamily, line_families, named_families
 from geomtorsion.loops.reactions import size, written
 from geomtorsion.loops.sampled import SampledFrame
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d import Axes3D
-
-    from geomtorsion.loops import DislocationNetwork, Network
 
 SOFT, GOOD = "#9ca5b6", "#1c7a43"
 
@@ -56,6 +55,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     MissingExtraError
         matplotlib is not installed.
     """
+    checks.instance(net, Network, "net")
+    plane = _checked_plane(plane, net.edges.positions.shape[1])
     if len(net.edges.pairs) > STYLE.edges:
         raise LimitError(
             f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {STYLE.edges}."
@@ -130,6 +131,7 @@ def draw_dislocations(
     -------
     A matplotlib figure.
     """
+    checks.instance(net, DislocationNetwork, "net")
     places = _places(net, positions, plane)
     figure = new_figure(7.6, 6.2)
     axes = figure.subplots()
@@ -184,7 +186,20 @@ def _places(
     missing = [node for node in net.graph if given.get(node) is None]
     if missing:
         raise NetworkError(f"node {missing[0]!r} has no position. Give all of them, or none.")
-    return {node: (float(place[plane[0]]), float(place[plane[1]])) for node, place in given.items()}
+    one, two = _checked_plane(plane, min(len(place) for place in given.values()))
+    return {node: (float(place[one]), float(place[two])) for node, place in given.items()}
+
+
+def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
+    """Two different coordinates of so many, by number."""
+    chosen = checks.entries(plane, "plane")
+    known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
+    if len(set(known)) != 2 or len(known) != 2:
+        raise ArgumentError(
+            f"plane: two coordinates were needed, but {checks.shown(plane)} came. Give two numbers "
+            f"from 0 to {dimension - 1}, such as (0, 1)."
+        )
+    return known[0], known[1]
 
 
 def _draw_line(
@@ -242,7 +257,7 @@ def draw_lines(
     MissingExtraError
         matplotlib is not installed.
     """
-    lines = net.arrays
+    lines = checks.instance(net, DislocationNetwork, "net").arrays
     if not len(lines.pairs):
         raise NetworkError("a picture needs a line, but the network has none.")
     figure = new_figure(10.5, 6.0)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from geomtorsion.geometry import notation
+from geomtorsion import checks
+from geomtorsion.geometry import DependencyGraph, notation
 from geomtorsion.pictures.loops import draw_closure, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
@@ -13,7 +14,6 @@ from geomtorsion.pictures.style import pictured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from geomtorsion.geometry import DependencyGraph
     from geomtorsion.loops import BurgersMap, BurgersVector
     from geomtorsion.ode import Ensemble, Solution
 
@@ -78,6 +78,7 @@ def draw_plan(plan: DependencyGraph) -> Figure:
     >>> [text.get_text() for text in figure.axes[0].texts if text.get_text()]
     ['coframe', 'metric']
     """
+    checks.instance(plan, DependencyGraph, "plan")
     depth: dict[str, int] = {}
     for step in plan.steps:
         needed = [depth[name] for name in plan.graph.predecessors(step.name)]

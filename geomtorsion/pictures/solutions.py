@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.curves import CurveProblem
-from geomtorsion.errors import ShapeError
+from geomtorsion.errors import ArgumentError, ShapeError
 from geomtorsion.ode import Ensemble, Solution
 from geomtorsion.pictures.curves import carried_on
 from geomtorsion.pictures.style import (
@@ -45,6 +46,8 @@ def draw_solution(found: Solution | Ensemble) -> Figure:
     ------
     ShapeError
         There are less than two times.
+    ArgumentError
+        found is neither.
     MissingExtraError
         matplotlib is not installed.
 
@@ -55,6 +58,10 @@ def draw_solution(found: Solution | Ensemble) -> Figure:
     >>> [axes.get_ylabel() for axes in draw_solution(swing).axes]
     ['$x$', '$v$']
     """
+    if not isinstance(found, Solution | Ensemble):
+        raise ArgumentError(
+            f"found: a Solution or an Ensemble was needed, but {checks.shown(found)} came."
+        )
     times, lines = _finely(found) if isinstance(found, Solution) else _members(found)
     if len(times) < 2:
         raise ShapeError(

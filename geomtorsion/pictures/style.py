@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from importlib.util import find_spec
 from io import StringIO
+from os import PathLike
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError, MissingExtraError
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.precision import EPS, PRINTED
 
@@ -139,17 +141,24 @@ def can_draw() -> bool:
     return find_spec("matplotlib") is not None
 
 
-def save(figure: Figure, path: str | Path, dpi: int = STYLE.resolution) -> None:
+def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution) -> None:
     """Write a figure in the format of its suffix, the same bytes each time.
 
     Raises
     ------
     FileFormatError
         matplotlib cannot write it like that.
+    ArgumentError
+        figure is no figure of matplotlib, or path no path.
     """
-    path = Path(path)
     # An extra: without matplotlib this module can still be imported.
     import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    checks.instance(figure, Figure, "figure")
+    if not isinstance(path, str | PathLike):
+        raise ArgumentError(f"path: a name of a file was needed, but {checks.shown(path)} came.")
+    path = Path(path)
 
     blank = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
     kind = path.suffix.removeprefix(".").lower()

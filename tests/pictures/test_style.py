@@ -1,0 +1,51 @@
+"""Style: figures are saved under names, and nothing is drawn of what has no picture."""
+
+from collections.abc import Callable, Hashable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import ArgumentError
+
+pytest.importorskip("matplotlib")
+
+LINE = np.linspace(-1, 1, 12)
+FIELD = gt.SampledFrame([LINE, LINE], np.tile(np.eye(2)[..., None, None], (1, 1, 12, 12)))
+
+
+@pytest.mark.parametrize(
+    ("draw", "needed"),
+    [(gt.pictures.draw_closure, "b: a BurgersVector"),
+     (gt.pictures.draw_map, "survey: a BurgersMap"),
+     (gt.pictures.draw_network, "net: a Network"),
+     (gt.pictures.draw_dislocations, "net: a DislocationNetwork"),
+     (gt.pictures.draw_lines, "net: a DislocationNetwork"),
+     (gt.pictures.draw_plan, "plan: a DependencyGraph"),
+     (gt.pictures.draw_solution, "found: a Solution or an Ensemble"),
+     (gt.pictures.curve_pictures, "pair: a Pair"),
+     (lambda value: gt.pictures.save(value, "picture.png"), "figure: a Figure")],
+)  # fmt: skip
+@pytest.mark.parametrize("came", [None, "b", FIELD.burgers(gt.Loop.circle([0, 0], 0.5))])
+def test_what_is_something_else_is_refused(draw: Callable[[Any], object], needed: str, came: Any):
+    """The message names the argument and what was needed."""
+    with pytest.raises(ArgumentError, match=f"{needed} was needed"):
+        draw(came)
+
+
+@pytest.mark.parametrize("plane", [(0, 7), (0, 0), (0,), 3, ("x", "y"), (-1, 0)])
+def test_a_plane_is_two_coordinates(plane: Any):
+    """Numbers that the network has, two of them, different."""
+    lines = [("a", "b", (1, 0, 0)), ("b", "c", (1, 0, 0))]
+    net = gt.DislocationNetwork.of_lines(lines, surface=["a", "c"])
+    places: dict[Hashable, Any] = {"a": (0, 0, 0), "b": (1, 0, 0), "c": (1, 1, 0)}
+    with pytest.raises(ArgumentError, match="plane"):
+        gt.pictures.draw_dislocations(net, places, plane)
+
+
+def test_a_path_is_no_number():
+    """Numbers are handles of open files to Python."""
+    figure = gt.pictures.draw_plan(gt.spaces.load("s2").frame.plan("metric"))
+    with pytest.raises(ArgumentError, match="path: a name of a file"):
+        gt.pictures.save(figure, 3)  # pyright: ignore[reportArgumentType]
