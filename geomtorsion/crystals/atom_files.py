@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.checks import cut, shown
+from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.errors import ArgumentError, FileFormatError, MissingExtraError
+from geomtorsion.files import finite_number, read_text
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -148,19 +149,56 @@ def _read(file: Path, kind: str) -> Iterator[tuple[Atoms, str]]:
     """Frames as ase has them, with their places in the file."""
     if kind in ("extxyz", "xyz", "lammps-dump-text"):
         blocks = _xyz_blocks if kind != "lammps-dump-text" else _dump_blocks
-        with file.open(encoding="utf-8", errors="replace") as stream:
+        with file.open(encoding="utf-8-sig", errors="replace") as stream:
             for number, (line, rows) in enumerate(blocks(file.name, stream)):
                 where = f": frame {number}"
                 yield _one(file.name, kind, line, rows), where
         return
     ase_io = _ase("ase.io")
+    length = _length_of_cfg(file) if kind == "cfg" else 1.0
+    if kind == "gromacs":
+        _check_count_of_gro(file)
     try:
         frames = ase_io.iread(str(file), index=":", format=kind)
         for number, atoms in enumerate(frames):
+            if length != 1:
+                atoms.set_cell(length * atoms.cell, scale_atoms=True)
             yield atoms, f": frame {number}" if number else ""
     except Exception as error:  # noqa: BLE001
         # Readers of many formats, each with errors of its own.
         raise _unreadable(file.name, kind, error) from None
+
+
+def _length_of_cfg(file: Path) -> float:
+    """The length in which a CFG file gives its cell: ase takes it for 1."""
+    with file.open(encoding="utf-8-sig", errors="replace") as stream:
+        for number, row in enumerate(stream, 1):
+            key, equals, said = row.partition("=")
+            if not equals and row.strip() and not row.lstrip().startswith(("#", ".")):
+                # Here the atoms begin.
+                break
+            if key.strip() == "A":
+                words = said.split()
+                found = finite_number(words[0]) if words else None
+                if found is None or found <= 0:
+                    raise FileFormatError(
+                        f"{file.name}: line {number}: A: a length above 0 was needed, but "
+                        f"{shown(said.strip())} came."
+                    )
+                return found
+    return 1.0
+
+
+def _check_count_of_gro(file: Path) -> None:
+    """Refuse a GRO file that has not as many rows as it says: ase takes the last for the cell."""
+    rows = read_text(file, LARGEST_ARRAYS, otherwise="latin-1").rstrip().split("\n")
+    said = rows[1].strip() if len(rows) > 1 else ""
+    if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
+        raise FileFormatError(
+            f"{file.name}: line 2: the number of atoms, so many rows, and one with the cell were "
+            f"needed, but {shown(said)} and {max(len(rows) - 2, 0):,} rows came. Is it complete, "
+            "and of one frame?"
+        )
 
 
 def _one(name: str, kind: str, line: int, rows: list[str]) -> Atoms:
@@ -215,17 +253,12 @@ def _is_number(word: str) -> bool:
 
 
 def _xyz_blocks(name: str, stream: io.TextIOBase) -> Iterator[tuple[int, list[str]]]:
-    """Frames of an XYZ file as rows, with the numbers of their first lines."""
-    line = 0
-    while (head := stream.readline()) != "":
-        line += 1
-        if not head.strip():
-            continue
-        if not head.strip().isdecimal() or len(head) > 20:
-            raise FileFormatError(
-                f"{name}: line {line}: the number of atoms of a frame was needed, but "
-                f"{shown(head.strip())} came."
-            )
+    """Frames of an XYZ file as rows, with the numbers of their first lines.
+
+    What follows a frame is looked at before it is given: an atom too many is no other frame.
+    """
+    line, head = _next_head(name, stream, 0)
+    while head:
         rows = [head]
         for _ in range(int(head) + 1):
             row = stream.readline()
@@ -235,8 +268,24 @@ def _xyz_blocks(name: str, stream: io.TextIOBase) -> Iterator[tuple[int, list[st
                     f"{max(len(rows) - 2, 0):,} of {int(head):,} atoms. Is it complete?"
                 )
             rows.append(row)
-        yield line, rows
-        line += len(rows) - 1
+        first = line
+        line, head = _next_head(name, stream, line + len(rows) - 1)
+        yield first, rows
+
+
+def _next_head(name: str, stream: io.TextIOBase, line: int) -> tuple[int, str]:
+    """The row with the number of atoms of the next frame, and its number; empty at the end."""
+    while (head := stream.readline()) != "":
+        line += 1
+        if not head.strip():
+            continue
+        if not head.strip().isdecimal() or len(head) > 20:
+            raise FileFormatError(
+                f"{name}: line {line}: the number of atoms of a frame was needed, but "
+                f"{shown(head.strip())} came."
+            )
+        return line, head
+    return line, ""
 
 
 def _dump_blocks(name: str, stream: io.TextIOBase) -> Iterator[tuple[int, list[str]]]:
@@ -274,7 +323,14 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
             f"{name}: line {first + marks['NUMBER'] + 1}: the number of atoms was needed, but "
             f"{shown(said)} came."
         )
+    while not rows[-1].strip():
+        rows.pop()
     body = len(rows) - 1 - marks["ATOMS"]
+    if body > int(said):
+        raise FileFormatError(
+            f"{name}: line {first + marks['NUMBER'] + 1}: {said} atoms are said to follow, but "
+            f"{body:,} rows do. Correct the number, or export the file again."
+        )
     if body < int(said):
         raise FileFormatError(
             f"{name}: line {first + len(rows) - 1}: the frame ends after {body:,} of "
@@ -318,5 +374,5 @@ def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
     if kind not in ("extxyz", "xyz", "lammps-dump-text"):
         return 1
     blocks = _xyz_blocks if kind != "lammps-dump-text" else _dump_blocks
-    with file.open(encoding="utf-8", errors="replace") as stream:
+    with file.open(encoding="utf-8-sig", errors="replace") as stream:
         return sum(1 for _ in blocks(file.name, stream))

@@ -116,6 +116,7 @@ def text_of(tmp_path: Path) -> list[str]:
         (1, "300", "line 258: the file ends after 256 of 300 atoms"),
         (1, "99999999999999", "the file ends after 256"),
         (1, "200", "line 203: the number of atoms"),
+        (1, "255", "line 258: the number of atoms of a frame was needed, but 'Cu"),
         (7, "Cu 1.0 2.0", "line 7: a row like the others"),
         (7, "Cu 1.0 2.0 x3", "line 7: a row like the others"),
         (7, "", "line 7: a row like the others"),
@@ -140,6 +141,7 @@ def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, messag
         ("ITEM: BOX", "ITEM: CUBE", "ITEM: BOX ... was needed"),
         ("\n256\n", "\n99999999999\n", "ends after 256 of 99,999,999,999"),
         ("\n256\n", "\n-1\n", "line 4: the number of atoms"),
+        ("\n256\n", "\n255\n", "line 4: 255 atoms are said to follow, but 256 rows do"),
         ("\n7 1 ", "\n7 one ", "line 259: a row like the others"),
     ],
 )
@@ -183,3 +185,44 @@ def test_a_slab_needs_no_third_edge(tmp_path: Path):
     crystal = read(tmp_path / "slab.xyz")
     assert crystal.periodic.tolist() == [True, True, False]
     assert crystal.dislocations().lines == ()
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a.dump"])
+def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: str):
+    """Some editors put one in front of every file; an atom too many is told by `read`, too."""
+    text = dump(copper()) if name == "a.dump" else "\n".join(text_of(tmp_path))
+    path = tmp_path / name
+    path.write_bytes(text.encode("utf-8-sig"))
+    assert len(read(path).positions) == 256
+    path.write_text(text.replace("256", "255", 1))
+    with pytest.raises(FileFormatError, match=r"255 atoms are said|line 258: the number of atoms"):
+        read(path)
+
+
+def test_the_length_of_a_cfg_file_counts(tmp_path: Path):
+    """Cells stand in units of A, which ase takes for 1; what is no length is refused."""
+    path = tmp_path / "a.cfg"
+    ase_io.write(path, copper())
+    text = path.read_text()
+    assert "A = 1.0 Angstrom" in text
+    for length, times in (("3.5 Angstrom (basic length-scale)", 3.5), ("1e-1", 0.1)):
+        path.write_text(text.replace("A = 1.0 Angstrom", f"A = {length}"))
+        found = read(path)
+        assert found.constant == pytest.approx(3.6 * times, rel=1e-6)
+        assert found.cell == pytest.approx(4 * 3.6 * times * np.eye(3))
+    for length in ("0 Angstrom", "nan", "one", ""):
+        path.write_text(text.replace("A = 1.0 Angstrom", f"A = {length}"))
+        with pytest.raises(FileFormatError, match=r"line [0-9]+: A: a length above 0 was needed"):
+            read(path)
+
+
+def test_a_gro_file_that_is_cut_is_refused(tmp_path: Path):
+    """ase takes its last row for the cell, whatever it is; and any number of atoms."""
+    path = tmp_path / "a.gro"
+    ase_io.write(path, copper())
+    rows = path.read_text().splitlines()
+    assert len(read(path).positions) == int(rows[1]) == 256
+    for some in (rows[:200], rows[:-1], [rows[0], "255", *rows[2:]], rows[:2], rows[:1], ["", "x"]):
+        path.write_text("\n".join(some) + "\n")
+        with pytest.raises(FileFormatError, match=r"a\.gro: line 2: the number of atoms"):
+            read(path)
