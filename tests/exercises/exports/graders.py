@@ -2,29 +2,61 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import geomtorsion
 
+# Loads a program once, which takes longer than most of its commands, and forks for each of them.
+SERVES = """
+import json, os, signal, sys, tempfile
+from importlib import import_module
+module, name = sys.argv[1:]
+main = getattr(import_module(module), name)
+for line in sys.stdin:
+    with tempfile.TemporaryFile("w+") as said:
+        child = os.fork()
+        if not child:
+            signal.alarm(300)
+            os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+            os.dup2(said.fileno(), 1)
+            os.dup2(said.fileno(), 2)
+            sys.argv = [module, *json.loads(line)]
+            sys.exit(main())
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        said.seek(0)
+        print(json.dumps([code, said.read()]), flush=True)
+"""
 
-def command(module: str, folder: Path) -> Callable[..., None]:
-    """Runs a module's command in a folder; it has to end well."""
+
+@contextmanager
+def command(module: str, name: str, folder: Path) -> Iterator[Callable[..., None]]:
+    """Runs commands of a program in a folder, each in a process of its own; they have to end well.
+
+    module, name: where the function is that the program calls.
+    """
     # They start the kernel and alembic by their names, which stand beside the interpreter.
     settings = os.environ | {
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
         "PYTHONPATH": str(Path(geomtorsion.__file__).parents[1]),
         "JUPYTER_PREFER_ENV_PATH": "1",
     }
+    with subprocess.Popen(
+        [sys.executable, "-c", SERVES, module, name],
+        cwd=folder, env=settings, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdin is not None
+        assert process.stdout is not None
+        asked, replies = process.stdin, process.stdout
 
-    def run(*words: str) -> None:
-        done = subprocess.run(
-            [sys.executable, "-m", module, *words],
-            cwd=folder, env=settings, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[-3000:]
+        def run(*words: str) -> None:
+            print(json.dumps(words), file=asked, flush=True)
+            code, said = json.loads(replies.readline())
+            assert code == 0, said[-3000:]
 
-    return run
+        yield run

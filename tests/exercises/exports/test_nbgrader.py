@@ -122,7 +122,6 @@ def test_nbgrader_grades(student, tmp_path):
     all.
     """
     pytest.importorskip("nbgrader")
-    nbgrader = command("nbgrader", tmp_path)
 
     def write(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -131,18 +130,19 @@ def test_nbgrader_grades(student, tmp_path):
     numbers = ("3.1", "3.2", "3.3")
     for name, text in course_files(tasks(numbers, [0])).items():
         write(tmp_path / name, text)
-    nbgrader("generate_assignment", "chapter3")
-    released = (tmp_path / "release/chapter3/chapter3.ipynb").read_text("utf-8")
-    assert "exercises.check" not in released
-    assert "BEGIN SOLUTION" not in released
-    right = {number: exercises.load(number).answers() for number in numbers}
-    partly = {"3.2": {"christoffel": "-cot(phi2)"},
-              "3.3": {"ricci": "1,1 = 1/R^2", "scalar": "2/R^2"}}  # fmt: skip
-    answers = {"ada": right, "bob": partly}[student]
-    handed = json.dumps(filled(json.loads(released), answers))
-    write(tmp_path / f"submitted/{student}/chapter3/chapter3.ipynb", handed)
-    nbgrader("autograde", "chapter3")
-    nbgrader("export", "--to", "marks.csv")
+    with command("nbgrader.apps.nbgraderapp", "main", tmp_path) as nbgrader:
+        nbgrader("generate_assignment", "chapter3")
+        released = (tmp_path / "release/chapter3/chapter3.ipynb").read_text("utf-8")
+        assert "exercises.check" not in released
+        assert "BEGIN SOLUTION" not in released
+        right = {number: exercises.load(number).answers() for number in numbers}
+        partly = {"3.2": {"christoffel": "-cot(phi2)"},
+                  "3.3": {"ricci": "1,1 = 1/R^2", "scalar": "2/R^2"}}  # fmt: skip
+        answers = {"ada": right, "bob": partly}[student]
+        handed = json.dumps(filled(json.loads(released), answers))
+        write(tmp_path / f"submitted/{student}/chapter3/chapter3.ipynb", handed)
+        nbgrader("autograde", "chapter3")
+        nbgrader("export", "--to", "marks.csv")
     with (tmp_path / "marks.csv").open(encoding="utf-8") as file:
         [marks] = csv.DictReader(file)
     verdicts = [exercises.check(number, answers.get(number, {})) for number in numbers]

@@ -118,23 +118,22 @@ def test_otter_assigns_and_grades(student, tmp_path):
     What every kind of answer earns, by one student; ada answers all.
     """
     pytest.importorskip("otter.assign")
-    otter = command("otter", tmp_path)
-
-    [(name, text)] = assign_files(tasks(NUMBERS_ASKED, [0])).items()
-    (tmp_path / name).write_text(text, "utf-8")
-    otter("assign", name, "made")
-    released = (tmp_path / "made/student" / name).read_text("utf-8")
-    assert "exercises.check" not in released
-    assert exercises.load("3.2").answers()["christoffel"] not in released
-    [grader] = (tmp_path / "made/autograder").glob("*.zip")
-    right = {number: exercises.load(number).answers() for number in NUMBERS_ASKED}
-    answers = {"ada": right, "bob": PARTLY}[student]
-    given = {f"{key}_{number.replace('.', '_')}": text
-             for number, found in answers.items() for key, text in found.items()}  # fmt: skip
-    folder = tmp_path / student
-    folder.mkdir()
-    (folder / name).write_text(filled(json.loads(released), given), "utf-8")
-    otter("run", "-a", str(grader), "-o", str(folder), "--no-logo", str(folder / name))
+    with command("otter.cli", "cli", tmp_path) as otter:
+        [(name, text)] = assign_files(tasks(NUMBERS_ASKED, [0])).items()
+        (tmp_path / name).write_text(text, "utf-8")
+        otter("assign", name, "made")
+        released = (tmp_path / "made/student" / name).read_text("utf-8")
+        assert "exercises.check" not in released
+        assert exercises.load("3.2").answers()["christoffel"] not in released
+        [grader] = (tmp_path / "made/autograder").glob("*.zip")
+        right = {number: exercises.load(number).answers() for number in NUMBERS_ASKED}
+        answers = {"ada": right, "bob": PARTLY}[student]
+        given = {f"{key}_{number.replace('.', '_')}": text
+                 for number, found in answers.items() for key, text in found.items()}  # fmt: skip
+        folder = tmp_path / student
+        folder.mkdir()
+        (folder / name).write_text(filled(json.loads(released), given), "utf-8")
+        otter("run", "-a", str(grader), "-o", str(folder), "--no-logo", str(folder / name))
     found = json.loads((folder / "results.json").read_text("utf-8"))
     tests = {test["name"]: test for test in found["tests"] if "score" in test}
     marks = {name: (test["score"], test["max_score"]) for name, test in tests.items()}
