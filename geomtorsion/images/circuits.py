@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.conventions import Signed
@@ -77,7 +77,7 @@ def expected_clicks(ratio: np.ndarray, steps: np.ndarray, blur: float, axis: int
     rms = 1 / (np.sqrt(8) * np.pi * blur)
     # From here on erfc is below all doubles.
     ratio = np.minimum(ratio, 30.0)
-    still, drowned = (_means(x, axis) for x in (special.erfc(ratio), np.exp(-(ratio**2))))
+    still, drowned = (_means(x, axis) for x in (scipy.special.erfc(ratio), np.exp(-(ratio**2))))
     return rms * still + np.abs(steps) / (2 * np.pi) * drowned
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError, ImageError
@@ -305,10 +305,10 @@ def lattice_phases(
     if blur is None:
         blur = _resolution(spots, min(field.shape))
     # Zeros behind the border keep opposite sides apart.
-    padded = [fft.next_fast_len(n + int(_reach(blur))) for n in field.shape]
-    spectrum = fft.fft2(field - field.mean(), padded)
+    padded = [scipy.fft.next_fast_len(n + int(_reach(blur))) for n in field.shape]
+    spectrum = scipy.fft.fft2(field - field.mean(), padded)
     borders = [_inside(n, blur) for n in field.shape]
-    lines = [fft.fftfreq(n) for n in padded]
+    lines = [scipy.fft.fftfreq(n) for n in padded]
     waves = np.empty((2, *field.shape), dtype=complex)
     for wave, vector in zip(waves, spots.vectors, strict=True):
         masks = []
@@ -316,7 +316,7 @@ def lattice_phases(
             # Frequencies beyond the end of an axis are those at its other end.
             away = (k - g + 0.5) % 1.0 - 0.5
             masks.append(np.exp(-2 * (np.pi * blur * away) ** 2))
-        found = fft.ifft2(spectrum * np.multiply.outer(*masks), overwrite_x=True)
+        found = scipy.fft.ifft2(spectrum * np.multiply.outer(*masks), overwrite_x=True)
         ramps = [
             np.exp(-2j * np.pi * g * np.arange(n)) / share
             for g, n, share in zip(vector, field.shape, borders, strict=True)

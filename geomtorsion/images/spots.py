@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy import fft, ndimage, stats
-from scipy.signal import windows
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import ImageError
 
@@ -48,9 +47,9 @@ class Spectrum:
         """The spectrum of a field, whose borders the window hides."""
         window = np.multiply.outer(*(_taper(n) for n in field.shape))
         mean = (window * field).sum() / window.sum()
-        found = fft.fft2(window * (field - mean), workers=1)
+        found = scipy.fft.fft2(window * (field - mean), workers=1)
         power = (found.real**2 + found.imag**2) / (window**2).sum()
-        return cls(power, fft.fftfreq(field.shape[0]), fft.fftfreq(field.shape[1]))
+        return cls(power, scipy.fft.fftfreq(field.shape[0]), scipy.fft.fftfreq(field.shape[1]))
 
     def around(self, place: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Power near a frequency, and the offsets from it, up to so many pixels of the larger axis.
@@ -74,7 +73,7 @@ class Spectrum:
 
 def _taper(count: int) -> np.ndarray:
     """A window that falls to zero over a quarter of its length at either end."""
-    return windows.tukey(count, 0.5, sym=False)
+    return scipy.signal.windows.tukey(count, 0.5, sym=False)
 
 
 def find_spots(field: np.ndarray, false_alarm: float = 1e-4) -> Spots:
@@ -168,12 +167,12 @@ def _significant(
 
     candidates: spots that are looked at: the first orders of any lattice.
     """
-    power = ndimage.gaussian_filter(spectrum.power, spectrum.smoothing, mode="wrap")
+    power = scipy.ndimage.gaussian_filter(spectrum.power, spectrum.smoothing, mode="wrap")
     kx, ky = spectrum.x[:, None], spectrum.y[None, :]
     least = spectrum.periods / min(power.shape)
     half = (kx > 0) | ((kx == 0) & (ky > 0))
     reach = int(np.ceil(3 * spectrum.smoothing))
-    peak = ndimage.maximum_filter(power, 2 * reach + 1, mode="wrap") == power
+    peak = scipy.ndimage.maximum_filter(power, 2 * reach + 1, mode="wrap") == power
     places = np.argwhere(peak & half & (np.hypot(kx, ky) > least))
     ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * candidates]
     limit = _threshold(power.size, spectrum.smoothing, false_alarm)
@@ -200,12 +199,12 @@ def _threshold(count: int, smoothing: float, false_alarm: float) -> float:
     """
     weights = np.zeros(33)
     weights[16] = 1.0
-    weights = ndimage.gaussian_filter1d(weights, smoothing)
-    energy = np.abs(fft.fft(_taper(1024) ** 2)) ** 2
+    weights = scipy.ndimage.gaussian_filter1d(weights, smoothing)
+    energy = np.abs(scipy.fft.fft(_taper(1024) ** 2)) ** 2
     correlation = np.roll(energy / energy[0], 8)[:17]
     variance = float(weights @ np.convolve(weights, correlation, mode="same")) ** 2
     shape = 1.0 / variance
-    return float(stats.gamma.isf(false_alarm / count, shape) / shape)
+    return float(scipy.special.gammainccinv(shape, false_alarm / count) / shape)
 
 
 def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
@@ -223,7 +222,7 @@ def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
     shape = [n // every for n in field.shape]
     found = found[: shape[0] * every, : shape[1] * every]
     found = found.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
-    smooth = ndimage.gaussian_filter(found, blur / every, mode="constant")
+    smooth = scipy.ndimage.gaussian_filter(found, blur / every, mode="constant")
     power = smooth.real**2 + smooth.imag**2
     return bool(power.mean() ** 2 >= covered * (power**2).mean())
 

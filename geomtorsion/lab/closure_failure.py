@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy  # loads its parts when they are asked for
 import sympy as sp
-from scipy.integrate import cumulative_simpson
 
 from geomtorsion.codegen import graph
 from geomtorsion.curves.edges import edges_of
@@ -91,7 +91,7 @@ def _round_the_axis(
     legs = graph(names, [frame.coframe[i, 1] for i in range(len(centre))]).numpy()
     place = [radius, angles, *centre[2:], *(values[p.name] for p in frame.parameters)]
     rates = [np.broadcast_to(row, PAGE.samples) for row in legs(*place)]
-    image = cumulative_simpson(rates, x=angles, initial=0)
+    image = scipy.integrate.cumulative_simpson(rates, x=angles, initial=0)
     circle = list(zip(radius * np.cos(angles), radius * np.sin(angles), strict=True))
     plot = Plot("The loop about the axis: it closes", ("r cos φ", "r sin φ"), equal=True)
     plot.line(circle, PATH).sense(circle, PATH).mark((0.0, 0.0), LOOKS[3], "cross", "axis")

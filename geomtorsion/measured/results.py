@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.special import chdtri
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.loops import Loop
 
@@ -214,7 +214,7 @@ def noise_level(rows: int, share: Any = 1e-3) -> Any:
     >>> float(noise_level(1).round(3)), float(noise_level(3).round(3))
     (3.291, 4.033)
     """
-    return np.sqrt(chdtri(rows, share))
+    return np.sqrt(scipy.special.chdtri(rows, share))
 
 
 def summary(survey: Survey) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+import scipy  # loads its parts when they are asked for
 
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import SceneError, UnknownNameError
@@ -93,7 +93,7 @@ class SweepRun:
         for first in (k - 1, k):
             if 0 <= first < len(values) - 1:
                 between = self._between(values, first)
-                found: Any = minimize_scalar(
+                found: Any = scipy.optimize.minimize_scalar(
                     lambda x, f=between: -f(x), bounds=(0.0, 1.0), method="bounded",
                     options={"xatol": 1e-9},
                 )  # fmt: skip
@@ -103,7 +103,9 @@ class SweepRun:
     def _crossing(self, values: np.ndarray, k: int) -> float:
         """The zero between samples k and k + 1."""
         a, b = float(self.times[k]), float(self.times[k + 1])
-        root: Any = brentq(self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15)
+        root: Any = scipy.optimize.brentq(
+            self._between(values, k), 0.0, 1.0, xtol=1e-15, rtol=1e-15
+        )
         return a + float(root) * (b - a)
 
     def _between(self, values: np.ndarray, k: int) -> Callable[[float], float]:
