@@ -62,7 +62,8 @@ def test_joblib_sends_them(originals, monkeypatch):
     try:
         with joblib.parallel_config(backend="loky", n_jobs=2):
             tasks = (joblib.delayed(there_and_back)(*one) for one in originals[0].items())
-            check_sent(originals, joblib.Parallel()(tasks))
+            # Together, so that one process loads the package; dask gets them one by one.
+            check_sent(originals, joblib.Parallel(batch_size=len(originals[0]))(tasks))
     finally:
         loky.get_reusable_executor().shutdown(wait=True)
 

@@ -21,9 +21,9 @@ def test_numpy_function_is_vectorised_and_right():
     field = Field(symbols, sample=POINT)
     elements = field.read_all([(f"[{i}]", e) for i, e in enumerate(expressions)])
     function = numpy_function(elements, symbols)
-    scale = np.array([0.9, 1.0, 1.05])
+    scale = np.array([0.9, 1.05])
     values = function(*(float(POINT[s]) * scale for s in symbols))
-    assert values.shape == (len(elements), 3)
+    assert values.shape == (len(elements), 2)
     for column, factor in enumerate(scale):
         point = {s: sp.Rational(float(POINT[s]) * factor) for s in symbols}
         for row, expression in enumerate(expressions):

@@ -1,5 +1,6 @@
 """solve_many on curves: batches, stacks, interruptions."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, TimeError
 from geomtorsion.geometry import cartan
-from geomtorsion.ode import RungeKutta, Taylor, batch, solve, solve_many
+from geomtorsion.ode import RungeKutta, Solution, Taylor, batch, solve, solve_many
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -146,6 +147,14 @@ def ensembles() -> dict[str, tuple[Any, dict[str, Any]]]:
     }
 
 
+@cache
+def alone(name: str, k: int, times: tuple[float, ...]) -> Solution:
+    """A member by itself, whichever engine it is compared with."""
+    problem, given = ensembles()[name]
+    member = problem.with_start(**{key[:-3] + "y": rows[k] for key, rows in given.items()})
+    return solve(member, list(times), 1e-11, RungeKutta())
+
+
 @every_engine
 @pytest.mark.parametrize("name", ["s2", "so3"])
 @pytest.mark.parametrize("t", [2.0, [0.5, 1.0, 2.0]], ids=["the end alone", "samples"])
@@ -158,8 +167,7 @@ def test_charts_are_changed_on_the_way(engine, name, t):
     assert len(many.trajectories) >= 4
     assert any(len(trajectory.segments) > 1 for trajectory in many.trajectories.values())
     for k in range(9):
-        member = problem.with_start(**{key[:-3] + "y": rows[k] for key, rows in given.items()})
-        one = solve(member, t if isinstance(t, list) else [t], 1e-11, RungeKutta())
+        one = alone(name, k, tuple(t) if isinstance(t, list) else (t,))
         gap = many.coordinates[k] - one.coordinates
         gap[:, -1] = np.remainder(gap[:, -1] + np.pi, 2 * np.pi) - np.pi
         gap[:, 0] = np.remainder(gap[:, 0] + np.pi, 2 * np.pi) - np.pi

@@ -4,16 +4,19 @@
 # pyright: reportArgumentType=false
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
 
 import geomtorsion as gt
 from geomtorsion.errors import ImageError, LoopError
+from tests.chosen import one_in
 from tests.images.atoms import crystal
 
 made = cache(crystal)
-CASES = [(size, kind) for size in (256, 512) for kind in ("square", "hexagonal")]
+SIZES, KINDS = (256, 512), ("square", "hexagonal")
+CASES = list(product(SIZES, KINDS))
 
 
 def truth(image, phases: gt.LatticePhases) -> list[int]:
@@ -21,8 +24,7 @@ def truth(image, phases: gt.LatticePhases) -> list[int]:
     return (-np.rint(phases.spots @ image.b)).astype(int).tolist()
 
 
-@pytest.mark.parametrize(("size", "kind"), CASES)
-@pytest.mark.parametrize("level", [0, 1, 2])
+@pytest.mark.parametrize(("level", "size", "kind"), one_in(2, (0, 1, 2), SIZES, KINDS))
 def test_whole_numbers_are_exact_up_to_twice_the_peak_of_an_atom(size, kind, level):
     """In six of six seeds, and spots are found by themselves."""
     image = made(size, kind)

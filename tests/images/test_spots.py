@@ -7,6 +7,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion.errors import ImageError
+from tests.chosen import one_in
 from tests.images.atoms import crystal
 
 made = cache(crystal)
@@ -19,9 +20,9 @@ def distance(found: np.ndarray, known: np.ndarray, size: int) -> float:
     return float(np.hypot(*(found - multiples @ known).T).max()) * size
 
 
-@pytest.mark.parametrize("kind", ["square", "hexagonal"])
-@pytest.mark.parametrize("size", [256, 512])
-@pytest.mark.parametrize("dislocated", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "size", "dislocated"), one_in(2, ("square", "hexagonal"), (256, 512), (False, True))
+)
 def test_spots_are_found_to_a_third_of_a_pixel(kind, size, dislocated):
     """With and without a dislocation, which splits a spot; and a basis of the whole lattice."""
     image = made(size, kind, dislocated=dislocated)

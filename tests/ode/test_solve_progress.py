@@ -21,7 +21,7 @@ def chart_changes():
 
 def stiff():
     """Relaxation with a fast part."""
-    return ODE.of({"x": "-1000*(x - cos(t))"}, [0]), 5.0
+    return ODE.of({"x": "-1000*(x - cos(t))"}, [0]), 2.0
 
 
 CASES = [(long_run, engine) for engine in ENGINES]

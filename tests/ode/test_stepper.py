@@ -13,6 +13,7 @@ from geomtorsion.ode import ODE, RungeKutta
 from geomtorsion.ode.engines.stepper import Steps
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.spaces import load
+from tests.chosen import one_in
 
 MOST = 10**7
 
@@ -40,9 +41,10 @@ def posed(name):
     return system, stage.start, stage.parameters
 
 
-@pytest.mark.parametrize("name", ["top", "angles", "kerr"])
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-9, 1e-13])
-@pytest.mark.parametrize("t", [20.0, -20.0])
+@pytest.mark.parametrize(
+    ("name", "tolerance", "t"),
+    one_in(2, ["top", "angles", "kerr"], [1e-5, 1e-9, 1e-13], [20.0, -20.0]),
+)
 def test_the_steps_are_those_of_scipy(name, tolerance, t):
     """As many steps and evaluations, up to rounding the same states, samples between steps too."""
     system, start, values = posed(name)

@@ -156,7 +156,9 @@ def test_estimates_of_closed_forms_are_close():
 
 
 @every_engine
-@pytest.mark.parametrize("moments", [(1, 1, 1.3), (2, 2, 1), (1, 1, 1.5)])
+@pytest.mark.parametrize(
+    "moments", [(1, 1, 1.3), (2, 2, 1), pytest.param((1, 1, 1.5), marks=pytest.mark.slow)]
+)
 def test_a_long_free_symmetric_top(engine, moments):
     """To t = 1000 at 1e-12, against the product of two rotations with 40 digits.
 

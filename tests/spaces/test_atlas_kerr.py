@@ -64,7 +64,7 @@ def maps():
     }
 
 
-@pytest.mark.parametrize(("pair", "a"), one_in(2, list(maps()), SPINS))
+@pytest.mark.parametrize(("pair", "a"), one_in(4, list(maps()), SPINS))
 def test_maps_lose_no_digits(pair, a):
     """In double precision 1e-13 of each coordinate, and what a rounding of the point makes."""
     change, numbers, counted = maps()[pair], {"M": 1.0, "a": a}, 0

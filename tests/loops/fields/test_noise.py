@@ -25,7 +25,14 @@ LOOPS = {
 }
 
 
-@pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
+# The others are less than these: once round, and with straight sides.
+@pytest.mark.parametrize(
+    "loop",
+    [
+        pytest.param(loop, id=name, marks=[] if name in ("twice", "bent") else pytest.mark.slow)
+        for name, loop in LOOPS.items()
+    ],
+)
 @pytest.mark.parametrize("sigma", [pytest.param(0.01, marks=pytest.mark.slow), 0.1])
 def test_the_error_told_is_the_scatter(loop, sigma):
     """Two hundred noisy fields: the mean error is the scatter within 20 per cent."""
