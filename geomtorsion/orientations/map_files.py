@@ -20,14 +20,14 @@ from geomtorsion.errors import (
     MissingExtraError,
     OrientationError,
 )
-from geomtorsion.files import read_text
+from geomtorsion.files import finite_number, read_text
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import UNITS
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
 SIZES = ("XCells", "YCells")
-CTF_LAUE = dict(
+CTF_LAUE: dict[float, str] = dict(
     enumerate(
         "-1 2/m mmm 4/m 4/mmm -3 -3m 6/m 6/mmm m-3 m-3m".split(),
         start=1,
@@ -76,7 +76,9 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
             "came. Export the map as .ctf or .ang."
         )
     groups = checks.table(laue, "laue", FileFormatError)
-    lines = read_text(path, LARGEST_ARRAYS, otherwise="latin-1").splitlines()
+    text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
+    # Names may hold letters at which `splitlines` breaks, such as the three dots of Windows.
+    lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
     source = _Source(path.name, lines, groups)
     found = source.ctf() if suffix == ".ctf" else source.ang()
     _check_laue(path.name, groups, found.phases)
@@ -107,11 +109,8 @@ class _Source:
 
     def number(self, line: int, text: str, what: str) -> float:
         """A finite number that stands in a line."""
-        try:
-            found = float(text.replace(",", "."))
-        except ValueError:
-            found = np.nan
-        if not np.isfinite(found):
+        found = finite_number(text.strip().replace(",", "."))
+        if found is None:
             self.fail(line, f"{what}: a number was needed, but {text.strip()[:60]!r} came.")
         return found
 
@@ -193,7 +192,8 @@ class _Source:
             ]
             if [len(part) for part in lattice] != [3, 3]:
                 self.fail(k, f"phase {number}: three lengths and three angles were needed.")
-            laue = CTF_LAUE.get(int(self.number(k, parts[3], f"Laue group of phase {number}")))
+            # Groups that are not listed, and what is no whole number, are not known.
+            laue = CTF_LAUE.get(self.number(k, parts[3], f"Laue group of phase {number}"))
             phases[number] = self.phase(
                 k, number, parts[2].strip(), laue, (lattice[0], lattice[1]), "y"
             )
@@ -206,6 +206,7 @@ class _Source:
         phase, x, y, *angles = (table[:, names.index(name)] for name in wanted)
         self.check_grid(start + 1, x, y, np.full(rows, columns), steps, 0.0)
         found = self.check_phases(start + 1, phase, phases)
+        self.check_angles(start + 1, np.stack(angles, axis=1), 720, "degrees")
         euler = np.radians(np.stack(angles, axis=1)).reshape(rows, columns, 3)
         return MapFile(euler, found.reshape(rows, columns), phases, steps)
 
@@ -249,6 +250,7 @@ class _Source:
         # A longer second row begins half a step before the first one.
         shift = (0.5 if odd >= even else -0.5) if is_hexagonal else 0.0
         self.check_grid(start, table[:, 3], table[:, 4], counts, (dx, dy), shift)
+        self.check_angles(start, table[:, :3], 4 * np.pi + 1e-3, "radians")
         phase = table[:, 7]
         if list(phases) == [1] and not (phase == 1).any():
             # With one phase alone the column may hold zeros.
@@ -345,6 +347,18 @@ class _Source:
                     f"{name} = {found[k]:g}, where steps of {step:g} make {expected:g} of it. "
                     "Steps are mixed, or points are missing: export the map on its full grid.",
                 )
+
+    def check_angles(self, start: int, angles: np.ndarray, most: float, unit: str) -> None:
+        """Refuse angles of more than two turns, which are those of another unit."""
+        far = (np.abs(angles) > most).any(axis=1)
+        if far.any():
+            k = int(np.argmax(far))
+            came = ", ".join(f"{angle:g}" for angle in angles[k])
+            self.fail(
+                start + k,
+                f"Euler angles in {unit} were needed, but {came} came. Convert them, or export the "
+                "map again.",
+            )
 
     def check_phases(
         self, start: int, phase: np.ndarray, phases: Mapping[int, Phase]

@@ -194,3 +194,30 @@ def test_real_files():
     assert steel.phase.shape == (100, 117)
     assert [phase.name[:7] for phase in steel.phases.values()] == ["austeni", "ferrite"]
     assert np.bincount(steel.phase.ravel()).tolist() == [0, 5657, 6043]
+
+
+@pytest.mark.parametrize("name", ["a.ang", "a.ctf"])
+def test_angles_of_another_unit_are_refused(tmp_path, name):
+    """Of more than two turns: those above 12.57 passed for points that were not indexed."""
+    made, much, unit = (ang, 57.3, "radians") if name == "a.ang" else (ctf, 1e3, "degrees")
+    angles = ANGLES + 1.0
+    angles[1, 2] = 7.0, 3.0, 355.0
+    assert read_map_file(write(tmp_path, made(angles), name)).phase.all()
+    with pytest.raises(FileFormatError, match=rf"{name}: line [0-9]+: Euler angles in {unit}"):
+        read_map_file(write(tmp_path, made(much * angles), name))
+
+
+def test_letters_that_break_lines_elsewhere(tmp_path):
+    """The three dots of Windows in a name; ends of lines of every system; what Python alone takes
+    for a number."""
+    text = "\n".join(ctf()).replace("Nickel", "Ni\x85 and more") + "\n"
+    path = tmp_path / "a.ctf"
+    for end in ("\n", "\r\n", "\r"):
+        path.write_bytes(text.replace("\n", end).encode("latin-1"))
+        assert read_map_file(path).phases[1].name == "Ni\x85 and more"
+    path.write_text(text.replace("XStep\t0.5", "XStep\t0_5"))
+    with pytest.raises(FileFormatError, match="line 7: XStep: a number was needed, but '0_5'"):
+        read_map_file(path)
+    path.write_text(text.replace("\t11\t225", "\t11.7\t225"))
+    with pytest.raises(FileFormatError, match="its symmetry is not known"):
+        read_map_file(path)
