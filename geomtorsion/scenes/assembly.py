@@ -325,8 +325,8 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
         own |= dict(zip(POSITION, VELOCITY, strict=True))
     else:
         start |= constraint.start
-        if constraint.position is None:
-            own |= dict(zip(POSITION, ATTITUDE * assembly.velocity_body, strict=True))
+        moving = zip(POSITION, ATTITUDE * assembly.velocity_body, strict=True)
+        own |= {place: rate for place, rate in moving if place not in substitutions}
     # Work is a state only where something is put in: its rate is the power.
     if assembly.power == 0:
         substitutions[WORK] = sp.S.Zero

@@ -6,6 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from geomtorsion.errors import SceneError
 from geomtorsion.scenes import Body, Scene, State, effects
 from tests.scenes.missile_truth import missile
 
@@ -176,6 +177,20 @@ def test_a_ball_rolls_straight_on():
     # v = Omega x r e_z
     exact = r * np.transpose([spin[:, 1], -spin[:, 0], 0 * spin[:, 0]]) * result.times[:, None]
     assert abs(result["position"] - [0, 0, r] - exact).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("shape", "height"),
+    [("disc", lambda nutation: 0.3 * np.sin(nutation)), ("ball", lambda nutation: 0.3)],
+)
+def test_what_rolls_is_as_high_as_it_leans(shape, height):
+    """The plane is z = 0 wherever nothing is said of the place, and no other place is believed."""
+    body, acting = Body(2.0, (0.05, 0.08, 0.11)), [E.Rolling(0.3, shape), E.Gravity(G)]
+    start = {"omega": (0.5, 1, 6), "euler": (0.1, 1.0, 0.2)}
+    result = run(body, acting, ["position", "nutation"], 1, **start)
+    assert abs(result["position"][:, 2] - height(result["nutation"])).max() < 1e-12
+    with pytest.raises(SceneError, match="start has position = .* Leave position out"):
+        run(body, acting, ["nutation"], 1, position=(0, 0, 9), **start)
 
 
 def test_chaplygins_ball_keeps_its_momentum_about_the_contact():

@@ -27,8 +27,8 @@ class Constraint:
     omega: body angular velocity, body axes (rad/s), linear in the speeds.
     velocity: velocity of the centre of mass, in BODY axes (m/s), linear in the speeds; may depend
         on the attitude or the vertical.
-    position: place of the centre of mass, space axes (m), where the constraint fixes it; None
-        where it follows from the velocity.
+    position: place of the centre of mass, space axes (m), where the constraint fixes it; what
+        follows from the velocity stands there as itself. None: all of it does.
     arm: from a point that is fixed in space to the centre of mass, body axes (m); angular momentum
         then counts about that point. None: about the centre of mass.
     start: speeds of the effect's own -> value at the start.

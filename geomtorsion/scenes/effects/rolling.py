@@ -21,7 +21,8 @@ class Rolling(Effect):
     """The lowest point of the body is at rest on the plane z = 0: a nonholonomic constraint.
 
     The axis of a disc is the third body axis; its rim is sharp. The centre of mass is the centre
-    of disc or ball; moments of inertia are free (a hoop, a disc, Chaplygin's ball).
+    of disc or ball; moments of inertia are free (a hoop, a disc, Chaplygin's ball). Its height
+    follows from the attitude: a start may leave the position out, or give that height.
 
     Equation
     --------
@@ -63,15 +64,18 @@ class Rolling(Effect):
         """The constraint; angular velocity is what remains."""
         r = context.parameter("radius", self.radius)
         n1, n2, n3 = context.vertical
+        # The lowest point lies on the plane: the height of the centre is -c . n.
         if self.shape == "disc":
-            contact = -r / sp.sqrt(n1**2 + n2**2) * sp.Matrix([n1, n2, 0])
+            slope = sp.sqrt(n1**2 + n2**2)
+            contact, height = -r / slope * sp.Matrix([n1, n2, 0]), r * slope
         else:
-            contact = -r * sp.Matrix([n1, n2, n3])
+            contact, height = -r * sp.Matrix([n1, n2, n3]), r
         velocity = contact.cross(sp.Matrix(context.Omega))
         constraint = Constraint(
             speeds=tuple(symbol.name for symbol in context.Omega),
             omega=context.Omega,
             velocity=tuple(velocity),
+            position=(*context.position[:2], height),
         )
         return Contribution(
             constraint=constraint, outputs={"contact": self._place(context, contact)}
