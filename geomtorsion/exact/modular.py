@@ -57,7 +57,9 @@ class ModularPoint:
         self._place = self._number_of_prime = -1
         # Places since the last at which all generators had values.
         self._tried: int = 0
-        self._values: list[fmpz_mod] = []
+        # Of the generators, the oldest first, as far as they have values.
+        self._values: list[fmpz_mod | None] = []
+        self._rests: dict[str, frozenset[int]] = {}
         # sin goes with cos, sinh with cosh: both are chosen at once.
         self._partners: dict[str, fmpz_mod] = {}
         self._settle()
@@ -150,7 +152,8 @@ class ModularPoint:
         newest = len(self._field.generators) - 1
         if poly.total_degree() < _BITS:
             # In whole numbers, which stay small enough: five times as fast for thousands of terms.
-            values = [0] * (newest + 1 - len(self._values)) + [int(v) for v in self._values[::-1]]
+            values = [0] * (newest + 1 - len(self._values))
+            values += [0 if value is None else int(value) for value in self._values[::-1]]
             return self._number(poly(*values))
         for monomial, coefficient in poly.to_dict().items():
             term = self._number(coefficient)
@@ -158,7 +161,9 @@ class ModularPoint:
                 if exponent:
                     key = (position, exponent)
                     if key not in powers:
-                        powers[key] = self._values[newest - position] ** int(exponent)
+                        value = self._values[newest - position]
+                        assert value is not None
+                        powers[key] = value ** int(exponent)
                     term = term * powers[key]
             total = total + term
         return total
@@ -178,15 +183,21 @@ class ModularPoint:
 
     # -- values of generators --------------------------------------------------------------------
 
-    def _settle(self, another_prime: bool = False) -> None:
-        """The next place: other values of all symbols, modulo another prime now and then."""
+    def _settle(self, another_prime: bool = False, moved: int | None = None) -> None:
+        """The next place: other values of the symbols, modulo another prime now and then.
+
+        moved: the only generator that takes another value, with those that rest on it, modulo the
+        same prime. Where two roots rest on x and two on y, four values of x are tried and four of
+        y, not sixteen of both.
+        """
         place, tried = self._place + 1, self._tried + 1
         # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
-        # With more than ten square roots one may be missed, after some 20 s; with 40 all would be.
+        # Where more than ten square roots rest on one symbol a point may be missed, after 20 s.
         if tried > _BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
         # product, need another prime, which takes more time to find.
+        values: list[fmpz_mod | None] = []
         if another_prime or place % _BITS == 0:
             number = self._number_of_prime + 1
             prime = _prime(number)
@@ -195,8 +206,14 @@ class ModularPoint:
         else:
             number = self._number_of_prime
             modulo = self._ring, self._polynomials, self._zero, self._turn
+            if moved is not None:
+                oldest = self._field.generators[::-1]
+                values = [
+                    None if moved in self._rests_on(generator) else value
+                    for generator, value in zip(oldest, self._values, strict=False)
+                ]
         # All at once: whoever interrupts finds the old place or the new one.
-        self._place, self._number_of_prime, self._values, self._partners = place, number, [], {}
+        self._place, self._number_of_prime, self._values = place, number, values
         self._tried = tried
         self._ring, self._polynomials, self._zero, self._turn = modulo
 
@@ -207,14 +224,32 @@ class ModularPoint:
     def _fill(self) -> None:
         """Values for the generators that have none yet, each after those it rests on."""
         generators = self._field.generators
-        while len(self._values) < len(generators):
-            generator = generators[len(generators) - 1 - len(self._values)]
+        self._values += [None] * (len(generators) - len(self._values))
+        while None in self._values:
+            place = self._values.index(None)
+            generator = generators[len(generators) - 1 - place]
             try:
-                self._values.append(self._value(generator))
+                self._values[place] = self._value(generator)
             except _MovedError as error:
                 if is_algebraic_constant(self._field, generator):
                     raise _PrimeError from error
-                raise
+                last = max(self._rests_on(generator), default=None)
+                if last is None:
+                    raise
+                self._settle(moved=last)
+                self._values += [None] * (len(generators) - len(self._values))
+
+    def _rests_on(self, generator: Generator) -> frozenset[int]:
+        """The places of the generators with random values on which one rests, its own included."""
+        if generator.name not in self._rests:
+            generators, found = self._field.generators, frozenset[int]()
+            if generator.tail is not None:
+                inner = map(self._rests_on, self._field.generators_of(generator.tail))
+                found = found.union(*inner)
+            elif generator.depends or generator.kind == "constant":
+                found = frozenset([len(generators) - 1 - generators.index(generator)])
+            self._rests[generator.name] = found
+        return self._rests[generator.name]
 
     def _value(self, generator: Generator) -> fmpz_mod:
         kind = generator.kind

@@ -169,6 +169,24 @@ def test_roots_of_numbers_that_few_primes_have():
     assert (field.read(x * sum(roots)) - field.read(x) * (one + two + three + four)).is_zero is True
 
 
+def test_roots_of_unlike_symbols_are_found_one_symbol_after_the_other():
+    """Eight square roots in each of three symbols: 3 * 2**8 places, where 2**24 would not be had."""
+    symbols = sp.symbols("x y z", positive=True)
+    field = Field(list(symbols))
+    sums = [
+        field.read(sum(k * sp.sqrt(s**2 + k * s + k) for k in (1, 2, 3, 5, 6, 7, 8, 9)))
+        for s in symbols
+    ]
+    one, two, three = sums
+    whole = field.sum([(1, one, two, three), (-1, three, two, one)])
+    assert ModularPoint(field).image(whole) == 0
+    assert ModularPoint(field).image(field.sum([(1, one, two), (1, three)])) != 0
+    for generator in field.generators:
+        if generator.tail is not None:
+            root = field.generator_element(generator)
+            assert ModularPoint(field).image(root**2 - generator.tail) == 0
+
+
 def test_roots_are_sought_only_where_there_are_some(monkeypatch):
     """Euler's criterion tells first whether a number has a root of odd degree modulo the prime."""
     found = []
