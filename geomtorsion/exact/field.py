@@ -14,8 +14,8 @@ from geomtorsion.exact.element import PROVED, Certainty, Element
 from geomtorsion.exact.evaluate import evaluate
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.generic_point import GenericPoint
-from geomtorsion.exact.limits import MOST_AT_ONCE
-from geomtorsion.exact.modular import NoPointError, point_of
+from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
+from geomtorsion.exact.modular import point_of
 from geomtorsion.exact.radical_denominators import inverse
 from geomtorsion.exact.reading import Reader
 from geomtorsion.exact.roots import root
@@ -244,12 +244,11 @@ class Field(Tower):
         except NoPointError:
             return None
 
-    def is_no_square(self, element: Element) -> bool:
-        """Whether an element is seen to have no square root in the field; not multiplied out."""
-        try:
-            return point_of(self).is_no_square(element)
-        except NoPointError:
-            return False
+    def square_class(
+        self, element: Element, roots: Sequence[Generator]
+    ) -> tuple[Generator, ...] | None:
+        """The roots whose radicands make a square of an element, if any do: see `modular`."""
+        return point_of(self).square_class(element, roots)
 
     def certainty(self, element: Element) -> Certainty:
         """How sure it is that an element vanishes or not."""

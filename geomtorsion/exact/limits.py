@@ -35,6 +35,10 @@ LARGEST_KEPT = LARGEST_PRODUCT * LARGEST_POWER_TERMS
 _WORD = (sys.maxsize + 1).bit_length()
 
 
+class NoPointError(Exception):
+    """No point modulo a prime was found at which all generators have values."""
+
+
 def check_multiple(n: int, kind: str, atom: Element, unit: fmpq) -> None:
     """Refuses angles or exponents whose common unit is too fine.
 

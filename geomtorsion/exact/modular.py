@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import hashlib
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import sympy
 from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
     from fractions import Fraction
 
     from flint import fmpq_mpoly, fmpz_mod, fmpz_mod_poly
@@ -37,8 +39,10 @@ _ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
 _ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
 
 
-class NoPointError(Exception):
-    """No point modulo a prime was found at which all generators have values."""
+# Of the square classes: a wrong one is seen where its root is sought, after so many places rarely.
+_PLACES = 8
+
+T = TypeVar("T")
 
 
 class _MovedError(Exception):
@@ -74,41 +78,69 @@ class ModularPoint:
         NoPointError
             no point was found at which it has one.
         """
+
+        def found() -> fmpz_mod:
+            self._fill(range(len(self._field.generators)))
+            return self._image(element)
+
+        return self._somewhere(found)
+
+    def square_class(
+        self, element: Element, roots: Sequence[Generator]
+    ) -> tuple[Generator, ...] | None:
+        """Those of some square roots whose radicands make a square of an element, times it.
+
+        In F(sqrt(a), sqrt(b), ...) an element of F has a root exactly if one of its products with
+        a, b, ... has one in F (Kummer), and only one does where these are independent. At each
+        place it is a linear equation modulo 2 which of them are squares. None: no product is one.
+
+        Raises
+        ------
+        NoPointError
+            no point was found at which what is below the roots and in the element has values.
+        """
+        every = [*(root.tail for root in roots if root.tail is not None), element]
+        needed = self._below(every)
+
+        def nonresidues() -> int:
+            self._fill(needed)
+            values = [self._image(one) for one in every]
+            if 0 in values:
+                raise _MovedError
+            return sum(self._is_no_residue(value) << k for k, value in enumerate(values))
+
+        equations = []
+        for _ in range(len(every) + _PLACES):
+            equations.append(self._somewhere(nonresidues))
+            self._settle()
+        chosen = _solution(equations, len(roots))
+        if chosen is None:
+            return None
+        return tuple(root for k, root in enumerate(roots) if chosen >> k & 1)
+
+    def _somewhere(self, found: Callable[[], T]) -> T:
+        """What is found at the present place, or at the next at which all it needs has a value."""
         while True:
             try:
-                return self._here(element)
+                value = found()
             except _PrimeError:
                 self._settle(another_prime=True)
             except _MovedError:
                 self._settle()
+            else:
+                self._tried = 0
+                return value
 
-    def _here(self, element: Element) -> fmpz_mod:
-        """The value at the present place, if all generators have one there."""
-        self._fill()
-        found = self._image(element)
-        self._tried = 0
-        return found
-
-    def is_no_square(self, element: Element) -> bool:
-        """Whether an element has no square root in the field, as at one of a few points.
-
-        A square goes to a square; what is none does so at half of all points.
-        """
-        squares = 0
-        # As many places as have a point with twelve roots, almost surely: there are other ways.
-        for _ in range(2**15):
-            try:
-                if self._is_no_residue(self._here(element)):
-                    return True
-                squares += 1
-                self._settle()
-            except _PrimeError:
-                self._settle(another_prime=True)
-            except _MovedError:
-                self._settle()
-            if squares == 8:
-                break
-        return False
+    def _below(self, elements: Iterable[Element]) -> list[int]:
+        """The places of the generators of elements and of those on which they rest."""
+        found: set[Generator] = set()
+        waiting = list(elements)
+        while waiting:
+            new = set(self._field.generators_of(waiting.pop())) - found
+            found |= new
+            waiting += [generator.tail for generator in new if generator.tail is not None]
+        oldest = self._field.generators[::-1]
+        return [place for place, generator in enumerate(oldest) if generator in found]
 
     def _known(self, element: Element) -> fmpz_mod | None:
         """The value at the present place, if it is known."""
@@ -221,12 +253,14 @@ class ModularPoint:
         """The degrees of all algebraic generators."""
         return [generator.degree for generator in self._field.generators if generator.degree]
 
-    def _fill(self) -> None:
-        """Values for the generators that have none yet, each after those it rests on."""
+    def _fill(self, needed: Sequence[int]) -> None:
+        """Values for the generators at some places that have none yet, the oldest first."""
         generators = self._field.generators
-        self._values += [None] * (len(generators) - len(self._values))
-        while None in self._values:
-            place = self._values.index(None)
+        while True:
+            self._values += [None] * (len(generators) - len(self._values))
+            place = next((place for place in needed if self._values[place] is None), None)
+            if place is None:
+                return
             generator = generators[len(generators) - 1 - place]
             try:
                 self._values[place] = self._value(generator)
@@ -237,7 +271,6 @@ class ModularPoint:
                 if last is None:
                     raise
                 self._settle(moved=last)
-                self._values += [None] * (len(generators) - len(self._values))
 
     def _rests_on(self, generator: Generator) -> frozenset[int]:
         """The places of the generators with random values on which one rests, its own included."""
@@ -399,6 +432,22 @@ def degree(element: Element) -> int:
         # Over one common denominator the degrees of all denominators add up.
         found[id(one)] = sum(found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
     return max(found[id(element)] if element.is_kept else of_polynomials(element), 1)
+
+
+def _solution(equations: list[int], count: int) -> int | None:
+    """The bits x of which, for each equation, those in its first bits sum to the next, modulo 2."""
+    rows: list[tuple[int, int]] = []
+    for equation in equations:
+        for pivot, row in rows:
+            if equation & pivot:
+                equation ^= row
+        pivot = equation & -equation
+        if pivot >> count & 1:
+            return None
+        if pivot:
+            rows = [(p, row ^ equation if row & pivot else row) for p, row in rows]
+            rows.append((pivot, equation))
+    return sum(pivot for pivot, row in rows if row >> count & 1)
 
 
 def _prime(number: int) -> fmpz:

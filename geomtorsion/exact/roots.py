@@ -5,7 +5,7 @@ Whether an element is a square is decided in towers of quadratic extensions.
 
 from __future__ import annotations
 
-from math import lcm
+from math import lcm, prod
 from typing import TYPE_CHECKING
 
 import mpmath
@@ -13,13 +13,13 @@ import sympy
 from flint import fmpq, fmpz
 
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.generators import Branch
+from geomtorsion.exact.generators import Branch, Generator
+from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import prime_factors, split
 from geomtorsion.precision import working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
 
@@ -227,16 +227,39 @@ def square_root_inside(
         for g in field.generators_of(element)
     ):
         return None
-    # Radicands without roots are compared by their factors alone, nested ones by norms.
-    base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
-    nested = [g for g in quadratic if g not in base]
     try:
-        return _inside(field, element, base, nested, briefly=True)
+        return _inside(field, element, *_levels(field, quadratic), briefly=True)
     except _DearError:
-        # Norms of sums under many roots are long; that a sum is no square is mostly seen at once.
-        if field.is_no_square(element):
-            return None
-        return _inside(field, element, base, nested)
+        # Norms of sums under many roots are long: which roots there may be is told without them.
+        return _by_classes(field, element, quadratic)
+
+
+def _levels(field: Tower, quadratic: list[Generator]) -> tuple[list[Generator], list[Generator]]:
+    """Roots whose radicands have none, which are compared by their factors alone, and others."""
+    base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
+    return base, [g for g in quadratic if g not in base]
+
+
+def _by_classes(field: Tower, element: Element, quadratic: list[Generator]) -> Element | None:
+    """The square root of an element with some of these roots; level by level, the highest first."""
+    elements = [element, *(g.tail for g in quadratic if g.tail is not None)]
+    inner = set[Generator]().union(*(_with_those_below(field, one) for one in elements))
+    # Square roots of small numbers are there modulo every prime: these are no equations.
+    outer = [g for g in quadratic if g not in inner and g.depends]
+    try:
+        chosen = field.square_class(element, outer)
+    except NoPointError:
+        return _inside(field, element, *_levels(field, quadratic))
+    if chosen is None:
+        return None
+    if not outer:
+        return _inside(field, element, *_levels(field, quadratic))
+    for generator in chosen:
+        assert generator.tail is not None
+        element = element * generator.tail
+    found = _by_classes(field, element, [g for g in quadratic if g not in outer])
+    roots = prod(map(field.generator_element, chosen), start=field.one)
+    return None if found is None else found / roots
 
 
 class _DearError(Exception):

@@ -26,7 +26,7 @@ from geomtorsion.exact.kept import kept, leaves
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     import mpmath
     from flint import fmpq_mpoly
@@ -146,8 +146,10 @@ class Tower(ABC):
         """1 over an element, multiplied out; None where a product would be above the largest."""
 
     @abstractmethod
-    def is_no_square(self, element: Element) -> bool:
-        """Whether an element is seen to have no square root in the field; not multiplied out."""
+    def square_class(
+        self, element: Element, roots: Sequence[Generator]
+    ) -> tuple[Generator, ...] | None:
+        """The roots whose radicands make a square of an element, if there are any."""
 
     @abstractmethod
     def written(self, element: Element, names: Names | None = None) -> sympy.Expr:

@@ -34,8 +34,23 @@ def test_a_square_of_a_sum_of_roots(count: int) -> None:
     known = len(field.generators)
     assert square.sqrt() == field.read(1 + inner)
     assert len(field.generators) == known
-    assert field.is_no_square(square) is False
-    assert field.is_no_square(square + 1) is True
+    assert field.square_class(square, []) == ()
+    assert field.square_class(square + 1, []) is None
+
+
+def test_roots_that_are_products_of_others() -> None:
+    """Among eleven roots those are told whose product it is; norms over all would be too long."""
+    field, inner = Field([x, y]), sum_of_roots(2)
+    field.read(sum_of_roots(9) + sp.sqrt(x + sp.sqrt(y)))
+    known = len(field.generators)
+    wanted = (1 + inner) * sp.sqrt(x + 7 * y + 49) * sp.sqrt(x + 9 * y + 81)
+    wanted = field.read(wanted * sp.sqrt(x + sp.sqrt(y)))
+    found = (wanted * wanted).sqrt()
+    assert len(field.generators) == known
+    assert (found - wanted).is_zero is True
+    # One more term, and there is none.
+    assert (wanted * wanted + 1).sqrt() not in (wanted, found)
+    assert len(field.generators) == known + 1
 
 
 def test_asking_often_takes_no_place_from_decisions() -> None:
@@ -43,7 +58,7 @@ def test_asking_often_takes_no_place_from_decisions() -> None:
     field = Field([x, y])
     square = field.read(sp.expand((1 + sum_of_roots(2)) ** 2))
     for _ in range(200):
-        assert field.is_no_square(square) is False
+        assert field.square_class(square, []) == ()
     long = field.read(sp.sqrt(x + 3) + y) ** 3
     zero = field.sum([(1, long, square), (-1, square, long)])
     assert zero.is_zero is True
