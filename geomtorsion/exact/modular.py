@@ -33,12 +33,10 @@ if TYPE_CHECKING:
 # Of the primes: the chance that a zero is one by accident is far below that of a broken computer.
 _BITS = 256
 # The prime is one more than a multiple of this, so that roots of unity of all these orders and the
-# square roots of small whole numbers lie in it.
+# square roots of small whole numbers lie in it; but see `_order_for`.
 _ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
 # The product of its primes, whose square roots these are.
 _ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
-
-
 # Of the square classes: a wrong one is seen where its root is sought, after so many places rarely.
 _PLACES = 8
 
@@ -232,12 +230,14 @@ class ModularPoint:
         values: list[fmpz_mod | None] = []
         if another_prime or place % _BITS == 0:
             number = self._number_of_prime + 1
-            prime = _prime(number)
+            order = _order_for(self._field)
+            prime = _prime(number, order)
             ring = fmpz_mod_ctx(prime)
-            modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), _root_of_unity(ring, prime)
+            turn = _root_of_unity(ring, prime, order)
+            modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), order, turn
         else:
             number = self._number_of_prime
-            modulo = self._ring, self._polynomials, self._zero, self._turn
+            modulo = self._ring, self._polynomials, self._zero, self._order, self._turn
             if moved is not None:
                 oldest = self._field.generators[::-1]
                 values = [
@@ -247,7 +247,7 @@ class ModularPoint:
         # All at once: whoever interrupts finds the old place or the new one.
         self._place, self._number_of_prime, self._values = place, number, values
         self._tried = tried
-        self._ring, self._polynomials, self._zero, self._turn = modulo
+        self._ring, self._polynomials, self._zero, self._order, self._turn = modulo
 
     def _degrees(self) -> list[int]:
         """The degrees of all algebraic generators."""
@@ -265,7 +265,8 @@ class ModularPoint:
             try:
                 self._values[place] = self._value(generator)
             except _MovedError as error:
-                if is_algebraic_constant(self._field, generator):
+                is_fixed = is_algebraic_constant(self._field, generator)
+                if is_fixed or self._order != _order_for(self._field):
                     raise _PrimeError from error
                 last = max(self._rests_on(generator), default=None)
                 if last is None:
@@ -312,9 +313,9 @@ class ModularPoint:
 
     def _unity(self, order: int) -> fmpz_mod:
         """exp(2 pi i / order)."""
-        if _ORDER % order:
+        if self._order % order:
             raise _MovedError
-        return self._turn ** (_ORDER // order)
+        return self._turn ** (self._order // order)
 
     def _algebraic(self, generator: Generator) -> fmpz_mod:
         """A root of the relation of a generator."""
@@ -322,9 +323,14 @@ class ModularPoint:
         tail = self._of_polynomials(generator.tail)
         if generator.degree == 2 and not generator.middle:
             return self._square_root(generator.tail, tail)
-        if not generator.middle and tail ** self._part(generator.degree) not in (0, 1):
-            # Euler's criterion: no power of this degree, which is told without a search for roots.
-            raise _MovedError
+        if not generator.middle:
+            whole = self._ring.modulus() - 1
+            shared = whole.gcd(fmpz(generator.degree))
+            if shared == 1:
+                return tail ** pow(generator.degree, -1, int(whole))
+            if tail ** int(whole // shared) not in (0, 1):
+                # Euler's criterion: no power of this degree, told without a search for roots.
+                raise _MovedError
         relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
         for power, value in generator.middle:
             relation[power] = relation[power] - self._number(value)
@@ -332,11 +338,6 @@ class ModularPoint:
         if not roots:
             raise _MovedError
         return min(roots, key=int)
-
-    def _part(self, degree: int) -> int:
-        """(p - 1) / gcd(degree, p - 1): the power by which what has a root goes to 1."""
-        whole = self._ring.modulus() - 1
-        return int(whole // whole.gcd(fmpz(degree)))
 
     def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
         """The square root; that of a small whole number agrees with the roots of unity."""
@@ -450,22 +451,47 @@ def _solution(equations: list[int], count: int) -> int | None:
     return sum(pivot for pivot, row in rows if row >> count & 1)
 
 
-def _prime(number: int) -> fmpz:
-    """The prime of a number: _BITS bits, one more than a multiple of _ORDER."""
+def _order_for(field: Tower) -> int:
+    """Of which order a prime has roots of unity for a field.
+
+    Where it has none of order 3, each number has one cube root; else one number in three has any.
+    So with all odd degrees, unless a constant needs the roots of unity.
+    """
+    known = field.tables.get("order of unity")
+    if known is None or known[0] != field.level:
+        degrees = [g.degree for g in field.generators if g.degree > 2 and not g.middle]
+        left = {int(q) for degree in degrees for q, _ in fmpz(degree).factor() if q > 2}
+        for generator in field.generators if left else ():
+            share = part_of_turn(generator)
+            if share is not None:
+                left -= {q for q in left if not int(share.q) % q}
+            elif (
+                generator.degree == 2 and generator.tail is not None and generator.tail.is_rational
+            ):
+                # Square roots of numbers are Gauss sums.
+                left -= {q for q in left if not generator.tail.as_fraction().numerator % q}
+        order = prod(q**e for q, e in fmpz(_ORDER).factor() if int(q) not in left)
+        known = field.tables["order of unity"] = field.level, int(order)
+    return known[1]
+
+
+def _prime(number: int, order: int) -> fmpz:
+    """The prime of a number: _BITS bits, without roots of unity of other parts of _ORDER."""
     digest = hashlib.sha512(f"prime {number}".encode()).digest()
     start = (int.from_bytes(digest, "big") % 2 ** (_BITS - 1)) | 2 ** (_BITS - 1)
-    found = fmpz(start - start % _ORDER + 1)
-    while not found.is_probable_prime():
-        found += _ORDER
+    found = fmpz(start - start % order + 1)
+    others = fmpz(_ORDER // order)
+    while not found.is_probable_prime() or (found - 1).gcd(others) != 1:
+        found += order
     return found
 
 
-def _root_of_unity(ring: fmpz_mod_ctx, prime: fmpz) -> fmpz_mod:
-    """A number of order exactly _ORDER."""
-    orders = [int(q) for q, _ in fmpz(_ORDER).factor()]
+def _root_of_unity(ring: fmpz_mod_ctx, prime: fmpz, order: int) -> fmpz_mod:
+    """A number of exactly an order."""
+    orders = [int(q) for q, _ in fmpz(order).factor()]
     base = 2
     while True:
-        found = ring(base) ** ((prime - 1) // _ORDER)
-        if all(found ** (_ORDER // q) != 1 for q in orders):
+        found = ring(base) ** ((prime - 1) // order)
+        if all(found ** (order // q) != 1 for q in orders):
             return found
         base += 1

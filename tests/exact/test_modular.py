@@ -170,7 +170,7 @@ def test_roots_of_numbers_that_few_primes_have():
 
 
 def test_roots_of_unlike_symbols_are_found_one_symbol_after_the_other():
-    """Eight square roots in each of three symbols: 3 * 2**8 places, where 2**24 would not be had."""
+    """Eight square roots in each of three symbols: 3 * 2**8 places; 2**24 would not be had."""
     symbols = sp.symbols("x y z", positive=True)
     field = Field(list(symbols))
     sums = [
@@ -188,8 +188,30 @@ def test_roots_of_unlike_symbols_are_found_one_symbol_after_the_other():
             assert point.image(root**2 - generator.tail) == 0
 
 
+@pytest.mark.parametrize("constant", [0, sp.sqrt(3), sp.cos(sp.pi / 7), sp.I * sp.sqrt(5)])
+def test_twelve_cube_roots_of_one_symbol(constant):
+    """Each number has one modulo primes that are 2 modulo 3: none of 3**12 places is passed over.
+
+    With a constant that needs its own primes, and with five of them where that needs 3 for itself.
+    """
+    count = 4 if constant == sp.sqrt(3) else 12
+    field = Field([x], complex=bool(constant and constant.has(sp.I)))
+    third = sp.Rational(1, 3)
+    roots = [field.read((x**2 + k * x + 1) ** third) for k in range(3, 3 + count)]
+    total = field.sum([(1, field.read(constant)), *((1, root) for root in roots)])
+    point = ModularPoint(field)
+    assert point.image(total) != 0
+    for k, root in enumerate(roots):
+        assert point.image(root**3 - field.read(x**2 + (k + 3) * x + 1)) == 0
+    assert point.image(field.read(constant) ** 2 - field.read(constant**2)) == 0
+    assert field.sum([(1, total, total), (-1, total, total)]).is_zero is True
+
+
 def test_roots_are_sought_only_where_there_are_some(monkeypatch):
-    """Euler's criterion tells first whether a number has a root of odd degree modulo the prime."""
+    """Euler's criterion tells first whether a number has a root of odd degree modulo the prime.
+
+    Constants that need roots of unity of those orders are there, so that not every number has one.
+    """
     found = []
     seek = ModularPoint._roots
 
@@ -200,7 +222,7 @@ def test_roots_are_sought_only_where_there_are_some(monkeypatch):
     monkeypatch.setattr(ModularPoint, "_roots", counted)
     field = Field([x, y, k])
     roots = [(s + 2) ** sp.Rational(1, n) for s in (x, y, k) for n in (3, 5)]
-    total = field.read(sum(roots))
+    total = field.read(sum(roots) + sp.cos(sp.pi / 9) * sp.sin(sp.pi / 25))
     image = ModularPoint(field).image(total)
     assert image != 0
     assert len(found) >= 2
