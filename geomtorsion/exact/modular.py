@@ -37,8 +37,6 @@ _BITS = 256
 _ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
 # The product of its primes, whose square roots these are.
 _ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
-# Of the square classes: a wrong one is seen where its root is sought, after so many places rarely.
-_PLACES = 8
 
 T = TypeVar("T")
 
@@ -107,8 +105,9 @@ class ModularPoint:
                 raise _MovedError
             return sum(self._is_no_residue(value) << k for k, value in enumerate(values))
 
-        equations = []
-        for _ in range(len(every) + _PLACES):
+        equations: list[int] = []
+        # One place for each unknown; of the others each takes half of what is no square away.
+        for _ in range(len(every) + len(needed)):
             equations.append(self._somewhere(nonresidues))
             self._settle()
         chosen = _solution(equations, len(roots))
