@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from geomtorsion.checks import close_names, known_name
+from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import check_question
@@ -106,14 +106,14 @@ class Exercise:
             There is none; the message lists those there are.
         """
         known = {question.name: question for question in self.questions}
-        found = known_name(
-            name,
-            known,
-            f"exercise {self.number}",
-            UnknownNameError,
-            message="{subject} has no question {value}: there is {known}. {hint}",
+        if isinstance(name, str) and name in known:
+            return known[name]
+        near = close_names(name, known) if isinstance(name, str) else []
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise UnknownNameError(
+            f"exercise {self.number} has no question {shown(name)}: there is {', '.join(known)}."
+            f"{hint}"
         )
-        return known[found]
 
     def solution(self) -> dict[str, Value]:
         """The right answers, computed now: question -> {index counted from 0: expression}."""
