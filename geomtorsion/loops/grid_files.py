@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.checks import cut, shown
+from geomtorsion.checks import cut, shown, unmasked
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
 from geomtorsion.loops.fields import tables
 from geomtorsion.loops.fields.contents import (
@@ -31,6 +31,7 @@ FORMS = {
     "distortion": ArrayForm((None, None, ...), optional=True),
     "sigma": ArrayForm((None, None, ...), optional=True),
     "covariance": ArrayForm((None, None, None, None, ...), optional=True),
+    "mask": ArrayForm((None, None, ...), "biu", optional=True),
     "periodic": ArrayForm((None,), "b", optional=True),
     "unit": ArrayForm((), "U", optional=True),
     "vector_unit": ArrayForm((), "U", optional=True),
@@ -39,6 +40,8 @@ FORMS = {
 HDF5 = b"\x89HDF"
 # What may say how the values scatter.
 NOISE = ("sigma", "covariance")
+# What says where nothing is known, beside NaN.
+MASK = "mask"
 
 
 def read_grid(path: Path) -> Contents:
@@ -50,7 +53,7 @@ def read_grid(path: Path) -> Contents:
     `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for
     each dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
     (extra `files`). All may hold sigma, units, periods and a source; .npz, .h5 and
-    .nc a covariance in its place.
+    .nc a covariance in its place, and a mask, 1 at each node where nothing is known.
 
     Raises
     ------
@@ -116,7 +119,7 @@ def _npz(path: Path) -> Contents:
             f"{cut(', '.join(sorted(arrays)))}."
         )
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
-    options |= {k: arrays[k] for k in ("sigma", "covariance", "periodic") if k in arrays}
+    options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
     return Contents(axes, arrays[key], names, key == "distortion", options)
 
 
@@ -138,7 +141,8 @@ def read_netcdf(path: Path) -> Contents:
         return _classic(path)
 
     def load() -> Any:
-        with xarray.open_dataset(path) as data:
+        # Times stay the numbers that they are, as the other reader has them.
+        with xarray.open_dataset(path, decode_times=False) as data:
             for name, variable in data.variables.items():
                 check_room(path, str(name), variable.shape)
             return data.load()
@@ -150,10 +154,10 @@ def read_netcdf(path: Path) -> Contents:
     for name in names:
         if name not in data.coords:
             raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
-    noise = {name: data[name].values for name in NOISE if name in data.variables}
+    more = {name: data[name].values for name in (*NOISE, MASK) if name in data.variables}
     axes = [data[name].values for name in names]
     return Contents(
-        axes, variable.values, names, key == "distortion", _options(path, noise, data.attrs)
+        axes, variable.values, names, key == "distortion", _options(path, more, data.attrs)
     )
 
 
@@ -167,8 +171,11 @@ def _classic(path: Path) -> Contents:
             )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
-        with scipy.io.netcdf_file(path, mmap=False) as data:
-            arrays = {name: variable[:].copy() for name, variable in data.variables.items()}
+        # Values that mark what is missing, and scales, are those of the attributes, as in xarray.
+        with scipy.io.netcdf_file(path, mmap=False, maskandscale=True) as data:
+            arrays = {
+                name: unmasked(variable[...]).copy() for name, variable in data.variables.items()
+            }
             sizes = {name: variable.dimensions for name, variable in data.variables.items()}
             texts = {
                 name: value.decode() if isinstance(value, bytes) else value
@@ -188,11 +195,24 @@ def _classic(path: Path) -> Contents:
 
 
 def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
-    """Noise, periods and texts."""
+    """Noise, holes, periods and texts."""
     found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
-    found |= {name: arrays[name] for name in NOISE if name in arrays}
+    found |= _known(path, arrays)
     if "periodic" in texts:
         found["periodic"] = periodic_names(texts["periodic"], path)
+    return found
+
+
+def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Noise, and where nothing is known: True, or 1 where a format has no truth values."""
+    found = {name: arrays[name] for name in NOISE if name in arrays}
+    if MASK in arrays:
+        if not np.isin(arrays[MASK], (0, 1)).all():
+            raise FileFormatError(
+                f"{path}: {MASK}: 1 where nothing is known and 0 elsewhere were needed, but other "
+                "numbers came."
+            )
+        found[MASK] = arrays[MASK] == 1
     return found
 
 
@@ -247,7 +267,7 @@ def read_hdf5(path: Path) -> Contents:
                     raise FileFormatError(f"{path}: the data set axis_{name} is missing.")
             arrays = {
                 name: _data_set(h5py, file, name, path)
-                for name in (key, *NOISE, *(f"axis_{name}" for name in axes))
+                for name in (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
                 if name in names
             }
         options = _options(path, arrays, {k: str(v) for k, v in said.items()})
@@ -263,7 +283,7 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> np.ndarray:
     if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
         raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
     found = file[name]
-    if found.is_virtual or found.external or found.dtype.kind not in "fiu":
+    if found.is_virtual or found.external or found.dtype.kind not in "fiub":
         raise FileFormatError(f"{path}: {name}: numbers in this file itself were needed.")
     check_room(path, name, found.shape)
     return found[...]

@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.io import netcdf_file
 
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
-from geomtorsion.loops import SampledFrame
+from geomtorsion.loops import Loop, SampledFrame
 
 AXES = [np.linspace(0, 1.1, 12), np.linspace(3, 2, 9)]
 X, Y = np.meshgrid(*AXES, indexing="ij")
@@ -192,3 +194,72 @@ def test_a_missing_library_is_named(tmp_path):
     run = [sys.executable, "-c", code, str(tmp_path)]
     said = subprocess.run(run, capture_output=True, text=True, check=True).stdout
     assert said.count("geomtorsion[files]") == 2
+
+
+def marked(path, dtype, scale, **said):
+    """A NetCDF file of torsion 1 in which a node has the value that says that nothing is known."""
+    x, y = np.arange(7.0), np.arange(8.0) / 2
+    values = np.array([[-np.tile(y, (7, 1)), np.tile(x[:, None], 8)]]) / 2 / scale
+    values[0, 0, 3, 3] = -999
+    with netcdf_file(path, "w") as data:
+        for name, axis in (("x", x), ("y", y)):
+            data.createDimension(name, len(axis))
+            data.createVariable(name, "d", (name,))[:] = axis
+            data.variables[name].units = "days since 2000-01-01"
+        data.createVariable("grid_mapping", "i", ())[...] = 1
+        data.createDimension("row", 1)
+        data.createDimension("column", 2)
+        made = data.createVariable("coframe", dtype, ("row", "column", "x", "y"))
+        made[:] = values
+        for name, value in said.items():
+            setattr(made, name, value)
+
+
+@pytest.mark.parametrize("reader", ["xarray", "scipy"])
+@pytest.mark.parametrize("mark", ["_FillValue", "missing_value"])
+@pytest.mark.parametrize(("dtype", "scale"), [("d", 1.0), ("h", 0.25)])
+def test_marks_and_scales_of_netcdf_count(tmp_path, monkeypatch, reader, mark, dtype, scale):
+    """Whichever library reads: a mark is a hole, packed numbers are unpacked, times are numbers."""
+    if reader == "scipy":
+        monkeypatch.setitem(sys.modules, "xarray", None)
+    else:
+        pytest.importorskip("xarray")
+    path = tmp_path / "a.nc"
+    said = {mark: np.array(-999, dtype=dtype)} | ({"scale_factor": scale} if scale != 1 else {})
+    marked(path, dtype, scale, **said)
+    found = SampledFrame.read(path)
+    assert [hole.nodes.tolist() for hole in found.holes] == [[[3, 3]]]
+    around = Loop.polygon([[1, 0.5], [5, 0.5], [5, 3], [1, 3]])
+    assert found.burgers(around).vector == pytest.approx([10])
+
+
+@pytest.mark.parametrize("end", ["npz", "h5", "nc"])
+def test_a_mask_in_a_file_counts(tmp_path, end):
+    """Where it is True, or 1 in a format without truth values; other numbers are refused."""
+    axes = {"axis_x": np.arange(7.0), "axis_y": np.arange(8.0)}
+    mask = np.zeros((7, 8), dtype=bool)
+    mask[2, 3] = True
+    path = tmp_path / f"a.{end}"
+    for given in (mask, mask.astype(np.int8), 2 * mask.astype(np.int8)):
+        if end == "npz":
+            every: dict[str, Any] = {"coframe": np.ones((1, 2, 7, 8)), "mask": given, **axes}
+            np.savez(path, **every)
+        elif end == "h5":
+            h5py = pytest.importorskip("h5py")
+            with h5py.File(path, "w") as file:
+                every = {"coframe": np.ones((1, 2, 7, 8)), "mask": given, **axes}
+                for name, values in every.items():
+                    file[name] = values
+        else:
+            with netcdf_file(path, "w") as data:
+                for name, length in (("x", 7), ("y", 8), ("row", 1), ("column", 2)):
+                    data.createDimension(name, length)
+                for name in "xy":
+                    data.createVariable(name, "d", (name,))[:] = axes[f"axis_{name}"]
+                data.createVariable("coframe", "d", ("row", "column", "x", "y"))[:] = 1.0
+                data.createVariable("mask", "b", ("x", "y"))[:] = given
+        if given.max() < 2:
+            assert [hole.nodes.tolist() for hole in SampledFrame.read(path).holes] == [[[2, 3]]]
+        else:
+            with pytest.raises(FileFormatError, match="mask: 1 where nothing is known"):
+                SampledFrame.read(path)
