@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy as sp
 from sympy import Derivative
 
+from geomtorsion import checks
 from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geodesic
-from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError
+from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError, TimeError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
 from geomtorsion.ode.numbers import Numbers, check_memory
 from geomtorsion.spaces.embeddings import Embedding, embedding_of
 from geomtorsion.spaces.first_motions import first_motion
-
-if TYPE_CHECKING:
-    from geomtorsion.spaces.space import Space
+from geomtorsion.spaces.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,14 +218,16 @@ def pair_problems(
     (['autoparallel', 'geodesic'], ('start', 'velocity', 'parameters'), 3.0)
     """
     # What is missing is chosen by the space itself, so that every space shows something.
+    checks.instance(space, Space, "space")
     refuse_unknown_functions(space)
     first = first_motion(space.frame)
     # Arrays are neither true nor false.
     moving = frame_velocity if velocity is None else velocity
     given = {"start": start, "velocity": moving, "t": t}
     chosen = [name for name, value in given.items() if value is None]
-    numbers = dict(first.parameters) | dict(parameters or {})
-    if set(first.parameters) - set(parameters or {}):
+    values = checks.by_name(parameters, "parameters")
+    numbers = dict(first.parameters) | values
+    if set(first.parameters) - set(values):
         chosen.append("parameters")
     if velocity is None and frame_velocity is None:
         frame_velocity = first.frame_velocity
@@ -240,7 +241,7 @@ def pair_problems(
         "autoparallel": autoparallel(space.connection or cartan(space.frame), **begin),
         "geodesic": geodesic(space.frame, metric=moments, **begin),
     }
-    return problems, tuple(chosen), first.t if t is None else float(t)
+    return problems, tuple(chosen), first.t if t is None else checks.number(t, "t", TimeError)
 
 
 def refuse_unknown_functions(space: Space) -> None:
@@ -259,8 +260,8 @@ def refuse_unknown_functions(space: Space) -> None:
 
 def _times(t: float, samples: int) -> np.ndarray:
     """Evenly spaced times from 0 on."""
-    if samples < 2:
-        raise StartError(f"{samples} samples were asked for; two at least are needed.")
+    message = "{value} samples were asked for; a whole number, two at least, is needed."
+    samples = checks.count(samples, "samples", StartError, 2, message=message)
     if t == 0:
         raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
     check_memory(samples, 2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.curves import autoparallel, distance_apart, geodesic
-from geomtorsion.errors import AccuracyError, ShapeError, StartError
+from geomtorsion.errors import AccuracyError, ArgumentError, ShapeError, StartError, TimeError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.pictures.curve_files import metadata
@@ -120,6 +120,10 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
         ("s2", {"start": [1]}, ShapeError, "2 numbers"),
         ("s2", {"t": 0}, StartError, "some time"),
         ("s2", {"samples": 1}, StartError, "two at least"),
+        ("s2", {"samples": "9"}, StartError, "whole number"),
+        ("s2", {"t": "3"}, TimeError, "t: a number was needed, but '3' came"),
+        ("s2", {"t": [1, 2]}, TimeError, "t: a number was needed"),
+        ("s2", {"parameters": [1]}, ArgumentError, "names with values"),
         ("s2", {"parameters": {"Q": 1}}, StartError, "'Q' is no parameter"),
         ("s2", {"accuracy": -1}, AccuracyError, "positive"),
     ],
@@ -128,6 +132,12 @@ def test_bad_input(name, options, error, says):
     """Each with what came and what to do."""
     with pytest.raises(error, match=says):
         solve_pair(load(name), **options)
+
+
+def test_a_frame_is_no_space():
+    """A pair follows the connection of a space, which a frame does not have."""
+    with pytest.raises(ArgumentError, match="space: a Space was needed"):
+        solve_pair(load("s2").frame)  # pyright: ignore[reportArgumentType]
 
 
 def test_two_solutions_make_a_pair():
