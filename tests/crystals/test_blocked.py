@@ -405,7 +405,9 @@ def check_grains(folder, places, cell, sizes, axes=(True,) * 3, partials=False):
 SIGMA5 = turned(np.degrees(np.arctan2(3, 4)), (0, 0, 1))
 
 
-@pytest.mark.parametrize("lattice", [pytest.param("fcc", marks=pytest.mark.slow), "bcc"])
+# Grains, walls and lines in blocks, sharper: test_many_grains_in_blocks.
+@pytest.mark.slow
+@pytest.mark.parametrize("lattice", ["fcc", "bcc"])
 def test_grains_in_blocks_are_those_in_memory(tmp_path, lattice):
     """A line in each half of a bicrystal, in blocks that cut the wall or the grains."""
     burgers = (0.5, 0.5, 0) if lattice == "fcc" else (1, 0, 0)
@@ -436,6 +438,7 @@ def test_many_grains_in_blocks(tmp_path):
     assert (line.kind, line.grain) == ("wall", 0)
 
 
+@pytest.mark.slow
 def test_lines_end_at_walls_in_blocks(tmp_path):
     """From a free surface to the wall, which blocks cut."""
     places, _, _ = bicrystal("bcc", turned(30, (1, 2, 3)), (0, 0, 1), axis=2, size=(4, 4, 5))

@@ -58,7 +58,9 @@ def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
     assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
 
 
-@pytest.mark.parametrize(("radius", "size"), [(3, 8), pytest.param(4, 4.5, marks=pytest.mark.slow)])
+# A closed line with vacancies about it, in blocks, stands in test_blocked.py.
+@pytest.mark.slow
+@pytest.mark.parametrize(("radius", "size"), [(3, 8), (4, 4.5)])
 def test_blocks_count_the_same(tmp_path, radius, size):
     """To the last bit, whatever the size of blocks: the loop lies in several of them."""
     places, cell, _ = interstitial_loop(radius)

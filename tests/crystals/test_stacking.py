@@ -106,8 +106,9 @@ def test_a_layer_less_is_two_frank_partials(line, percent):
         assert part.path[:, 0].mean() == pytest.approx(-5 * sense, abs=2)
 
 
-@pytest.mark.parametrize("percent", [0, 6])
-@pytest.mark.parametrize("burgers", [(1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, IDEAL)])
+@pytest.mark.parametrize(
+    ("burgers", "percent"), one_in(2, [(1, 0, 0), (0.5, 0.75**0.5, 0), (0, 0, IDEAL)], [0, 6])
+)
 def test_what_is_not_split_stays_one_line(burgers, percent):
     """Lines along c, of a and of c: none lies in a basal plane."""
     places, cell = line_of("hcp", burgers)
@@ -163,6 +164,8 @@ def test_a_frank_loop_encloses_the_vacancies(radius):
     assert line.length == pytest.approx(2 * np.pi * radius, rel=0.05)
 
 
+# Those of fcc in blocks stand in test_blocked.py.
+@pytest.mark.slow
 def test_blocks_tell_the_same_partials(tmp_path):
     """To the last bit, whatever the size of blocks; whole lines, too."""
     places, period, _ = basal_partials("screw")

@@ -10,6 +10,7 @@ from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 from geomtorsion.spaces.atlases import ATLASES
+from tests.chosen import one_in
 from tests.ode.engines import every_engine
 
 PARAMETERS = {
@@ -48,9 +49,10 @@ def test_there_are_as_many_charts_as_stated():
     assert len(changes()) == 31
 
 
-@pytest.mark.parametrize(("name", "other"), changes())
-def test_changes_keep_the_frame(name, other):
+@pytest.mark.parametrize("change", one_in(2, changes()))
+def test_changes_keep_the_frame(change):
     """There and back is the identity; the frame vectors are equal, or turned by an isometry."""
+    name, other = change
     frame = load(name).frame
     atlas = atlas_of(frame)
     problem = geodesic(

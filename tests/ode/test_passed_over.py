@@ -30,7 +30,7 @@ def across(entry, begin, lasts, accuracy, engine):
     ("entry", "begin", "lasts"),
     [
         (WALL, -15, 30),
-        (WALL, -40, 80),
+        pytest.param(WALL, -40, 80, marks=pytest.mark.slow),
         (WALL, -100, 130),
         (BUMP, -15, 30),
         (BUMP + sp.exp(-((Y - 100) ** 2)), -3, 150),

@@ -26,7 +26,11 @@ def pair_of(name, **options):
     return solve_pair(load(name), engine=RungeKutta(), accuracy=1e-6, samples=21, **options)
 
 
-@pytest.mark.parametrize("name", SHOWN)
+# ax_plus_b has the pictures of s2.
+@pytest.mark.parametrize(
+    "name",
+    ["s2", "r3xso3", pytest.param("ax_plus_b", marks=pytest.mark.slow), "goedel"],
+)
 def test_every_picture_is_written_and_shows_something(name, tmp_path):
     """Not blank: ink in every picture, in more than one colour."""
     pytest.importorskip("matplotlib")

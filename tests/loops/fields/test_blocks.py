@@ -12,6 +12,7 @@ import pytest
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
 from geomtorsion.loops import SampledFrame
 from geomtorsion.loops.fields.blocks import blocked_map
+from tests.chosen import one_in
 
 ROOT = Path(__file__).parents[3]
 RNG = np.random.default_rng(8)
@@ -28,9 +29,10 @@ def generated(index):
     return np.array([[np.sin(y / 9) + x * 0, np.cos(x / 7) + y * 0]])
 
 
-@pytest.mark.parametrize("size", [0, 1, (3, 5), 12])
-@pytest.mark.parametrize("order", [2, 4, 8])
-@pytest.mark.parametrize("kind", ["flat", "holes", "periodic", "noise"])
+@pytest.mark.parametrize(
+    ("size", "order", "kind"),
+    one_in(2, [0, 1, (3, 5), 12], [2, 4, 8], ["flat", "holes", "periodic", "noise"]),
+)
 def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
     """One block, rows, columns, tiny ones: equal to the last bit; and to the grid in memory."""
     source = HOLED if kind in ("holes", "noise") else FLAT
@@ -74,14 +76,16 @@ def test_places_apart(tmp_path, size):
         assert np.array_equal(some, every[:, ::4, ::3], equal_nan=True)
 
 
-@pytest.mark.parametrize(("size", "less"), [(0, 0), ((3, 5), 1)])
-@pytest.mark.parametrize(("order", "halo"), [(2, 2), (4, 2), (6, 3), (8, 4)])
-@pytest.mark.parametrize("holes", [0, 1])
-def test_halos_are_no_wider_than_stencils(tmp_path, size, less, order, halo, holes):
+@pytest.mark.parametrize(
+    ("circuits", "width", "holes"),
+    one_in(2, [(0, 0), ((3, 5), 1)], [(2, 2), (4, 2), (6, 3), (8, 4)], [0, 1]),
+)
+def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
     """order / 2 nodes for torsion, one less for circuits; more only in blocks with holes.
 
     Order 2 is compared with order 4, and needs what that needs.
     """
+    (size, less), (order, halo) = circuits, width
     asked = []
 
     def source(index):
