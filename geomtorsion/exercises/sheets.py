@@ -8,6 +8,7 @@ from html import escape
 from os import PathLike
 from pathlib import Path
 
+from geomtorsion import checks
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.cells import code_cell, markdown_cell, notebook
@@ -116,10 +117,11 @@ def write_sheet(
     UnknownNameError
         There is no such chapter.
     """
-    title = dict(CHAPTERS).get(chapter)
-    if title is None:
+    titles = dict(CHAPTERS)
+    if not isinstance(chapter, str) or chapter not in titles:
         known = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
-        raise UnknownNameError(f"there is no chapter {chapter[:40]!r}. There are {known}.")
+        raise UnknownNameError(f"there is no chapter {checks.shown(chapter)}. There are {known}.")
+    title = titles[chapter]
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
     folder, teacher = Path(directory), Path(directory, "teacher")
     teacher.mkdir(parents=True, exist_ok=True)

@@ -7,6 +7,9 @@ from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
+from geomtorsion.checks import known_name
+from geomtorsion.errors import UnknownNameError
+
 # Code -> what the mistake is, in a few words.
 TITLES: Mapping[str, str] = MappingProxyType(
     {
@@ -178,8 +181,15 @@ class Verdict:
         return cls(data["number"], data["seed"], tuple(questions), tuple(data["notes"]))
 
     def __getitem__(self, name: str) -> QuestionVerdict:
-        """The verdict on the question of a name."""
-        return next(question for question in self.questions if question.name == name)
+        """The verdict on the question of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            There is none; the message lists those there are.
+        """
+        table = {question.name: question for question in self.questions}
+        return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]
 
     def __str__(self) -> str:
         lines = []

@@ -101,7 +101,8 @@ def test_the_form_is_a_file_of_answers(tmp_path):
     assert read_submission(file).seed == 2
 
 
-def test_no_such_chapter(tmp_path):
+@pytest.mark.parametrize("chapter", ["8", 1])
+def test_no_such_chapter(chapter, tmp_path):
     """The chapters are listed."""
     with pytest.raises(UnknownNameError, match=r"1 \(Frames and anholonomy\)"):
-        write_sheet("8", tmp_path)
+        write_sheet(chapter, tmp_path)

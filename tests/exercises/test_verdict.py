@@ -4,6 +4,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion import exercises
+from geomtorsion.errors import UnknownNameError
 from geomtorsion.exercises.checking import check_question
 from geomtorsion.exercises.question import ANGLES
 from geomtorsion.exercises.verdict import TITLES, TORSION, message_of
@@ -219,6 +220,15 @@ def test_what_is_said_where_a_branch_differs():
     told = exercise.check({"legs": inverse})["legs"]
     assert (told.diagnosis, "an inverse function" in told.message) == ("domain", True)
     assert "root" not in told.message
+
+
+@pytest.mark.parametrize("name", ["ricc", "", None, 3, ["ricci"]])
+def test_a_verdict_on_nothing_is_refused(name):
+    """By name; an iteration that stops would end the loop that asks."""
+    verdict = exercises.check("3.3", {"scalar": "2/R^2"})
+    assert verdict["scalar"].right
+    with pytest.raises(UnknownNameError, match=r"exercise 3.3: .* Known are ricci, scalar"):
+        verdict[name]
 
 
 def test_rounding_is_not_blamed_for_estimates():
