@@ -18,7 +18,8 @@ def statements(frames: PaperFrames | None = None) -> tuple[Statement, ...]:
     Examples
     --------
     >>> [one.equation for one in statements() if not one.agrees]
-    ['(9) right', 'after (9)', '(17)', '(18)', 'around (21)', '(23)', 'under (24)', '(26)', '(27)']
+    ['(9) right', 'after (9)', '(11)', '(17)', '(18)', 'around (21)', '(23)', 'under (24)', \
+'(26)', '(27)']
     """
     frames = frames or paper_frames()
     sections = (section1, section2, section3, section4)

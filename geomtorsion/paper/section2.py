@@ -14,6 +14,7 @@ from geomtorsion.paper.statement import (
     c2,
     epsilon,
     listed,
+    lost,
     rows,
     s1,
     s2,
@@ -168,11 +169,16 @@ def _torsion(frame: Frame) -> Iterator[Statement]:
         WHERE_POSITIVE,
     )
     framed = torsion.T.in_frame().lowered(2)
+    holds = framed == frame.anholonomy.lowered(2)
     yield Statement(
         "(11)",
-        "2 S_ijk = 2 e_i^a e_j^b e_k^m S_abm is the object of anholonomy",
-        verdict(framed == frame.anholonomy.lowered(2)),
-        f"C_ijk: {listed('C', frame.anholonomy.lowered(2))}",
+        "2 S_ijk = 2 e_i^a e_j^b e_k^m S_abc is the object of anholonomy",
+        verdict(
+            any(same(framed, one) for one in _unsummed(frame)),
+            lost("the sum over the last index of S", holds),
+        ),
+        f"2 e_i^a e_j^b e_k^c S_abc = C_ijk: {listed('C', frame.anholonomy.lowered(2))}",
+        "the leg has the index m, S has c",
     )
     yield Statement(
         "(12)",
@@ -189,6 +195,22 @@ def _torsion(frame: Frame) -> Iterator[Statement]:
         listed("force", force),
         "it vanishes here, S being totally antisymmetric: the curves are the same",
     )
+
+
+def _unsummed(frame: Frame) -> list[dict[tuple[int, ...], sp.Expr]]:
+    """2 e_i^a e_j^b S_abc times the sum of e_k^m over m, for each c that nothing sums over."""
+    n, legs = range(3), frame.legs
+    partly = cartan(frame).torsion.T.lowered(2)
+    return [
+        {
+            (i, j, k): sp.Add(
+                *(legs[a, i] * legs[b, j] * legs[m, k] * partly[a, b, c]
+                  for a in n for b in n for m in n)
+            )
+            for i in n for j in n for k in n
+        }
+        for c in n
+    ]  # fmt: skip
 
 
 def statements(frames: PaperFrames) -> Iterator[Statement]:
