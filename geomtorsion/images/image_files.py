@@ -71,7 +71,12 @@ def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
             )
         found = file.pages[page]
         check_size(path, found.shape, most)
-        return np.asarray(found.asarray(maxworkers=1))
+        turned = found.tags.get("Orientation")
+        _check_turn(path, 1 if turned is None else turned.value)
+        pixels = np.asarray(found.asarray(maxworkers=1))
+        # Where there is a palette pixels are numbers of its colours.
+        colours = getattr(found, "colormap", None)
+        return pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
 
 
 def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
@@ -80,8 +85,20 @@ def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
         raise FileFormatError(f"{path}: page {page} was asked for, but a PNG file has one, page 0.")
     with library.open(path, formats=("PNG",)) as file:
         check_size(path, file.size, most)
+        tag = import_module("PIL.ExifTags").Base.Orientation
+        _check_turn(path, file.getexif().get(tag, 1))
         grey = file.mode in ("1", "L", "I", "I;16", "F")
         return np.asarray(file if grey else file.convert("RGB"))
+
+
+def _check_turn(path: Path, orientation: int) -> None:
+    """Refuse an image that is said to be seen otherwise than its rows are written."""
+    if orientation != 1:
+        raise FileFormatError(
+            f"{path}: the file says that it is to be turned or mirrored (orientation "
+            f"{orientation}), and in a mirror b has another sign. Save it as it is meant to be "
+            "seen, with orientation 1, or give an array."
+        )
 
 
 def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:

@@ -250,3 +250,28 @@ def test_complex_colours_are_refused(tmp_path):
     np.save(path, np.ones((40, 40, 3)) * (1 + 1j))
     with pytest.raises(FileFormatError, match="grey values of shape .* but complex128"):
         gt.LatticeImage.read(path)
+
+
+def test_colours_of_a_palette_become_grey(tmp_path):
+    """Pixels of such a TIFF file are numbers of colours, in any order."""
+    order = np.random.default_rng(0).permutation(256)
+    palette = np.repeat(order.astype(np.uint16)[None], 3, axis=0)
+    path = tmp_path / "palette.tif"
+    tifffile.imwrite(path, np.argsort(order)[GREY].astype(np.uint8),
+                     photometric="palette", colormap=palette)  # fmt: skip
+    assert (gt.LatticeImage.read(path).values == GREY).all()
+
+
+@pytest.mark.parametrize("orientation", [1, 2, 6])
+def test_images_that_are_to_be_mirrored_or_turned_are_refused(tmp_path, orientation):
+    """Viewers differ in what they make of them, and in a mirror b has another sign."""
+    said = PIL.Exif()
+    said[274] = orientation
+    PIL.fromarray(GREY).save(tmp_path / "a.png", exif=said)
+    tifffile.imwrite(tmp_path / "a.tif", GREY, extratags=[(274, "H", 1, orientation, True)])
+    for name in ("a.png", "a.tif"):
+        if orientation == 1:
+            assert (gt.LatticeImage.read(tmp_path / name).values == GREY).all()
+        else:
+            with pytest.raises(FileFormatError, match=rf"{name}.* \(orientation {orientation}\)"):
+                gt.LatticeImage.read(tmp_path / name)
