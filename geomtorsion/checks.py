@@ -606,7 +606,7 @@ def close_names(name: str, known: Iterable[str], most: int = 1, cutoff: float = 
     return get_close_matches(name[:LONGEST_SHOWN], list(known), n=most, cutoff=cutoff)
 
 
-def near_names(name: str, known: Iterable[str]) -> str:
+def near_names(name: object, known: Iterable[str]) -> str:
     """Return the known name that was probably meant, or an empty text.
 
     Examples
@@ -619,6 +619,8 @@ def near_names(name: str, known: Iterable[str]) -> str:
     ''
     """
     known = list(known)
+    if not isinstance(name, str):
+        return ""
     for candidate in known:
         if candidate.lower() == name.lower():
             return candidate
@@ -627,7 +629,7 @@ def near_names(name: str, known: Iterable[str]) -> str:
     return next(iter(close_names(name, known)), "")
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: object, known: Iterable[str]) -> str:
     """The question "Did you mean ...? " with a space behind it, or an empty text.
 
     Examples

@@ -165,6 +165,9 @@ def _samples(last: float) -> np.ndarray:
     return grid
 
 
+TIMES = "t = {value}: a number or a list of numbers was needed."
+
+
 def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     """Times to report, and the grid from 0 through them."""
     single = checks.real(t)
@@ -176,15 +179,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
         # An array may show one number very often; it is looked at before it is copied.
         check_memory(t.size, 1)
     # A copy: what becomes of an array later is its owner's business.
-    asked = np.array(
-        checks.array(
-            t,
-            "t",
-            TimeError,
-            message="t = {value}: a number or a list of numbers was needed.",
-            infinite=None,
-        )
-    )
+    asked = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
     if asked.size == 0 or asked.ndim != 1:
         raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
     if not np.isfinite(asked).all():
@@ -205,6 +200,14 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     if asked[0] != 0:
         return asked, np.concatenate(([0.0], asked))
     return asked, asked
+
+
+def times_between(t: object) -> np.ndarray:
+    """Times at which a solution is asked for, of any shape, in any order."""
+    asked = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
+    if not asked.size:
+        raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
+    return asked
 
 
 def check_memory(times: int, states: int, members: int = 1) -> None:

@@ -17,7 +17,7 @@ from geomtorsion.errors import ExpressionError, TimeError
 from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import PARTS
+from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, write_solution
@@ -274,7 +274,7 @@ class Solution:
         TimeError
             a time lies outside of what was solved.
         """
-        asked = np.asarray(time, dtype=float)
+        asked = times_between(time)
         flat = np.atleast_1d(asked).ravel()
         unit = self.problem.time_unit
         last = self.trajectory.reached / unit

@@ -392,3 +392,23 @@ def test_length_is_kept_at_every_cut(tmp_path):
     assert np.abs(np.array(lengths) - 1).max() < 5e-16
     plain = np.linalg.norm(segments[-1].run.last)
     assert abs(plain - 1) > 1e-14
+
+
+@pytest.mark.parametrize("time", ["1", True, 1j, None, [], [[]], [1, [2, 3]], np.ma.masked])
+def test_times_between_are_numbers(time):
+    """Text and truth values were taken for numbers, others ended in errors of Python."""
+    solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
+    with pytest.raises(TimeError, match=r"needed|lies outside"):
+        solution.at(time)
+    hidden = np.ma.array([0.5, 1], mask=[False, True])
+    with pytest.raises(TimeError, match="t = nan lies outside"):
+        solution.at(hidden)
+    assert solution.at([[1, 0], [0, 1]])["x"].shape == (2, 2)
+
+
+@pytest.mark.parametrize("name", [0, None, 3.5, ("x",)])
+def test_what_is_no_name_is_not_known(name):
+    """In the words for a name that is not."""
+    solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
+    with pytest.raises(UnknownNameError, match="is not known of this motion. There are x"):
+        solution[name]

@@ -143,6 +143,9 @@ class Steps:
         here, slope = norm(self.state), norm(self.rates)
         guess = 1e-6 if here < 1e-5 or slope < 1e-5 else 0.01 * here / slope
         guess = min(guess, self.duration)
+        if guess == 0:
+            # So fast that no step is short enough.
+            return 0.0
         there = [y + self.sign * guess * k for y, k in zip(self.state, self.rates, strict=True)]
         bend = norm([a - b for a, b in zip(self.inner(*there), self.rates, strict=True)]) / guess
         largest = max(slope, bend)
