@@ -21,8 +21,8 @@ from geomtorsion.exact.element import Element
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import in_order, inside_out
+from geomtorsion.exact.lengths import short_of
 from geomtorsion.exact.polynomials import as_fmpq
-from geomtorsion.exact.writing import short_of
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
 Products = tuple[tuple[Element, tuple[str, ...]], ...]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import insort
-from collections import Counter
 from dataclasses import dataclass
 from functools import cmp_to_key
 from typing import TYPE_CHECKING, Any, TypeGuard
@@ -16,11 +15,20 @@ from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.lengths import (
+    check_sums,
+    exponents,
+    parts_at_least,
+    short_of,
+    terms_of,
+    vanishes,
+    written_length,
+)
 from geomtorsion.exact.limits import check_parts, check_written
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable
 
     from geomtorsion.exact.element import Element
 
@@ -52,6 +60,7 @@ class Parts:
         # Kept elements that are written, by their identity, with the elements.
         self.built: dict[int, tuple[Element, sympy.Expr]] = {}
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
+        self._sizes: dict[Generator | Sum, int] = {}
         self._numbers: dict[fmpq, Part] = {}
         self._places: dict[Part, int] = {_A_PRODUCT: 0}
 
@@ -65,11 +74,24 @@ class Parts:
             return written_length(element)
         return self.collector.parts_of(form(element))
 
-    def size(self, base: Sum) -> int:
-        """How many parts a sum has at least."""
-        if self.collector is None:
-            return sum(max(len(powers), 1) for _, powers in base.terms)
-        return self.collector.parts_of(Form(fmpq(1), ((base, 1),)))
+    def size(self, base: Generator | Sum) -> int:
+        """How many names and numbers stand in a generator or in a sum as it is written."""
+        if base in self._sizes:
+            return self._sizes[base]
+        if isinstance(base, Generator):
+            found = sum(not part.args for part in sympy.preorder_traversal(self._root(base)))
+        else:
+            collected = self.collector.collected(base) if self.collector else None
+            terms = (
+                base.terms if collected is None else [(x.coefficient, x.powers) for x in collected]
+            )
+            found = sum(self._size_of_product(value, powers) for value, powers in terms)
+        self._sizes[base] = found
+        return found
+
+    def _size_of_product(self, value: fmpq, powers: Iterable[tuple[Generator | Sum, int]]) -> int:
+        inside = sum(self.size(base) + exponents(base, power) for base, power in powers)
+        return inside + 1 if abs(value) != 1 or not inside else inside
 
     def power(self, base: Generator | Sum, exponent: int) -> Part:
         """base**exponent."""
@@ -202,12 +224,12 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
 
     whole = short_of(element)
     # What was built has at least one part for each of its terms.
-    if whole is not None and parts.length(whole) <= len(list(_terms(element))):
+    if whole is not None and parts.length(whole) <= len(list(terms_of(element))):
         return parts.written(whole)
-    _check_sums(element, parts)
+    check_sums(element, parts.size)
 
     def is_counted(part: Element) -> bool:
-        if id(part) not in lengths and _vanishes(part):
+        if id(part) not in lengths and vanishes(part):
             lengths[id(part)] = 0
         return id(part) in lengths
 
@@ -220,7 +242,7 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
             chosen[id(one)] = short
             built = length(short)
         lengths[id(one)] = built
-    least = _parts_at_least(element, chosen, parts.size)
+    least = parts_at_least(element, chosen, parts.size)
     check_parts(least, f"more than {least:,}")
     # What turns out to be too long is not kept: the next one who asks is told so, too.
     made: dict[int, tuple[Element, sympy.Expr]] = {}
@@ -228,7 +250,7 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     def known(part: Element) -> sympy.Expr | None:
         if not part.is_kept:
             return parts.written(part)
-        if id(part) not in made and _vanishes(part):
+        if id(part) not in made and vanishes(part):
             made[id(part)] = part, sympy.S.Zero
         if id(part) in chosen and id(part) not in made:
             made[id(part)] = part, parts.written(chosen[id(part)])
@@ -258,113 +280,6 @@ def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     else:
         parts.built.update(made)
     return found
-
-
-def _vanishes(part: Element) -> bool:
-    """Whether a kept part vanishes, decided as for components; not where that may take long."""
-    return part.is_kept and part.field.all_sure and part.is_zero is True
-
-
-def _check_sums(element: Element, parts: Parts) -> None:
-    """Refuses a kept element that has too many parts in what is surely written as it is.
-
-    The longest sums are looked at first: how long one is where it is collected takes time to find,
-    and what is far too long is so by a few of them.
-    """
-    sums: dict[Sum, None] = {}
-    either: dict[int, Element] = {}
-    seen: set[int] = set()
-    waiting = [element]
-    while waiting:
-        one = waiting.pop()
-        if id(one) in seen or _vanishes(one):
-            continue
-        seen.add(id(one))
-        short = short_of(one) if one.is_kept else None
-        if short is not None:
-            either[id(one)] = short
-        elif one.is_kept:
-            assert one._recipe is not None
-            waiting += one._recipe.parts
-        else:
-            sums.update((base, None) for base, _ in form(one).powers if isinstance(base, Sum))
-    # What is written in one way or another may have as few as one part.
-    sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
-    longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
-    for k, base in enumerate(longest):
-        sizes[base] = parts.size(base)
-        # Twice as many sums each time: that they are counted costs little beside them.
-        if k & (k + 1) == 0 or base is longest[-1]:
-            least = _parts_at_least(element, either, lambda one: sizes.get(one, 2))
-            check_parts(least, f"more than {least:,}")
-
-
-def _parts_at_least(
-    element: Element, chosen: dict[int, Element], size_of: Callable[[Sum], int]
-) -> int:
-    """How many parts a kept element has at least as it is written, each counted where it stands.
-
-    chosen: what is written multiplied out. Of products bases and exponents are looked at alone;
-    what all terms of a sum have in common stands in front of it once, as `_sum_of` writes it.
-    """
-    sizes: dict[object, int] = {}
-    known: dict[int, dict[Any, int]] = {}
-
-    def size(powers: Iterable[object]) -> int:
-        return max(sum(sizes[base] for base in powers), 1)
-
-    def powers_of(part: Element) -> dict[Any, int]:
-        if id(part) not in known:
-            found = known[id(part)] = dict(form(chosen.get(id(part), part)).powers)
-            sizes.update(
-                (base, size_of(base) if isinstance(base, Sum) else 1)
-                for base in found
-                if base not in sizes
-            )
-        return known[id(part)]
-
-    for one in in_order(element, lambda x: id(x) in known or id(x) in chosen or _vanishes(x)):
-        recipe = one._recipe
-        assert recipe is not None
-        terms: list[Counter[Any]] = []
-        for _, *factors in recipe.terms:
-            if not any(map(_vanishes, factors)):
-                terms.append(Counter())
-                for factor in factors:
-                    terms[-1].update(powers_of(factor))
-        found = dict.fromkeys(terms[0]) if terms else {}
-        common = {b: min(term[b] for term in terms) for b in found if all(b in t for t in terms)}
-        if len(terms) > 1:
-            # Sums of equal terms are equal, wherever they were built.
-            inside = tuple(
-                tuple((b, e - common.get(b, 0)) for b, e in term.items() if e != common.get(b, 0))
-                for term in terms
-            )
-            sizes[inside] = sum(size(base for base, _ in term) for term in inside)
-            common[inside] = 1
-        known[id(one)] = {b: -e if recipe.below else e for b, e in common.items()}
-    return size(base for base, exponent in powers_of(element).items() if exponent)
-
-
-def _terms(element: Element) -> Iterator[object]:
-    """All terms of which a kept element is built, those of its parts included."""
-    seen: set[int] = set()
-    for one in in_order(element, lambda x: id(x) in seen):
-        seen.add(id(one))
-        assert one._recipe is not None
-        yield from one._recipe.terms
-
-
-def written_length(element: Element) -> int:
-    """How many terms an element has, multiplied out, as it is written."""
-    bases = [base for base, _ in form(element).powers]
-    return max(sum(len(base.terms) if isinstance(base, Sum) else 1 for base in bases), 1)
-
-
-def short_of(element: Element) -> Element | None:
-    """A kept element multiplied out, if that is quickly done and can be factored."""
-    whole = element.field.brief(element)
-    return whole if whole is not None and len(whole._num) <= LONGEST_FACTORED else None
 
 
 def _sum_of(terms: list[tuple[sympy.Expr, list[sympy.Expr]]]) -> sympy.Expr:

@@ -1,0 +1,130 @@
+"""Lengths: how long an expression would be, before any of it is written.
+
+What is far too long is refused by what it is built of: names and numbers, each where it stands.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
+from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.limits import check_parts
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from geomtorsion.exact.element import Element
+
+
+def written_length(element: Element) -> int:
+    """How many terms an element has, multiplied out, as it is written."""
+    bases = [base for base, _ in form(element).powers]
+    return max(sum(len(base.terms) if isinstance(base, Sum) else 1 for base in bases), 1)
+
+
+def short_of(element: Element) -> Element | None:
+    """A kept element multiplied out, if that is quickly done and can be factored."""
+    whole = element.field.brief(element)
+    return whole if whole is not None and len(whole._num) <= LONGEST_FACTORED else None
+
+
+def vanishes(part: Element) -> bool:
+    """Whether a kept part vanishes, decided as for components; not where that may take long."""
+    return part.is_kept and part.field.all_sure and part.is_zero is True
+
+
+def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> None:
+    """Refuses a kept element that has too many parts in what is surely written as it is.
+
+    The longest sums are looked at first: how long one is where it is collected takes time to find,
+    and what is far too long is so by a few of them.
+    """
+    sums: dict[Sum, None] = {}
+    either: dict[int, Element] = {}
+    seen: set[int] = set()
+    waiting = [element]
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen or vanishes(one):
+            continue
+        seen.add(id(one))
+        short = short_of(one) if one.is_kept else None
+        if short is not None:
+            either[id(one)] = short
+        elif one.is_kept:
+            assert one._recipe is not None
+            waiting += one._recipe.parts
+        else:
+            sums.update((base, None) for base, _ in form(one).powers if isinstance(base, Sum))
+    # What is written in one way or another may have as few as one part.
+    sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
+    longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
+    for k, base in enumerate(longest):
+        sizes[base] = size_of(base)
+        # Twice as many sums each time: that they are counted costs little beside them.
+        if k & (k + 1) == 0 or base is longest[-1]:
+            least = parts_at_least(
+                element, either, lambda x: sizes.get(x, 2) if isinstance(x, Sum) else size_of(x)
+            )
+            check_parts(least, f"more than {least:,}")
+
+
+def parts_at_least(
+    element: Element, chosen: dict[int, Element], size_of: Callable[[Generator | Sum], int]
+) -> int:
+    """How many parts a kept element has at least as it is written, each counted where it stands.
+
+    chosen: what is written multiplied out. Of products bases and exponents are looked at alone;
+    what all terms of a sum have in common stands in front of it once, as `_sum_of` writes it.
+    """
+    sizes: dict[object, int] = {}
+    known: dict[int, dict[Any, int]] = {}
+
+    def size(powers: Iterable[tuple[object, int]]) -> int:
+        return max(sum(sizes[base] + exponents(base, power) for base, power in powers), 1)
+
+    def powers_of(part: Element) -> dict[Any, int]:
+        if id(part) not in known:
+            found = known[id(part)] = dict(form(chosen.get(id(part), part)).powers)
+            sizes.update((base, size_of(base)) for base in found if base not in sizes)
+        return known[id(part)]
+
+    for one in in_order(element, lambda x: id(x) in known or id(x) in chosen or vanishes(x)):
+        recipe = one._recipe
+        assert recipe is not None
+        terms: list[Counter[Any]] = []
+        for _, *factors in recipe.terms:
+            if not any(map(vanishes, factors)):
+                terms.append(Counter())
+                for factor in factors:
+                    terms[-1].update(powers_of(factor))
+        found = dict.fromkeys(terms[0]) if terms else {}
+        common = {b: min(term[b] for term in terms) for b in found if all(b in t for t in terms)}
+        if len(terms) > 1:
+            # Sums of equal terms are equal, wherever they were built.
+            inside = tuple(
+                tuple((b, e - common.get(b, 0)) for b, e in term.items() if e != common.get(b, 0))
+                for term in terms
+            )
+            sizes[inside] = sum(map(size, inside))
+            common[inside] = 1
+        known[id(one)] = {b: -e if recipe.below else e for b, e in common.items()}
+    return size(power for power in powers_of(element).items() if power[1])
+
+
+def terms_of(element: Element) -> Iterator[object]:
+    """All terms of which a kept element is built, those of its parts included."""
+    seen: set[int] = set()
+    for one in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(one))
+        assert one._recipe is not None
+        yield from one._recipe.terms
+
+
+def exponents(base: object, exponent: int) -> int:
+    """How many numbers a power has beside those of its base: 3 in x**3, none in exp(3*x)."""
+    inside = isinstance(base, Generator) and base.kind in ("exp", "root")
+    return 0 if exponent == 1 or inside else 1
