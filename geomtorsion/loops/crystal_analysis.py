@@ -304,8 +304,9 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
         words = rows.next("a keyword")
         if words and words[0] in made.parts:
             made.parts[words[0]](rows, words)
-    if not made.joined:
-        rows.fail("DISLOCATION_JUNCTIONS was needed, but the file ends. Is the file complete?")
+    for key, found in (("DISLOCATIONS", made.listed), ("DISLOCATION_JUNCTIONS", made.joined)):
+        if not found:
+            rows.fail(f"{key} was needed, but the file ends. Is the file complete?")
     try:
         return made.lines()
     except GeomtorsionError as error:
@@ -329,7 +330,7 @@ class _Contents:
         self.curves: list[np.ndarray] = []
         self.burgers: list[np.ndarray] = []
         self.rings: list[tuple[int, int]] = []
-        self.joined = False
+        self.listed = self.joined = False
         self.parts: Mapping[str, Callable[[_Rows, list[str]], None]] = {
             "SIMULATION_CELL_ORIGIN": self._origin,
             "SIMULATION_CELL_MATRIX": self._cell,
@@ -394,6 +395,14 @@ class _Contents:
             self.curves.append(np.array(points))
             self.burgers.append(self.matrices[cluster] @ local)
             self.owners.append(cluster)
+        rest = rows.rows[rows.line].split() if rows.line < len(rows.rows) else []
+        if rest and finite_number(rest[0]) is not None:
+            rows.next("a keyword")
+            rows.fail(
+                f"a keyword was needed behind {len(self.curves)} dislocations, but "
+                f"{shown(' '.join(rest))} came. Is a row of them one too many?"
+            )
+        self.listed = True
 
     def _junctions(self, rows: _Rows, words: list[str]) -> None:
         for k in range(2 * len(self.curves)):

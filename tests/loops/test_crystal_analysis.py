@@ -75,6 +75,8 @@ def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
         ("1 1\n", "1 7\n", "whole number below 2"),
         ("0 1\n1 1\n", "0 0\n1 1\n", "form no ring"),
         ("DISLOCATION_JUNCTIONS", "# ", "DISLOCATION_JUNCTIONS was needed"),
+        ("DISLOCATIONS", "# ", "DISLOCATIONS was needed"),
+        ("DISLOCATION_JUNCTIONS", "1 2 3\nDISLOCATION_JUNCTIONS", "a keyword was needed behind 2"),
         ("SIMULATION_CELL_MATRIX", "# ", "SIMULATION_CELL_MATRIX is missing"),
     ],
 )  # fmt: skip
