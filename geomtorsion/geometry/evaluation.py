@@ -33,7 +33,8 @@ def at_points(
     # See at_point.
     import numpy as np
 
-    columns = [np.array(value, dtype=object) for value in several.values()]
+    # By rows, since an array would lose its mask, and what is masked is not known.
+    columns = [np.array(checks.rows(value), dtype=object) for value in several.values()]
     try:
         columns = np.broadcast_arrays(*columns)
     except ValueError:

@@ -254,3 +254,11 @@ def test_no_number_is_refused_by_name_at_once(bad: object, symbol: str) -> None:
                 tensor.at(point, digits=digits)
     assert mpmath.mp.prec == before
     assert time.perf_counter() - began < 5
+
+
+def test_masked_points_are_not_known(frame: Frame) -> None:
+    """The number under a mask was taken."""
+    hidden = np.ma.array([1.0, 2.0], mask=[False, True])
+    with pytest.raises(CoordinateError, match="point: r: a number was needed, but None came"):
+        cartan(frame).torsion.T.at({r: hidden})
+    assert cartan(frame).torsion.T.at({r: np.ma.array([1.0, 2.0])}).shape == (2, 2, 2, 2)
