@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Components, Row, total
 from geomtorsion.geometry.matrices import (
@@ -59,9 +60,19 @@ def coframe(frame: Frame) -> Components:
 def _scales(frame: Frame) -> list[Element]:
     """sqrt|q_i| of the completed squares."""
 
+    def scale(i: int) -> Element:
+        try:
+            return (frame.given["squares"][i, i] * frame.given["eta"][i, i]).sqrt()
+        except AllowanceError:
+            raise
+        except LimitError as error:
+            raise LimitError(
+                f"leg {i} of this metric has the root of a long sum in it: {error}. Torsion, "
+                "connections and curvature need no legs; or give a coframe"
+            ) from None
+
     def make() -> list[Element]:
-        squares, eta = frame.given["squares"], frame.given["eta"]
-        return [(squares[i, i] * eta[i, i]).sqrt() for i in range(frame.dimension)]
+        return [scale(i) for i in range(frame.dimension)]
 
     return frame.derived("scales", make)
 

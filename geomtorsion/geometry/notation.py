@@ -15,10 +15,11 @@ from sympy.printing.pretty.stringpict import prettyForm
 
 from geomtorsion import checks
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import TensorIndexError
+from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter
 
 if TYPE_CHECKING:
+    from geomtorsion.exact import Element
     from geomtorsion.geometry.frame import Frame
     from geomtorsion.geometry.tensor import Tensor
 
@@ -78,14 +79,39 @@ def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], below: str
     return f"<table><thead>{line(head, 'th')}</thead><tbody>{body}</tbody></table>{ending}"
 
 
-def short(tensor: Tensor, index: tuple[int, ...]) -> sp.Expr:
-    """One component as it is printed, through its representative as `tensor[index]` is."""
+def component(
+    tensor: Tensor, index: tuple[int, ...], write: Callable[[Element], sp.Expr]
+) -> sp.Expr:
+    """One component as an expression, through its representative so that it is made once."""
     sign, representative = tensor.components.representative(index)
     value = tensor.components.get(representative) if sign else None
     if value is None:
         return sp.S.Zero
-    written = tensor.frame.written(value)
+    written = named(tensor, index, value, write)
     return written if sign > 0 else -written
+
+
+def named(
+    tensor: Tensor, index: tuple[int, ...], value: Element, write: Callable[[Element], sp.Expr]
+) -> sp.Expr:
+    """A component as an expression; an error tells which component is too long."""
+    try:
+        return write(value)
+    except AllowanceError:
+        raise
+    except LimitError as error:
+        place = f"[{', '.join(map(str, index))}]" if index else ""
+        raise LimitError(f"{plain_symbol(tensor.symbol)}{place}: {error}") from None
+
+
+def plain(value: Element) -> sp.Expr:
+    """An element as an expression."""
+    return value.sympy
+
+
+def short(tensor: Tensor, index: tuple[int, ...]) -> sp.Expr:
+    """One component as it is printed."""
+    return component(tensor, index, tensor.frame.written)
 
 
 def array(tensor: Tensor, is_short: bool) -> sp.ImmutableDenseNDimArray | sp.Expr:

@@ -108,12 +108,7 @@ class Tensor:
     def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
         """One component as a sympy expression; nothing else is computed."""
         place = self._checked(index if isinstance(index, tuple) else (index,))
-        # Through its representative, so that it is converted once.
-        sign, representative = self.components.representative(place)
-        value = self.components.get(representative) if sign else None
-        if value is None:
-            return sp.S.Zero
-        return value.sympy if sign > 0 else -value.sympy
+        return notation.component(self, place, notation.plain)
 
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
@@ -129,7 +124,8 @@ class Tensor:
 
     def nonzero(self) -> dict[Index, sp.Expr]:
         """All components that do not vanish: index -> sympy expression."""
-        own = {index: value.sympy for index, value in self.components.independent.items()}
+        independent = self.components.independent.items()
+        own = {i: notation.named(self, i, value, notation.plain) for i, value in independent}
         places = ((i, *self.components.representative(i)) for i in self.components.support)
         return {i: own[first] if sign > 0 else -own[first] for i, sign, first in places}
 

@@ -113,8 +113,26 @@ def test_what_is_too_long_to_write_has_numbers():
     ]
     ricci = levi_civita(Frame([x, y, z], rows)).curvature.ricci
     assert ricci.is_zero is False
-    with pytest.raises(LimitError, match="parts would be written; the limit is"):
+    with pytest.raises(LimitError, match=r"R\[0, 0\]: .*parts would be written; the limit is"):
         _ = ricci.to_sympy()
+    with pytest.raises(LimitError, match=r"R\[1, 2\]: .*parts would be written; the limit is"):
+        _ = ricci[1, 2]
+
+
+def test_a_leg_that_is_too_long_is_named():
+    """The last completed square of a dense metric has too long a root; curvature needs none."""
+    t, x, y, z = sp.symbols("t x y z", positive=True)
+    metric = [
+        [-(x**2) - y**2 - 1, sp.atan(sp.sinh(2 * t)) / 7, sp.tanh(y + z) / 6, sp.cos(z / 2) / 5],
+        [0, sp.sin(t + z) + 2, sp.tanh(y) / 7, 0],
+        [0, 0, sp.sinh(sp.log(t**2 + 1)) ** 2 / 2 + 6, sp.coth(y**2 + 2) / 7],
+        [0, 0, 0, sp.cosh(y)],
+    ]
+    whole = sp.Matrix(4, 4, lambda i, j: metric[min(i, j)][max(i, j)])
+    frame = Frame.from_metric([t, x, y, z], whole, signature=(-1, 1, 1, 1))
+    assert levi_civita(frame).curvature.scalar.is_zero is False
+    with pytest.raises(LimitError, match="leg 3 of this metric has the root of a long sum"):
+        _ = frame.coframe
 
 
 def test_what_is_far_too_long_is_not_written_before_it_is_refused():
