@@ -181,11 +181,13 @@ def peak(places, cell, folder, size):
 def test_memory_under_noise_is_that_of_a_block(tmp_path):
     """Three times as many atoms need tetrahedra, but not more at once."""
     found = []
-    for length in (16, 48):
+    # In longer crystals what is done at once in parts hides what grows with the number of atoms:
+    # here one block for all atoms takes 1.4 times as much.
+    for length in (8, 24):
         places, cell = block("bcc", (5, 5, length))
         noise = 0.1 * 0.75**0.5 * np.random.default_rng(0).normal(size=places.shape)
         found.append(peak(places + noise, cell, tmp_path / str(length), 4))
-    assert found[1] < 1.3 * found[0]
+    assert found[1] < 1.1 * found[0]
 
 
 def test_vacancies_are_counted_once_on_the_faces_of_blocks(tmp_path):
