@@ -75,6 +75,7 @@ class Element:
     """
 
     __slots__ = (
+        "_bits",
         "_den",
         "_diffs",
         "_field",
@@ -114,7 +115,7 @@ class Element:
         if name in ("_num", "_den"):
             # Only elements that are kept as they were built have none.
             return getattr(self._field.whole(self), name)
-        if name in ("_image", "_recipe", "_whole"):
+        if name in ("_bits", "_image", "_recipe", "_whole"):
             return None
         raise AttributeError(f"an element has no {name!r}")
 

@@ -14,6 +14,7 @@ from math import prod
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geomtorsion.errors import LimitError
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.element import Element
 from geomtorsion.exact.limits import (
     LARGEST_KEPT,
@@ -114,6 +115,31 @@ def leaves(element: Element) -> Iterator[Element]:
             if not part.is_kept and id(part) not in seen:
                 seen.add(id(part))
                 yield part
+
+
+def occurring(field: Tower, element: Element) -> int:
+    """The generators that occur in what an element is built of: a bit for each, oldest first."""
+    below = field.tables.setdefault("generators of factors", {})
+
+    def of_polynomials(part: Element) -> int:
+        bits = polynomials.occurring(part._num)
+        for index, _ in part._den:
+            if index not in below:
+                below[index] = polynomials.occurring(field.factors[index])
+            bits |= below[index]
+        return bits
+
+    for one in in_order(element, lambda x: x._bits is not None):
+        assert one._recipe is not None
+        bits = 0
+        for part in one._recipe.parts:
+            if part._bits is None:
+                part._bits = of_polynomials(part)
+            bits |= part._bits
+        one._bits = bits
+    if element._bits is None:
+        element._bits = of_polynomials(element)
+    return element._bits
 
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:

@@ -32,6 +32,12 @@ def lifted(ctx: fmpq_mpoly_ctx, poly: fmpq_mpoly, by: int) -> fmpq_mpoly:
     return poly.project_to_context(ctx, {k: k + by for k in range(poly.context().nvars())})
 
 
+def occurring(poly: fmpq_mpoly) -> int:
+    """The variables that occur in a polynomial: a bit for each, the last one first."""
+    # The polynomial 0 has degrees of -1.
+    return sum(1 << k for k, degree in enumerate(reversed(poly.degrees())) if degree > 0)
+
+
 def powers(variables: Sequence[T], monomial: Sequence[SupportsInt]) -> tuple[tuple[T, int], ...]:
     """The variables that occur in a monomial, each with its exponent."""
     places = compress(range(len(monomial)), monomial)

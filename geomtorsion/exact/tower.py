@@ -22,7 +22,7 @@ from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
 from geomtorsion.exact.generators import Branch, Generator, Names
-from geomtorsion.exact.kept import kept, leaves
+from geomtorsion.exact.kept import kept, occurring
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
@@ -292,11 +292,8 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        built = leaves(element) if element.is_kept else (element,)
-        polys = [p for x in built for p in (self.lift(x), *(self.factors[k] for k, _ in x._den))]
-        # The polynomial 0 has degrees of -1.
-        degrees = zip(*(poly.degrees() for poly in polys if poly), strict=True)
-        return [g for g, here in zip(self.generators, degrees, strict=False) if any(here)]
+        bits, newest = occurring(self, element), len(self.generators) - 1
+        return [g for k, g in enumerate(self.generators) if bits >> (newest - k) & 1]
 
     # Sums, products and denominators.
 
