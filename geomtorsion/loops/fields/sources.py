@@ -70,9 +70,24 @@ class Source:
             there = tuple(slice(start, stop) for _, start, stop in parts)
             here = tuple(slice(place, place + stop - start) for place, start, stop in parts)
             whole = (slice(None), slice(None))
-            values = array(there) if is_function else array[(*whole, *there)]
+            if is_function:
+                values = _checked(array(there), found[(*whole, *here)].shape, there)
+            else:
+                values = array[(*whole, *there)]
             found[(*whole, *here)] = values
         return found
+
+
+def _checked(values: object, shape: tuple[int, ...], there: tuple[slice, ...]) -> np.ndarray:
+    """What a function gave: of another shape it would be spread without a word."""
+    found = checks.array(values, "source", GridError, infinite=None)
+    if found.shape != shape:
+        nodes = ", ".join(f"{part.start}:{part.stop}" for part in there)
+        raise GridError(
+            f"source: values of shape {shape} were needed at the nodes {nodes}, but {found.shape} "
+            "came. Give (rows, columns, grid...) there."
+        )
+    return found
 
 
 def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:

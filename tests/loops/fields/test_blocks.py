@@ -242,6 +242,22 @@ def test_other_values_of_the_same_size_are_another_field(tmp_path):
             blocked_map(two, *arguments, shape=shape)
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (lambda values: values[0, 0], r"shape \(1, 2, 1, 1\) were needed at the nodes 0:1, 0:1"),
+        (lambda values: values[:, :, :1, :1], r"but \(1, 2, 1, 1\) came"),
+        (lambda values: values + 1j, "an array of real numbers was needed"),
+        (lambda values: None, "an array of real numbers was needed"),
+    ],
+)
+def test_what_a_function_gives_is_not_spread(tmp_path, given, message):
+    """Of another shape it filled all rows and columns, and imaginary parts were dropped."""
+    with pytest.raises(GridError, match=message):
+        blocked_map(lambda index: given(generated(index)), tmp_path, (1, 1), 10, 3,
+                    shape=(1, 2, 40, 40))  # fmt: skip
+
+
 INFINITE = FLAT.copy()
 INFINITE[1, 0, 20, 3] = np.inf
 
