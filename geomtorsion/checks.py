@@ -22,6 +22,7 @@ import sympy as sp
 from geomtorsion.errors import (
     LONGEST_SHOWN,
     ArgumentError,
+    CoordinateError,
     ExpressionError,
     GeomtorsionError,
     LimitError,
@@ -46,6 +47,15 @@ WORD = "{subject}: one of {known} was needed, but {value} came."
 TEXT = "{subject}: a text was needed, but {value} came."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
 EXPRESSION = "{subject}: one expression was needed, but {value} came."
+# What sympy is told of a symbol, and what its values have to be then.
+_ALLOWED = {
+    "positive": "nonnegative",
+    "negative": "nonpositive",
+    "nonnegative": "nonnegative",
+    "nonpositive": "nonpositive",
+    "real": "real",
+    "integer": "integer",
+}
 
 _GREEK: dict[str, str] = dict(
     zip(
@@ -328,6 +338,51 @@ def expression(
     if real(found) is not None:
         return sp.Float(float(found))
     _fail(error, message, subject, value)
+
+
+def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
+    """What was declared of a symbol that a value is not.
+
+    Zero is where positive values end: what is finite there is what it was next to it.
+
+    Examples
+    --------
+    >>> M = sp.Symbol("M", positive=True)
+    >>> against(M, sp.Integer(-1)), against(M, sp.Integer(0))
+    (['positive', 'nonnegative'], [])
+    """
+    return [
+        word
+        for word, allowed in _ALLOWED.items()
+        if getattr(symbol, f"is_{word}") and getattr(value, f"is_{allowed}") is False
+    ]
+
+
+def check_declared(symbol: sp.Symbol, value: object) -> None:
+    """Refuse a value that contradicts what was declared of a parameter.
+
+    sympy has used that already: sqrt(M**2) is M, which would be wrong without a word.
+
+    Raises
+    ------
+    CoordinateError
+        it does; the message says what was declared.
+
+    Examples
+    --------
+    >>> check_declared(sp.Symbol("k", real=True), 1j)
+    Traceback (most recent call last):
+    geomtorsion.errors.CoordinateError: k was declared real, but 1j was to be put in its place. \
+Give another value, or declare k without it.
+    """
+    found = plain(value)
+    if isinstance(found, complex) and not found.imag:
+        found = found.real
+    if words := against(symbol, expression(found, symbol.name, CoordinateError)):
+        raise CoordinateError(
+            f"{symbol} was declared {', '.join(words)}, but {found} was to be put in its place. "
+            f"Give another value, or declare {symbol} without it."
+        )
 
 
 def instance(

@@ -11,6 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import (
     ArgumentError,
+    CoordinateError,
     GridError,
     LimitError,
     LoopError,
@@ -278,3 +279,27 @@ def test_what_is_masked_is_not_known(kind):
     for one in (np.ma.masked, given[0, 1], np.ma.array(7, mask=True)):
         with pytest.raises(ArgumentError, match="x"):
             checks.number(one, "x", ArgumentError)
+
+
+@pytest.mark.parametrize(
+    "kind", [int, float, Fraction, np.float64, mpmath.mpf, sp.Integer, complex]
+)
+def test_values_against_what_was_declared(kind):
+    """Every kind of number; zero is where positive and negative values end."""
+    symbols = {word: sp.Symbol("M", **{word: True}) for word in ("positive", "negative", "real")}
+    said = (
+        "M was declared {}.*, but .* was to be put in its place. Give another value, or declare M"
+    )
+    for word, value in {"positive": -1, "negative": 1}.items():
+        with pytest.raises(CoordinateError, match=said.format(word)):
+            checks.check_declared(symbols[word], kind(value))
+        for allowed in (0, -value):
+            checks.check_declared(symbols[word], kind(allowed))
+    checks.check_declared(symbols["real"], kind(-1))
+    with pytest.raises(CoordinateError, match=said.format("real")):
+        checks.check_declared(symbols["real"], 1 + 1j)
+    whole = sp.Symbol("M", integer=True)
+    checks.check_declared(whole, kind(-1))
+    with pytest.raises(CoordinateError, match="M was declared integer, but 0.5"):
+        checks.check_declared(whole, 0.5)
+    checks.check_declared(sp.Symbol("M"), 1j)

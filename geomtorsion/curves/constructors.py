@@ -65,7 +65,7 @@ def autoparallel(
     ShapeError
         a list has not one number per coordinate.
     CoordinateError
-        a map of the atlas given is wrong.
+        a map of the atlas given is wrong, or a value contradicts what was declared of a parameter.
 
     Examples
     --------

@@ -155,8 +155,8 @@ CAUSAL = ("timelike", "null", "spacelike")
 
 
 def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
-    """Parameters by name, each one known to the frame and finite."""
-    known = {symbol.name for symbol in frame.field.symbols} - {s.name for s in frame.coordinates}
+    """Parameters by name, each one known to the frame, finite and as it was declared."""
+    known = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
     found: dict[str, Real] = {}
     for name, value in checks.by_name(parameters, "parameters", StartError).items():
         if name not in known:
@@ -165,6 +165,7 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
                 f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
             )
         checked_numbers([value], 1, f"parameter {name}")
+        checks.check_declared(known[name], value)
         found[name] = value
     return found
 

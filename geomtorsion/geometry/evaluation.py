@@ -120,7 +120,10 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
                 f"{checks.cut(name)} is neither a coordinate nor a parameter of this frame. "
                 f"Known are {', '.join(symbols)}."
             )
-        values[symbols[name]] = number
+        symbol = symbols[name]
+        if symbol not in tensor.frame.coordinates:
+            checks.check_declared(symbol, number)
+        values[symbol] = number
     return values
 
 

@@ -65,7 +65,8 @@ def candidate_points(
     ranges = {symbol: _interval(symbol, relations) for symbol in symbols}
     if any(low is not None and high is not None and low >= high for low, high in ranges.values()):
         return
-    several = [relation for relation in relations if len(relation.free_symbols) > 1]
+    whole = {symbol for symbol in symbols if symbol.is_integer}
+    several = [x for x in relations if len(x.free_symbols) > 1 or whole & x.free_symbols]
     for number in range(TRIES):
         # Domains far from the origin are reached by wider and wider ranges.
         stretch = 1 + 10 * number // TRIES
@@ -75,6 +76,9 @@ def candidate_points(
             share = Fraction(int((root % 1) * fineness) + 1, fineness + 2)
             low, high = _finite(ranges[symbol], symbol in parameters, stretch)
             value = low + (high - low) * share
+            if symbol.is_integer:
+                # The next one on the side where zero is not.
+                value = Fraction(math.floor(value) + (ranges[symbol][0] is not None))
             point[symbol] = sp.Rational(value.numerator, value.denominator)
         if all(relation.subs(point) == sp.true for relation in several):
             yield point

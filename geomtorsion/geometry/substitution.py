@@ -148,21 +148,8 @@ def _constant(
             f"{symbol} is a parameter, constant in every derivative, but {value} depends on "
             f"{', '.join(varying)}. Make a new frame of the changed entries."
         )
-    # Zero is where positive values end: what is finite there is what it was next to it.
-    against = min((_against(symbol, value + step) for step in (NEAR[0], -NEAR[0])), key=len)
-    if against or (symbol.is_integer and value.is_integer is False):
-        raise CoordinateError(
-            f"{symbol} was declared {', '.join(against) or 'integer'}, but {value} was to be put "
-            f"in its place. Give another value, or declare {symbol} without it."
-        )
+    checks.check_declared(symbol, value)
     return value
-
-
-def _against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
-    """What was declared of a symbol that a value is not."""
-    signs = ("positive", "negative", "nonnegative", "nonpositive", "real")
-    declared = [sign for sign in signs if symbol.assumptions0.get(sign)]
-    return [sign for sign in declared if getattr(value, f"is_{sign}") is False]
 
 
 def _function(
@@ -254,4 +241,4 @@ def _is_inside(way: Approach, domain: Sequence[sp.Basic]) -> bool:
     """Whether a place next to the point may lie in the domain and have the declared sign."""
     place = way.place(NEAR[0])
     inside = all(x.xreplace({way.symbol: place}) != sp.false for x in domain)
-    return inside and not _against(way.symbol, place)
+    return inside and not checks.against(way.symbol, place)

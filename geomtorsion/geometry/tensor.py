@@ -177,8 +177,8 @@ class Tensor:
         Raises
         ------
         CoordinateError
-            A name that means nothing here, a value that is no finite number, or digits that are
-            no whole number from 1 to 1000.
+            A name that means nothing here, a value that is no finite number or contradicts what
+            was declared of a parameter, or digits that are no whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         ShapeError

@@ -59,8 +59,8 @@ class AffineForm:
             form = self._plain.coframe
             theta = form.gather @ (form.at(points) * slopes[form.columns])
             return self._no_turn(theta), theta.T
-        compiled = _compiled(self.connection, "line")
-        values, count = self._values(compiled, points), len(compiled.turn)
+        compiled, numbers = self._line
+        values, count = compiled.function(*points, *numbers), len(compiled.turn)
         n, k = points.shape
         omega = np.zeros((k, n, n), dtype=values.dtype)
         theta = np.zeros((k, n), dtype=values.dtype)
@@ -84,8 +84,8 @@ class AffineForm:
             area = (x[a] * v[b] - x[b] * v[a])[form.columns]
             tau = form.gather @ (form.at(points) * area)
             return self._no_turn(tau), tau.T
-        compiled = _compiled(self.connection, "area")
-        values, count = self._values(compiled, points), len(compiled.turn)
+        compiled, numbers = self._area
+        values, count = compiled.function(*points, *numbers), len(compiled.turn)
         n, k = points.shape
         rho = np.zeros((k, n, n), dtype=values.dtype)
         tau = np.zeros((k, n), dtype=values.dtype)
@@ -112,10 +112,8 @@ class AffineForm:
         """What may vanish in a denominator of coframe or connection."""
         if self._plain is not None:
             return self._plain.poles
-        compiled = _compiled(self.connection, "line")
-        if compiled.poles is None:
-            return None
-        return replace(compiled.poles, numbers=self._numbers(compiled))
+        compiled, numbers = self._line
+        return compiled.poles and replace(compiled.poles, numbers=numbers)
 
     @cached_property
     def turns(self) -> bool:
@@ -128,13 +126,20 @@ class AffineForm:
         rows = [self.along(point[:, None], np.eye(n)[:, [a]])[1][0] for a in range(n)]
         return np.array(rows).T
 
-    def _values(self, compiled: _Compiled, points: np.ndarray) -> np.ndarray:
-        """All components at the points, with the parameters filled in."""
-        return compiled.function(*points, *self._numbers(compiled))
+    @cached_property
+    def _line(self) -> tuple[_Compiled, tuple[float | complex, ...]]:
+        """The form along a line, and the values of the parameters that it takes."""
+        return self._with_numbers("line")
 
-    def _numbers(self, compiled: _Compiled) -> tuple[float | complex, ...]:
-        """Values of the parameters that compiled components take."""
-        return parameter_values(self.connection.frame, compiled.parameters, self.parameters)
+    @cached_property
+    def _area(self) -> tuple[_Compiled, tuple[float | complex, ...]]:
+        """The form's curvature, and the values of the parameters that it takes."""
+        return self._with_numbers("area")
+
+    def _with_numbers(self, kind: str) -> tuple[_Compiled, tuple[float | complex, ...]]:
+        """Compiled components, and values for their parameters, checked once."""
+        frame, compiled = self.connection.frame, _compiled(self.connection, kind)
+        return compiled, parameter_values(frame, compiled.parameters, self.parameters)
 
 
 @dataclass(frozen=True, eq=False)

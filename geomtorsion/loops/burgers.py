@@ -115,6 +115,8 @@ def burgers_vector(
         The loop has another dimension than the frame, or the accuracy is out of range.
     MissingValueError
         A parameter has no value.
+    CoordinateError
+        A value contradicts what was declared of its parameter.
     SingularPointError
         The loop passes through a point where the coframe is singular.
 

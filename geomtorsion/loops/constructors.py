@@ -119,6 +119,8 @@ def filled(part: Part, values: Parameters) -> Part:
         for s in arc.symbols
         if s.name in names
     }
+    for symbol, value in table.items():
+        checks.check_declared(symbol, value)
     known = replace(
         arc,
         expressions=tuple(x.subs(table) for x in arc.expressions),

@@ -81,6 +81,8 @@ class Defect:
         for value in self.point:
             expression = expression_of(value, f"{self.name}: point", LoopError)
             here = {s: names[s.name] for s in expression.free_symbols if s.name in names}
+            for symbol, given in here.items():
+                checks.check_declared(symbol, given)
             number = expression.subs(here)
             if number.free_symbols:
                 missing = ", ".join(sorted(s.name for s in number.free_symbols))
@@ -242,6 +244,8 @@ def enclosed_defects(
     ------
     SingularPointError
         The loop passes through a defect; the message names defect and point.
+    UnknownNameError, CoordinateError
+        A name means nothing to this frame; a value contradicts what was declared of its parameter.
 
     Examples
     --------
@@ -252,6 +256,8 @@ def enclosed_defects(
     (-2, 'singular line at x = 0, y = 0, -2 times')
     """
     loop, parameters = with_numbers(frame, loop, parameters)
+    # Places need few of them; what was given is checked all the same.
+    parameter_values(frame, (), parameters)
     known = [
         one
         for one in (find_defects(frame, connection) if defects is None else defects)

@@ -165,6 +165,8 @@ def forms(
         A parameter has no value.
     UnknownNameError
         A name means nothing to this frame.
+    CoordinateError
+        A value contradicts what was declared of its parameter.
     SingularPointError
         The coframe has no finite value anywhere, for these parameters.
     """
@@ -333,16 +335,22 @@ def parameter_values(
         A parameter has no value.
     UnknownNameError
         A name means nothing to this frame.
+    CoordinateError
+        A value contradicts what was declared of its parameter.
     """
     table = checks.by_name(given, "parameters", UnknownNameError)
     refuse_unknown(frame, table)
+    numbers = {name: _number(value, name) for name, value in table.items()}
+    for symbol in frame.field.symbols:
+        if symbol.name in table:
+            checks.check_declared(symbol, table[symbol.name])
     missing = [symbol.name for symbol in wanted if symbol.name not in table]
     if missing:
         raise MissingValueError(
             f"the frame contains {', '.join(missing)}: give values, "
             f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
         )
-    return tuple(_number(table[symbol.name], symbol.name) for symbol in wanted)
+    return tuple(numbers[symbol.name] for symbol in wanted)
 
 
 def refuse_unknown(frame: Frame, names: Iterable[str]) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, ShapeError, StartError, TimeError, UnknownNameError
+from geomtorsion.exact import Element
 from geomtorsion.ode.numbers import Numbers, Real
 from geomtorsion.ode.rates import Rates, default_groups
 from geomtorsion.ode.terms import At, Terms, When, expression, number, symbol_table
@@ -57,14 +58,47 @@ def read(
         if key in symbols:
             raise ExpressionError(f"output {key} has the name of a state, parameter or the time.")
     groups = _group_list(states, norm_groups, normalized)
+    stops = [event.falls for event in listed if isinstance(event, When)]
+    read_invariants = _read_terms(invariants or {}, "invariant", symbols)
+    terms = (rates, invariants or {}, outputs or {})
+    declared = _declared([*(x for each in terms for x in each.values()), *stops], numbers)
+    timed = timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)])
+    for values in (numbers, *(event.changes for event in timed)):
+        check_declared(declared, values)
     return (
-        Rates(expressions, tuple(numbers), time, stop, groups),
+        Rates(expressions, tuple(numbers), time, stop, groups, declared),
         start_numbers(states, start),
         numbers,
-        _read_terms(invariants or {}, "invariant", symbols),
+        read_invariants,
         read_outputs,
-        timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)]),
+        timed,
     )
+
+
+def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, ...]:
+    """The parameters as they stand in what was given, with what was declared of them."""
+    known, found = set(names), set[sp.Symbol]()
+    for entry in entries:
+        for part in entry if isinstance(entry, list | tuple) else (entry,):
+            if isinstance(part, Element):
+                found |= part.symbols
+            elif isinstance(part, sp.Expr):
+                found |= part.atoms(sp.Symbol)
+    return tuple(sorted((x for x in found if x.name in known), key=sp.srepr))
+
+
+def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) -> None:
+    """Refuse values of parameters, numbers or arrays, against what was declared of them."""
+    for symbol in declared:
+        given = values.get(symbol.name)
+        if isinstance(given, np.ndarray):
+            # Signs are told by the ends: only where these are wrong all values are gone through.
+            ends = given.ravel() if symbol.is_integer else (given.min(), given.max())
+            if any(checks.against(symbol, checks.expression(x)) for x in ends):
+                for value in given.ravel().tolist():
+                    checks.check_declared(symbol, value)
+        elif given is not None:
+            checks.check_declared(symbol, given)
 
 
 def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None:

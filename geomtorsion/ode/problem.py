@@ -125,6 +125,8 @@ class ODE:
             numbers are missing, too many or not finite, or names are unknown.
         TimeError
             an event has no time, or one before the start.
+        CoordinateError
+            a number contradicts what was declared of a parameter, a symbol of sympy in the rates.
 
         Examples
         --------
@@ -205,6 +207,8 @@ class ODE:
             numbers |= constructor.parameter_numbers(self.rates.parameters, parameters)
         if events is not None:
             timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
+        for values in (numbers, *(event.changes for event in timed)):
+            constructor.check_declared(self.rates.declared, values)
         made = replace(self, start=new_start, parameters=numbers, events=timed)
         made.check_lengths()
         return made
@@ -605,6 +609,7 @@ class ODE:
             self.states, self.start, self.rates.parameters, starts
         )
         constructor.check_many_lengths(self.states, states, self.normalized)
+        constructor.check_declared(self.rates.declared, given)
         parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | given
         return self._members(0.0, self.unit_rows(states), parameters, self.events)
 

@@ -42,6 +42,7 @@ class Rates:
     time: the symbol that stands for the time.
     stop: expression at whose fall through zero the motion ends, or None.
     norm_groups: groups of states whose errors are measured against their common size.
+    declared: parameters as they stood in what was given, with what was declared of them.
     """
 
     expressions: Mapping[str, sp.Expr]
@@ -49,6 +50,7 @@ class Rates:
     time: str
     stop: sp.Expr | None
     norm_groups: tuple[tuple[str, ...], ...]
+    declared: tuple[sp.Symbol, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)

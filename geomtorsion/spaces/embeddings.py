@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.checks import expression
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import UnknownNameError
@@ -58,6 +59,8 @@ class Embedding:
 
     def _many(self, function: Callable[..., Any], points: Any, parameters: Mapping) -> Any:
         columns = np.asarray(points, dtype=float).T
+        for parameter in self.parameters:
+            checks.check_declared(parameter, parameters[parameter.name])
         return function(*columns, *(float(parameters[p.name]) for p in self.parameters)).T
 
     @cached_property

@@ -5,7 +5,8 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import spaces
-from geomtorsion.errors import LagrangianError
+from geomtorsion.errors import CoordinateError, LagrangianError
+from geomtorsion.ode import ODE
 
 U = sp.symbols("u1:7")
 MOMENTS = sp.symbols("I1 I2 I3")
@@ -196,3 +197,13 @@ def test_other_letters_where_the_frame_has_taken_them():
     found = gt.equations_of_motion(gt.Frame([u1, t], [[1, u1], [0, 1]]), "w1**2 + w2**2 - u1")
     assert list(found.rates) == ["u1", "t", "w1", "w2"]
     assert found.time.name == "time"
+
+
+def test_values_against_what_was_declared():
+    """Equations of motion know what was declared of the parameters of a Lagrangian."""
+    m, x = sp.Symbol("m", positive=True), sp.Symbol("x", real=True)
+    u = sp.Symbol("u1", real=True)
+    found = gt.equations_of_motion(gt.Frame([x], [[1]]), u**2 / 2 - sp.sqrt(m**2) * x**2)
+    with pytest.raises(CoordinateError, match="m was declared positive, nonnegative, but -2 was"):
+        ODE.of(found, [1, 0], parameters={"m": -2})
+    assert ODE.of(found, [1, 0], parameters={"m": 2}).parameters == {"m": 2}

@@ -262,3 +262,18 @@ def test_masked_points_are_not_known(frame: Frame) -> None:
     with pytest.raises(CoordinateError, match="point: r: a number was needed, but None came"):
         cartan(frame).torsion.T.at({r: hidden})
     assert cartan(frame).torsion.T.at({r: np.ma.array([1.0, 2.0])}).shape == (2, 2, 2, 2)
+
+
+@pytest.mark.parametrize("digits", [None, 30])
+def test_values_against_what_was_declared(digits):
+    """sympy has written M for sqrt(M**2); of many values the first one is told."""
+    M = sp.Symbol("M", positive=True)
+    x, y = sp.symbols("x y", real=True)
+    metric = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]]).metric
+    said = "M was declared positive, nonnegative, but {} was to be put in its place"
+    for key in (M, "M", sp.Symbol("M")):
+        with pytest.raises(CoordinateError, match=said.format("-1")):
+            metric.at({x: 1, key: -1}, digits=digits)
+    with pytest.raises(CoordinateError, match=said.format("-1.5")):
+        metric.at({x: 1, M: [1, -1.5, -2]}, digits=digits)
+    assert metric.at({x: 0, M: [0, 2]}, digits=digits)[:, 1, 1].tolist() == [0, 4]

@@ -11,6 +11,7 @@ import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.errors import (
+    CoordinateError,
     ExpressionError,
     ShapeError,
     StartError,
@@ -18,7 +19,7 @@ from geomtorsion.errors import (
     UnknownNameError,
 )
 from geomtorsion.exact import Field
-from geomtorsion.ode import ODE, At, RungeKutta, solve
+from geomtorsion.ode import ODE, At, RungeKutta, When, solve, solve_many
 from geomtorsion.ode.rates import default_groups
 
 
@@ -197,3 +198,37 @@ def test_bad_numbers():
         ODE.of(3, [1])
     with pytest.raises(StartError, match="a problem .* or an ODE was needed"):
         solve(3, 1.0)  # type: ignore[call-overload]
+
+
+def test_values_against_what_was_declared():
+    """Of symbols in rates, outputs and events; sympy has written k for sqrt(k**2)."""
+    k, x = sp.Symbol("k", positive=True), sp.Symbol("x")
+    said = "k was declared positive, nonnegative, but {} was to be put in its place"
+    rate, other = {"x": -sp.sqrt(k**2) * x}, {"x": "-k*x"}
+    element = Field([k, x]).read(-k * x)
+    places: list[tuple[Any, dict[str, Any]]] = [
+        (rate, {}),
+        ({"x": element}, {}),
+        (other, {"outputs": {"many": [x, k * x]}}),
+        (other, {"invariants": {"I": k * x}}),
+        (other, {"events": [When(x + k)]}),
+    ]
+    for rates, more in places:
+        with pytest.raises(CoordinateError, match=said.format(-1)):
+            ODE.of(rates, [1], parameters={"k": -1}, **more)
+    # What was declared of a state, or not at all, is no matter.
+    ODE.of(other, [1], parameters={"k": -1})
+    ODE.of({"k": k}, [-1])
+    decay = ODE.of(rate, [1], parameters={"k": 1})
+    with pytest.raises(CoordinateError, match=said.format(-2)):
+        decay.with_start(parameters={"k": -2})
+    with pytest.raises(CoordinateError, match=said.format(-3)):
+        decay.with_start(events=[At(1.0, {"k": -3})])
+    with pytest.raises(CoordinateError, match=said.format(-3)):
+        ODE.of(rate, [1], parameters={"k": 1}, events=[At(1.0, {"k": -3})])
+    with pytest.raises(CoordinateError, match=said.format("-1.5")):
+        solve_many(decay, {"k": [1, -1.5, -2]}, 1.0)
+    assert solve_many(decay, {"k": [0, 1]}, 1.0)["x"][:, -1] == pytest.approx([1, np.exp(-1)])
+    n = sp.Symbol("n", integer=True)
+    with pytest.raises(CoordinateError, match="n was declared integer, but 1.5 was"):
+        solve_many(ODE.of({"x": n}, [0], parameters={"n": 1}), {"n": [1, 1.5, 2]}, 1.0)

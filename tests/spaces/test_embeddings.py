@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from geomtorsion.errors import CoordinateError
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load, read_file
 from geomtorsion.spaces.embeddings import EMBEDDINGS, embedding_of
@@ -76,3 +77,10 @@ def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
     space = read_file(file)
     assert embedding_of(space.frame) is not None
     assert replace(space, title="").frame is space.frame
+
+
+def test_values_against_what_was_declared():
+    """Of the radius of a sphere."""
+    embedding, point, values, _ = at_sample("s2")
+    with pytest.raises(CoordinateError, match="R was declared positive, nonnegative, but -1"):
+        embedding.places(point[None, :], values | {"R": -1})

@@ -263,3 +263,10 @@ def test_options_of_the_other_kind(tmp_path, source, options, words) -> None:
     """They are refused by name."""
     name = str(grid(tmp_path)) if source == "measured" else source
     assert words in run(name, "--circle", "0,0,0:1", *options, code=2).stderr
+
+
+def test_a_value_against_what_was_declared() -> None:
+    """Said in one line, by numbers and exactly."""
+    for more in ((), ("--exact",)):
+        result = run("s2", "--set", "R=-1", "--circle", "1,1:1/2", *more, code=2)
+        assert "R was declared positive, nonnegative, but -1" in result.stderr

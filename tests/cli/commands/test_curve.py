@@ -106,6 +106,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
         (("s2", "--samples", "1"), "two at least"),
         (("s2", "--parameters", "R"), "name=number was needed"),
         (("s2", "--parameters", "Q=1"), "'Q' is no parameter"),
+        (("s2", "--set", "R=-1"), "R was declared positive, nonnegative, but -1"),
         (("s2", "--parameters", "R=1,R=2"), "given twice"),
         (("s2", "--engine", "magic"), "there is no engine 'magic'"),
         (("so3", "--moments", "1,0,1"), "singular"),
