@@ -12,7 +12,7 @@ from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.derivation import derivative
 from geomtorsion.exact.element import PROVED, Certainty, Element
 from geomtorsion.exact.evaluate import evaluate
-from geomtorsion.exact.generators import Generator, Names
+from geomtorsion.exact.generators import Generator, Generators, Names
 from geomtorsion.exact.generic_point import GenericPoint
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.modular import point_of
@@ -244,9 +244,7 @@ class Field(Tower):
         except NoPointError:
             return None
 
-    def square_class(
-        self, element: Element, roots: Sequence[Generator]
-    ) -> tuple[Generator, ...] | None:
+    def square_class(self, element: Element, roots: Generators) -> Generators | None:
         """The roots whose radicands make a square of an element, if any do: see `modular`."""
         return point_of(self).square_class(element, roots)
 

@@ -46,6 +46,9 @@ class Generator:
     sure: bool = True
 
 
+Generators = tuple[Generator, ...]
+
+
 @dataclass(frozen=True)
 class Branch:
     """The choice of sign with which a root was read.

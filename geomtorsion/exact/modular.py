@@ -9,6 +9,7 @@ chance of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` te
 from __future__ import annotations
 
 import hashlib
+from contextlib import suppress
 from math import prod
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -19,6 +20,7 @@ from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of
 from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
+from geomtorsion.exact.primes import BITS, ORDER, nth_prime, order_for, root_of_unity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -27,15 +29,10 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly, fmpz_mod, fmpz_mod_poly
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.generators import Generator, Generators
     from geomtorsion.exact.tower import Tower
 
-# Of the primes: the chance that a zero is one by accident is far below that of a broken computer.
-_BITS = 256
-# The prime is one more than a multiple of this, so that roots of unity of all these orders and the
-# square roots of small whole numbers lie in it; but see `_order_for`.
-_ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
-# The product of its primes, whose square roots these are.
+# The product of small primes, whose square roots are Gauss sums.
 _ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
 
 T = TypeVar("T")
@@ -81,9 +78,7 @@ class ModularPoint:
 
         return self._somewhere(found)
 
-    def square_class(
-        self, element: Element, roots: Sequence[Generator]
-    ) -> tuple[Generator, ...] | None:
+    def square_class(self, element: Element, roots: Generators) -> Generators | None:
         """Those of some square roots whose radicands make a square of an element, times it.
 
         In F(sqrt(a), sqrt(b), ...) an element of F has a root exactly if one of its products with
@@ -114,6 +109,23 @@ class ModularPoint:
         if chosen is None:
             return None
         return tuple(root for k, root in enumerate(roots) if chosen >> k & 1)
+
+    def moves(self, element: Element, symbol: sympy.Symbol) -> bool | None:
+        """Whether an element has another value where only what depends on a symbol has.
+
+        None: so few values of the symbol have all roots that none was met.
+        """
+        oldest = self._field.generators[::-1]
+        moved = frozenset(k for k, g in enumerate(oldest) if symbol in g.depends)
+        value, prime = self.image(element), self._number_of_prime
+        for _ in range(BITS):
+            self._settle(moved=moved)
+            if self._number_of_prime != prime:
+                return None
+            with suppress(_MovedError):
+                self._fill(range(len(oldest)), search=False)
+                return bool(self._image(element) != value)
+        return None
 
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""
@@ -179,7 +191,7 @@ class ModularPoint:
         """The value of a polynomial of the present ring."""
         total, powers = self._zero, {}
         newest = len(self._field.generators) - 1
-        if poly.total_degree() < _BITS:
+        if poly.total_degree() < BITS:
             # In whole numbers, which stay small enough: five times as fast for thousands of terms.
             values = [0] * (newest + 1 - len(self._values))
             values += [0 if value is None else int(value) for value in self._values[::-1]]
@@ -212,35 +224,35 @@ class ModularPoint:
 
     # -- values of generators --------------------------------------------------------------------
 
-    def _settle(self, another_prime: bool = False, moved: int | None = None) -> None:
+    def _settle(self, another_prime: bool = False, moved: frozenset[int] = frozenset()) -> None:
         """The next place: other values of the symbols, modulo another prime now and then.
 
-        moved: the only generator that takes another value, with those that rest on it, modulo the
+        moved: the only generators that take other values, with those that rest on them, modulo the
         same prime. Where two roots rest on x and two on y, four values of x are tried and four of
         y, not sixteen of both.
         """
         place, tried = self._place + 1, self._tried + 1
-        # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-_BITS.
+        # A point in n has a root of degree n: of so many tries all fail with a chance of 2**-BITS.
         # Where more than ten square roots rest on one symbol a point may be missed, after 20 s.
-        if tried > _BITS * min(prod(self._degrees()), 2**10):
+        if tried > BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
         # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
         # product, need another prime, which takes more time to find.
         values: list[fmpz_mod | None] = []
-        if another_prime or place % _BITS == 0:
+        if another_prime or place % BITS == 0:
             number = self._number_of_prime + 1
-            order = _order_for(self._field)
-            prime = _prime(number, order)
+            order = order_for(self._field)
+            prime = nth_prime(number, order)
             ring = fmpz_mod_ctx(prime)
-            turn = _root_of_unity(ring, prime, order)
+            turn = root_of_unity(ring, prime, order)
             modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), order, turn
         else:
             number = self._number_of_prime
             modulo = self._ring, self._polynomials, self._zero, self._order, self._turn
-            if moved is not None:
+            if moved:
                 oldest = self._field.generators[::-1]
                 values = [
-                    None if moved in self._rests_on(generator) else value
+                    None if moved & self._rests_on(generator) else value
                     for generator, value in zip(oldest, self._values, strict=False)
                 ]
         # All at once: whoever interrupts finds the old place or the new one.
@@ -252,8 +264,11 @@ class ModularPoint:
         """The degrees of all algebraic generators."""
         return [generator.degree for generator in self._field.generators if generator.degree]
 
-    def _fill(self, needed: Sequence[int]) -> None:
-        """Values for the generators at some places that have none yet, the oldest first."""
+    def _fill(self, needed: Sequence[int], search: bool = True) -> None:
+        """Values for the generators at some places that have none yet, the oldest first.
+
+        search: where one has none, those on which it rests move until it has.
+        """
         generators = self._field.generators
         while True:
             self._values += [None] * (len(generators) - len(self._values))
@@ -264,13 +279,15 @@ class ModularPoint:
             try:
                 self._values[place] = self._value(generator)
             except _MovedError as error:
+                if not search:
+                    raise
                 is_fixed = is_algebraic_constant(self._field, generator)
-                if is_fixed or self._order != _order_for(self._field):
+                if is_fixed or self._order != order_for(self._field):
                     raise _PrimeError from error
                 last = max(self._rests_on(generator), default=None)
                 if last is None:
                     raise
-                self._settle(moved=last)
+                self._settle(moved=frozenset([last]))
 
     def _rests_on(self, generator: Generator) -> frozenset[int]:
         """The places of the generators with random values on which one rests, its own included."""
@@ -375,7 +392,7 @@ class ModularPoint:
     def _trigonometric(self, generator: Generator) -> fmpz_mod:
         """cos and sin of parts of a turn by roots of unity; other constants are random."""
         share = part_of_turn(generator)
-        if share is None or _ORDER % int(share.q):
+        if share is None or ORDER % int(share.q):
             return self._random(generator)
         up = self._unity(int(share.q)) ** int(share.p)
         down = up**-1
@@ -390,7 +407,7 @@ class ModularPoint:
         roots = self._degrees()
         # The norm multiplies degrees by those of all roots; points without roots are left out.
         size = degree(element) * prod(roots) ** 2
-        return int(size) / 2 ** (_BITS - 1)
+        return int(size) / 2 ** (BITS - 1)
 
 
 def point_of(field: Tower) -> ModularPoint:
@@ -448,49 +465,3 @@ def _solution(equations: list[int], count: int) -> int | None:
             rows = [(p, row ^ equation if row & pivot else row) for p, row in rows]
             rows.append((pivot, equation))
     return sum(pivot for pivot, row in rows if row >> count & 1)
-
-
-def _order_for(field: Tower) -> int:
-    """Of which order a prime has roots of unity for a field.
-
-    Where it has none of order 3, each number has one cube root; else one number in three has any.
-    So with all odd degrees, unless a constant needs the roots of unity.
-    """
-    known = field.tables.get("order of unity")
-    if known is None or known[0] != field.level:
-        degrees = [g.degree for g in field.generators if g.degree > 2 and not g.middle]
-        left = {int(q) for degree in degrees for q, _ in fmpz(degree).factor() if q > 2}
-        for generator in field.generators if left else ():
-            share = part_of_turn(generator)
-            if share is not None:
-                left -= {q for q in left if not int(share.q) % q}
-            elif (
-                generator.degree == 2 and generator.tail is not None and generator.tail.is_rational
-            ):
-                # Square roots of numbers are Gauss sums.
-                left -= {q for q in left if not generator.tail.as_fraction().numerator % q}
-        order = prod(q**e for q, e in fmpz(_ORDER).factor() if int(q) not in left)
-        known = field.tables["order of unity"] = field.level, int(order)
-    return known[1]
-
-
-def _prime(number: int, order: int) -> fmpz:
-    """The prime of a number: _BITS bits, without roots of unity of other parts of _ORDER."""
-    digest = hashlib.sha512(f"prime {number}".encode()).digest()
-    start = (int.from_bytes(digest, "big") % 2 ** (_BITS - 1)) | 2 ** (_BITS - 1)
-    found = fmpz(start - start % order + 1)
-    others = fmpz(_ORDER // order)
-    while not found.is_probable_prime() or (found - 1).gcd(others) != 1:
-        found += order
-    return found
-
-
-def _root_of_unity(ring: fmpz_mod_ctx, prime: fmpz, order: int) -> fmpz_mod:
-    """A number of exactly an order."""
-    orders = [int(q) for q, _ in fmpz(order).factor()]
-    base = 2
-    while True:
-        found = ring(base) ** ((prime - 1) // order)
-        if all(found ** (order // q) != 1 for q in orders):
-            return found
-        base += 1

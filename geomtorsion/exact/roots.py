@@ -245,7 +245,7 @@ def _by_classes(field: Tower, element: Element, quadratic: list[Generator]) -> E
     elements = [element, *(g.tail for g in quadratic if g.tail is not None)]
     inner = set[Generator]().union(*(_with_those_below(field, one) for one in elements))
     # Square roots of small numbers are there modulo every prime: these are no equations.
-    outer = [g for g in quadratic if g not in inner and g.depends]
+    outer = tuple(g for g in quadratic if g not in inner and g.depends)
     try:
         chosen = field.square_class(element, outer)
     except NoPointError:

@@ -21,12 +21,12 @@ from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Denominator, Element
 from geomtorsion.exact.factoring import factored, known_taken_out
-from geomtorsion.exact.generators import Branch, Generator, Names
+from geomtorsion.exact.generators import Branch, Generator, Generators, Names
 from geomtorsion.exact.kept import kept, occurring
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     import mpmath
     from flint import fmpq_mpoly
@@ -146,10 +146,12 @@ class Tower(ABC):
         """1 over an element, multiplied out; None where a product would be above the largest."""
 
     @abstractmethod
-    def square_class(
-        self, element: Element, roots: Sequence[Generator]
-    ) -> tuple[Generator, ...] | None:
+    def square_class(self, element: Element, roots: Generators) -> Generators | None:
         """The roots whose radicands make a square of an element, if there are any."""
+
+    @abstractmethod
+    def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Tower:
+        """A field over one more symbol, into which nothing is read yet."""
 
     @abstractmethod
     def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
@@ -164,8 +166,6 @@ class Tower(ABC):
     @abstractmethod
     def to_json(self, element: Element) -> dict[str, Any]:
         """An element as a JSON-ready mapping."""
-
-    # Generators and elements.
 
     def add(self, *added: Generator) -> Element:
         """Adds generators, one after the other, and returns the last as an element.
@@ -294,8 +294,6 @@ class Tower(ABC):
         """The generators that occur in an element."""
         bits, newest = occurring(self, element), len(self.generators) - 1
         return [g for k, g in enumerate(self.generators) if bits >> (newest - k) & 1]
-
-    # Sums, products and denominators.
 
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""

@@ -14,6 +14,7 @@ from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator, Names
+from geomtorsion.exact.independence import without_idle_symbols
 from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.lengths import (
     check_sums,
@@ -169,15 +170,15 @@ def shortest(element: Element, names: Names = ()) -> sympy.Expr:
 
 def _short_as_built(element: Element, parts: Parts) -> sympy.Expr:
     """A long element that is kept, its sums collected where it is asked for or too long without."""
-    if not parts.has_names:
-        # Collecting takes longer than it helps: hundreds of sums that nobody reads to the end.
-        try:
-            return element.sympy
-        except AllowanceError:
-            raise
-        except LimitError:
-            pass
-    return _as_built(element, parts)
+    if parts.has_names:
+        return _as_built(element, parts)
+    # Collecting takes longer than it helps: hundreds of sums that nobody reads to the end.
+    try:
+        return element.sympy
+    except AllowanceError:
+        raise
+    except LimitError:
+        return _by_parts(element, parts)
 
 
 def _size(shown: sympy.Expr) -> int:
@@ -211,6 +212,12 @@ def _with_names(known: Parts, written: Form) -> sympy.Expr:
 
 
 def _as_built(element: Element, parts: Parts) -> sympy.Expr:
+    """A kept element without symbols that drop out of it, or else by its parts."""
+    found = without_idle_symbols(element)
+    return _by_parts(element, parts) if found is None else parts.written(found)
+
+
+def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
     """A kept element: each part multiplied out or as it was built, whichever is shorter."""
     if element.is_zero:
         return sympy.S.Zero

@@ -1,0 +1,79 @@
+"""Independence: long elements without the symbols on which they do not depend.
+
+In crooked coordinates the curvature scalar of de Sitter space is a sum of millions of terms; it is
+4*Lambda everywhere.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import sympy
+
+from geomtorsion.errors import AllowanceError, ExpressionError, GeomtorsionError
+from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.limits import NoPointError
+from geomtorsion.exact.modular import point_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from geomtorsion.exact.element import Element
+    from geomtorsion.exact.generators import Generator
+    from geomtorsion.exact.tower import Tower
+
+
+def without_idle_symbols(element: Element) -> Element | None:
+    """An equal element without symbols on which it does not depend; None where it is long, too."""
+    field, point = element.field, point_of(element.field)
+    try:
+        idle = [x for x in sorted(element.symbols, key=str) if point.moves(element, x) is False]
+        found = element
+        for symbol in idle:
+            found = _at_some_place(found, symbol)
+        short = found.field.brief(found)
+        # Numbers such as sin(1) drop out of the whole.
+        if not idle or short is None or any(g.kind == "opaque" for g in _generators(short)):
+            return None
+        whole = field.read(short.sympy)
+        # That is proved of the whole, not of the places.
+        return whole if (whole - element).is_zero is True else None
+    except AllowanceError:
+        raise
+    except (GeomtorsionError, NoPointError, ZeroDivisionError):
+        return None
+
+
+def _generators(element: Element) -> list[Generator]:
+    return element.field.generators_of(element)
+
+
+def _at_some_place(element: Element, symbol: sympy.Symbol) -> Element:
+    """An element with a number for a symbol: the first at which it is not singular."""
+    # At 0 most functions have the simplest values, and many forms are singular.
+    for number in range(3):
+        try:
+            return _at(element, {symbol: sympy.Integer(number)})
+        except (ExpressionError, ZeroDivisionError):
+            continue
+    raise ZeroDivisionError
+
+
+def _at(element: Element, values: Mapping[sympy.Symbol, sympy.Expr]) -> Element:
+    """An element with numbers for symbols, part by part, in a field of its own."""
+    other: Tower = element.field.with_symbol(sympy.Dummy(), 1)
+    found: dict[int, Element] = {}
+
+    def at(part: Element) -> Element:
+        if id(part) not in found:
+            found[id(part)] = other.read(part.sympy.xreplace(values).doit())
+        return found[id(part)]
+
+    for one in in_order(element, lambda x: id(x) in found):
+        recipe = one._recipe
+        assert recipe is not None
+        whole = other.sum([(c, *map(at, factors)) for c, *factors in recipe.terms])
+        if recipe.below and whole.is_zero:
+            raise ZeroDivisionError
+        found[id(one)] = whole.inverse() if recipe.below else whole
+    return at(element)

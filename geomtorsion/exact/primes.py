@@ -1,0 +1,68 @@
+"""Primes: modulo which fields have the roots of unity that they need, and each number odd roots."""
+
+from __future__ import annotations
+
+import hashlib
+from math import prod
+from typing import TYPE_CHECKING
+
+from flint import fmpz
+
+from geomtorsion.exact.algebraic_constants import part_of_turn
+
+if TYPE_CHECKING:
+    from flint import fmpz_mod, fmpz_mod_ctx
+
+    from geomtorsion.exact.tower import Tower
+
+# Of the primes: the chance that a zero is one by accident is far below that of a broken computer.
+BITS = 256
+# The prime is one more than a multiple of this, so that roots of unity of all these orders and the
+# square roots of small whole numbers lie in it; but see `order_for`.
+ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
+
+
+def order_for(field: Tower) -> int:
+    """Of which order a prime has roots of unity for a field.
+
+    Where it has none of order 3, each number has one cube root; else one number in three has any.
+    So with all odd degrees, unless a constant needs the roots of unity.
+    """
+    known = field.tables.get("order of unity")
+    if known is None or known[0] != field.level:
+        degrees = [g.degree for g in field.generators if g.degree > 2 and not g.middle]
+        left = {int(q) for degree in degrees for q, _ in fmpz(degree).factor() if q > 2}
+        for generator in field.generators if left else ():
+            share = part_of_turn(generator)
+            if share is not None:
+                left -= {q for q in left if not int(share.q) % q}
+            elif (
+                generator.degree == 2 and generator.tail is not None and generator.tail.is_rational
+            ):
+                # Square roots of numbers are Gauss sums.
+                left -= {q for q in left if not generator.tail.as_fraction().numerator % q}
+        order = prod(q**e for q, e in fmpz(ORDER).factor() if int(q) not in left)
+        known = field.tables["order of unity"] = field.level, int(order)
+    return known[1]
+
+
+def nth_prime(number: int, order: int) -> fmpz:
+    """The prime of a number: BITS bits, without roots of unity of other parts of ORDER."""
+    digest = hashlib.sha512(f"prime {number}".encode()).digest()
+    start = (int.from_bytes(digest, "big") % 2 ** (BITS - 1)) | 2 ** (BITS - 1)
+    found = fmpz(start - start % order + 1)
+    others = fmpz(ORDER // order)
+    while not found.is_probable_prime() or (found - 1).gcd(others) != 1:
+        found += order
+    return found
+
+
+def root_of_unity(ring: fmpz_mod_ctx, prime: fmpz, order: int) -> fmpz_mod:
+    """A number of exactly an order."""
+    orders = [int(q) for q, _ in fmpz(order).factor()]
+    base = 2
+    while True:
+        found = ring(base) ** ((prime - 1) // order)
+        if all(found ** (order // q) != 1 for q in orders):
+            return found
+        base += 1

@@ -1,0 +1,48 @@
+"""Independence: what is long and depends on nothing is written without what drops out of it."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.geometry import Frame, levi_civita
+
+t, r, theta, phi = sp.symbols("t r theta phi", positive=True)
+Lambda = sp.Symbol("Lambda", positive=True)
+
+
+@pytest.fixture(scope="module")
+def curvature():
+    """Of de Sitter space whose radius is a function of two coordinates, by its metric."""
+    s = r * (2 + sp.sin(phi))
+    rho = s + s / (1 + s**2)
+    f = 1 - Lambda * rho**2 / 3
+    slope = sp.Matrix([sp.diff(rho, x) for x in (t, r, theta, phi)])
+    metric = slope * slope.T / f + sp.diag(-f, 0, rho**2, rho**2 * sp.sin(theta) ** 2)
+    return levi_civita(
+        Frame.from_metric([t, r, theta, phi], metric, signature=(-1, 1, 1, 1))
+    ).curvature
+
+
+def test_the_scalar_of_de_sitter_space(curvature):
+    """It has hundreds of thousands of parts as it is built, and is 4 Lambda."""
+    known = len(curvature.scalar.frame.field.generators)
+    assert curvature.scalar[()] == 4 * Lambda
+    assert str(curvature.scalar).endswith("R = 4*Lambda")
+    assert sp.simplify(curvature.kretschmann[()] - sp.Rational(8, 3) * Lambda**2) == 0
+    # Numbers such as sin(1) stay outside of the frame.
+    assert len(curvature.scalar.frame.field.generators) == known
+
+
+def test_symbols_that_matter_stay(curvature):
+    """R_ab = Lambda g_ab, and nothing but r, phi and Lambda is in the component of time."""
+    ricci, metric = curvature.ricci, curvature.ricci.frame.metric
+    assert (ricci - Lambda * metric).is_zero is True
+    assert ricci[0, 0].free_symbols == {r, phi, Lambda}
+    place = {
+        t: 1,
+        r: sp.Rational(3, 7),
+        theta: 1,
+        phi: sp.Rational(2, 5),
+        Lambda: sp.Rational(1, 3),
+    }
+    want = metric.at(place, digits=40)[0, 0] / 3
+    assert abs(ricci[0, 0].subs(place).evalf(50) - want) < sp.Float("1e-38")
