@@ -50,10 +50,10 @@ def _generators(element: Element) -> list[Generator]:
 
 def _at_some_place(element: Element, symbol: sympy.Symbol) -> Element:
     """An element with a number for a symbol: the first at which it is not singular."""
-    # At 0 most functions have the simplest values, and many forms are singular.
-    for number in range(3):
+    # At 0 and a right angle functions have simple values, and many forms are singular.
+    for number in (sympy.S.Zero, sympy.pi / 2, sympy.S.One):
         try:
-            return _at(element, {symbol: sympy.Integer(number)})
+            return _at(element, {symbol: number})
         except (ExpressionError, ZeroDivisionError):
             continue
     raise ZeroDivisionError
