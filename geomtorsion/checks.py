@@ -56,6 +56,12 @@ _ALLOWED = {
     "real": "real",
     "integer": "integer",
 }
+# Numbers that have a sign and are whole or not.
+_LIKE: dict[tuple[int, bool], sp.Expr] = {
+    (sign, whole): sp.Rational(sign, 1 if whole else 2)
+    for sign in (-1, 0, 1)
+    for whole in (False, True)
+}
 
 _GREEK: dict[str, str] = dict(
     zip(
@@ -378,7 +384,13 @@ Give another value, or declare k without it.
     found = plain(value)
     if isinstance(found, complex) and not found.imag:
         found = found.real
-    if words := against(symbol, expression(found, symbol.name, CoordinateError)):
+    size = None if isinstance(found, sp.Expr) else real(found)
+    if size is None:
+        like = expression(found, symbol.name, CoordinateError)
+    else:
+        # Sign and wholeness decide, which sympy knows of these at once, but not of a new float.
+        like = _LIKE[(size > 0) - (size < 0), size.is_integer()]
+    if words := against(symbol, like):
         raise CoordinateError(
             f"{symbol} was declared {', '.join(words)}, but {found} was to be put in its place. "
             f"Give another value, or declare {symbol} without it."
