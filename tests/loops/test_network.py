@@ -221,4 +221,4 @@ def test_a_cycle_that_is_no_list_is_refused(screws):
     graph = grid_graph((15, 15), 0.2)
     for ask in (Network(screws, graph).burgers, lambda cycle: Loop.from_cycle(graph, cycle)):
         with pytest.raises(NetworkError, match="cycle: a list was needed, but 5 came"):
-            ask(5)
+            ask(5)  # pyright: ignore[reportArgumentType]
