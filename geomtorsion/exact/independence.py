@@ -16,7 +16,7 @@ from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.modular import point_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.generators import Generator
@@ -53,20 +53,38 @@ def _at_some_place(element: Element, symbol: sympy.Symbol) -> Element:
     # At 0 and a right angle functions have simple values, and many forms are singular.
     for number in (sympy.S.Zero, sympy.pi / 2, sympy.S.One):
         try:
-            return _at(element, {symbol: number})
+            return _at(element, symbol, number)
         except (ExpressionError, ZeroDivisionError):
             continue
     raise ZeroDivisionError
 
 
-def _at(element: Element, values: Mapping[sympy.Symbol, sympy.Expr]) -> Element:
-    """An element with numbers for symbols, part by part, in a field of its own."""
-    other: Tower = element.field.with_symbol(sympy.Dummy(), 1)
+def _at(element: Element, symbol: sympy.Symbol, number: sympy.Expr) -> Element:
+    """An element with a number for a symbol, part by part, in a field of its own."""
+    field = element.field
+    other: Tower = field.with_symbol(sympy.Dummy(), 1)
+    used = field.generators_of(element)
+    images = [
+        other.read(generator.shown.subs(symbol, number)) if generator in used else other.zero
+        for generator in field.generators
+    ]
+    if any(image.is_kept or image._den for image in images):
+        raise ZeroDivisionError
+    polys = [other.lift(image) for image in images]
     found: dict[int, Element] = {}
+    below: dict[int, Element] = {}
+
+    def of_polynomial(poly: fmpq_mpoly) -> Element:
+        return other.polynomial(other.reduced(poly.compose(*polys, ctx=other.ctx)))
 
     def at(part: Element) -> Element:
         if id(part) not in found:
-            found[id(part)] = other.read(part.sympy.xreplace(values).doit())
+            whole = of_polynomial(field.lift(part))
+            for index, exponent in part._den:
+                if index not in below:
+                    below[index] = of_polynomial(field.factors[index]).inverse()
+                whole = whole * below[index] ** exponent
+            found[id(part)] = whole
         return found[id(part)]
 
     for one in in_order(element, lambda x: id(x) in found):
