@@ -101,11 +101,12 @@ class ModularPoint:
             return sum(self._is_no_residue(value) << k for k, value in enumerate(values))
 
         equations: list[int] = []
-        # One place for each unknown; of the others each takes half of what is no square away.
-        for _ in range(len(every) + len(needed)):
+        chosen: int | None = 0
+        # One place for each unknown; each of the others takes half of what is no square away.
+        while chosen is not None and len(equations) < len(every) + BITS:
             equations.append(self._somewhere(nonresidues))
+            chosen = _solution(equations, len(roots))
             self._settle()
-        chosen = _solution(equations, len(roots))
         if chosen is None:
             return None
         return tuple(root for k, root in enumerate(roots) if chosen >> k & 1)
@@ -113,19 +114,22 @@ class ModularPoint:
     def moves(self, element: Element, symbol: sympy.Symbol) -> bool | None:
         """Whether an element has another value where only what depends on a symbol has.
 
-        None: so few values of the symbol have all roots that none was met.
+        None: so many roots rest on the symbol that a place with values of all is long to be found.
         """
         oldest = self._field.generators[::-1]
         moved = frozenset(k for k, g in enumerate(oldest) if symbol in g.depends)
+        # More than so many tries leave no time before the prime changes.
+        if prod(oldest[k].degree for k in moved if oldest[k].kind == "root") > BITS:
+            return None
         value, prime = self.image(element), self._number_of_prime
-        for _ in range(BITS):
+        while True:
             self._settle(moved=moved)
             if self._number_of_prime != prime:
-                return None
+                value, prime = self.image(element), self._number_of_prime
+                continue
             with suppress(_MovedError):
                 self._fill(range(len(oldest)), search=False)
                 return bool(self._image(element) != value)
-        return None
 
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""

@@ -57,7 +57,7 @@ def test_asking_often_takes_no_place_from_decisions() -> None:
     """Each question moves the point; later decisions have as many places as the first."""
     field = Field([x, y])
     square = field.read(sp.expand((1 + sum_of_roots(2)) ** 2))
-    for _ in range(200):
+    for _ in range(4):
         assert field.square_class(square, ()) == ()
     long = field.read(sp.sqrt(x + 3) + y) ** 3
     zero = field.sum([(1, long, square), (-1, square, long)])
