@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Element
-    from geomtorsion.exact.generators import Generator
     from geomtorsion.exact.tower import Tower
 
 
@@ -31,9 +30,11 @@ def without_idle_symbols(element: Element) -> Element | None:
         found = element
         for symbol in idle:
             found = _at_some_place(found, symbol)
-        short = found.field.brief(found)
+        short = found.field.brief(found) if idle else None
+        if short is None:
+            return None
         # Numbers such as sin(1) drop out of the whole.
-        if not idle or short is None or any(g.kind == "opaque" for g in _generators(short)):
+        if any(generator.kind == "opaque" for generator in short.field.generators_of(short)):
             return None
         whole = field.read(short.sympy)
         # That is proved of the whole, not of the places.
@@ -42,10 +43,6 @@ def without_idle_symbols(element: Element) -> Element | None:
         raise
     except (GeomtorsionError, NoPointError, ZeroDivisionError):
         return None
-
-
-def _generators(element: Element) -> list[Generator]:
-    return element.field.generators_of(element)
 
 
 def _at_some_place(element: Element, symbol: sympy.Symbol) -> Element:
@@ -68,6 +65,7 @@ def _at(element: Element, symbol: sympy.Symbol, number: sympy.Expr) -> Element:
         other.read(generator.shown.subs(symbol, number)) if generator in used else other.zero
         for generator in field.generators
     ]
+    # Only polynomials are put into polynomials.
     if any(image.is_kept or image._den for image in images):
         raise ZeroDivisionError
     polys = [other.lift(image) for image in images]

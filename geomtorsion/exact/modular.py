@@ -100,15 +100,21 @@ class ModularPoint:
                 raise _MovedError
             return sum(self._is_no_residue(value) << k for k, value in enumerate(values))
 
-        equations: list[int] = []
-        chosen: int | None = 0
+        # (pivot, row) of the equations so far, each pivot in its own row alone.
+        rows: list[tuple[int, int]] = []
         # One place for each unknown; each of the others takes half of what is no square away.
-        while chosen is not None and len(equations) < len(every) + BITS:
-            equations.append(self._somewhere(nonresidues))
-            chosen = _solution(equations, len(roots))
+        for _ in range(len(every) + BITS):
+            equation = self._somewhere(nonresidues)
             self._settle()
-        if chosen is None:
-            return None
+            for pivot, row in rows:
+                equation ^= row if equation & pivot else 0
+            pivot = equation & -equation
+            if pivot >> len(roots) & 1:
+                return None
+            if pivot:
+                rows = [(p, row ^ equation if row & pivot else row) for p, row in rows]
+                rows.append((pivot, equation))
+        chosen = sum(pivot for pivot, row in rows if row >> len(roots) & 1)
         return tuple(root for k, root in enumerate(roots) if chosen >> k & 1)
 
     def moves(self, element: Element, symbol: sympy.Symbol) -> bool | None:
@@ -453,19 +459,3 @@ def degree(element: Element) -> int:
         # Over one common denominator the degrees of all denominators add up.
         found[id(one)] = sum(found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
     return max(found[id(element)] if element.is_kept else of_polynomials(element), 1)
-
-
-def _solution(equations: list[int], count: int) -> int | None:
-    """The bits x of which, for each equation, those in its first bits sum to the next, modulo 2."""
-    rows: list[tuple[int, int]] = []
-    for equation in equations:
-        for pivot, row in rows:
-            if equation & pivot:
-                equation ^= row
-        pivot = equation & -equation
-        if pivot >> count & 1:
-            return None
-        if pivot:
-            rows = [(p, row ^ equation if row & pivot else row) for p, row in rows]
-            rows.append((pivot, equation))
-    return sum(pivot for pivot, row in rows if row >> count & 1)

@@ -322,8 +322,9 @@ class Tensor:
         return arithmetic.equals_scalar(self, other)
 
     def __hash__(self) -> int:
-        known = (self.slots, frozenset(self.components.nonzero.items()))
-        return hash(known if self.slots else self[()])
+        if not self.slots:
+            return hash(self[()])
+        return hash((self.slots, frozenset(self.components.nonzero.items())))
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
