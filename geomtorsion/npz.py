@@ -52,7 +52,7 @@ _NPY = re.compile(
     rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
 )
 # zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
-_DENSEST = 1032
+DENSEST = 1032
 
 
 def read_npz(
@@ -140,7 +140,7 @@ def _array(
         size = prod(shape) * dtype.itemsize
         # One text alone is parsed later, which takes many times its size.
         left = min(left, 4 * LARGEST_TEXT) if form == TEXT_FORM else left
-        if size > min(left, _DENSEST * max(member.compress_size, 1)):
+        if size > min(left, DENSEST * max(member.compress_size, 1)):
             raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
         content = np.empty(size, np.uint8)
         # In portions, so that it is in memory once.

@@ -37,6 +37,7 @@ FLOORS = (
     ("checks", "copies", "displays", "precision", "progress"),
     ("allowance", "conventions", "files"),
     ("blocks", "npz"),
+    ("hdf5",),
     ("exact",),
     ("codegen",),
     ("geometry", "ode"),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,10 @@ from typing import Any
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion import checks
 from geomtorsion.checks import cut, shown, unmasked
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.loops.fields import tables
 from geomtorsion.loops.fields.contents import (
     TEXTS,
@@ -42,6 +45,8 @@ HDF5 = b"\x89HDF"
 NOISE = ("sigma", "covariance")
 # What says where nothing is known, beside NaN.
 MASK = "mask"
+# What says in NetCDF that numbers are packed, or which of them are none.
+PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value")
 
 
 def read_grid(path: Path) -> Contents:
@@ -49,9 +54,10 @@ def read_grid(path: Path) -> Contents:
 
     .npz: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
     `axis_x`, `axis_y`, ... for each axis, in the order in which `names` lists them (or in which
-    they stand in the file). .h5, .hdf5: the same as data sets (extra `files`). .nc: a variable
-    `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for
-    each dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
+    they stand in the file). .h5, .hdf5: the same as data sets (extra `files`); an attribute `names`
+    lists the axes, which may be left out if they are x, y, ... .nc: a variable `coframe` or
+    `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for each
+    dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
     (extra `files`). All may hold sigma, units, periods and a source; .npz, .h5 and
     .nc a covariance in its place, and a mask, 1 at each node where nothing is known.
 
@@ -143,36 +149,72 @@ def read_netcdf(path: Path) -> Contents:
     def load() -> Any:
         # Times stay the numbers that they are, as the other reader has them.
         with xarray.open_dataset(path, decode_times=False) as data:
-            for name, variable in data.variables.items():
-                check_room(path, str(name), variable.shape)
-            return data.load()
+            dimensions = {str(name): each.dims for name, each in data.variables.items()}
+            key, names = _axes(path, dimensions)
+            wanted = [name for name in (key, *names, *NOISE, MASK) if name in dimensions]
+            check_room(path, {name: data[name].shape for name in wanted})
+            # What is not wanted may be as large as it likes.
+            return key, names, {name: data[name].values for name in wanted}, dict(data.attrs)
 
-    data = guarded(path, load)
-    key = key_of(path, data.variables)
-    variable = data[key]
-    names = tuple(str(name) for name in variable.dims[2:])
+    if _is_hdf5(path):
+        check_hdf5(path, module("h5py", path))
+    return _contents(path, *guarded(path, load))
+
+
+def _is_hdf5(path: Path) -> bool:
+    """Whether a NetCDF file is of version 4."""
+    with path.open("rb") as stream:
+        return stream.read(len(HDF5)) == HDF5
+
+
+def _axes(path: Path, dimensions: Mapping[str, Sequence[Any]]) -> tuple[str, tuple[str, ...]]:
+    """Which variable holds the values, and the names of its axes: all others have that order."""
+    key = key_of(path, dimensions)
+    names = tuple(str(name) for name in dimensions[key][2:])
     for name in names:
-        if name not in data.coords:
-            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinates.")
-    more = {name: data[name].values for name in (*NOISE, MASK) if name in data.variables}
-    axes = [data[name].values for name in names]
-    return Contents(
-        axes, variable.values, names, key == "distortion", _options(path, more, data.attrs)
-    )
+        if name not in dimensions:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+    for name in (key, *NOISE, MASK):
+        came = [str(each) for each in dimensions.get(name, ())]
+        along = [each for each in came if each in names]
+        if came[:2] == ["column", "row"] or along != [each for each in names if each in along]:
+            raise FileFormatError(
+                f"{path}: dimensions of {name} in the order row, column, {', '.join(names)} were "
+                f"needed, but {', '.join(came)} came. Transpose it."
+            )
+    return key, names
+
+
+def _contents(
+    path: Path,
+    key: str,
+    names: tuple[str, ...],
+    arrays: Mapping[str, np.ndarray],
+    said: Mapping[str, Any],
+) -> Contents:
+    """Contents from the arrays of a file and what it says in words."""
+    axes = [arrays[name] for name in names]
+    return Contents(axes, arrays[key], names, key == "distortion", _options(path, arrays, said))
 
 
 def _classic(path: Path) -> Contents:
     """A classic file, by scipy."""
-    with path.open("rb") as stream:
-        if stream.read(4) == HDF5:
-            raise MissingExtraError(
-                f"{path}: this is NetCDF 4, which needs xarray with a backend. "
-                "Install them: pip install 'geomtorsion[files]'."
-            )
+    if _is_hdf5(path):
+        raise MissingExtraError(
+            f"{path}: this is NetCDF 4, which needs xarray with a backend. "
+            "Install them: pip install 'geomtorsion[files]'."
+        )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
         # Values that mark what is missing, and scales, are those of the attributes, as in xarray.
         with scipy.io.netcdf_file(path, mmap=False, maskandscale=True) as data:
+            for name, variable in data.variables.items():
+                # scipy compares with one mark only.
+                if np.size(getattr(variable, "missing_value", 0)) != 1:
+                    raise FileFormatError(
+                        f"{path}: missing_value of {name}: one number was needed. Mark what is "
+                        "missing by one, or install xarray: pip install 'geomtorsion[files]'."
+                    )
             arrays = {
                 name: unmasked(variable[...]).copy() for name, variable in data.variables.items()
             }
@@ -184,14 +226,8 @@ def _classic(path: Path) -> Contents:
             return arrays, sizes, texts
 
     arrays, dimensions, texts = guarded(path, load)
-    key = key_of(path, arrays)
-    names = tuple(dimensions[key][2:])
-    for name in names:
-        if name not in arrays:
-            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
-    options = _options(path, arrays, texts)
-    axes = [arrays[name] for name in names]
-    return Contents(axes, arrays[key], names, key == "distortion", options)
+    key, names = _axes(path, dimensions)
+    return _contents(path, key, names, arrays, texts)
 
 
 def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
@@ -255,38 +291,67 @@ def read_hdf5(path: Path) -> Contents:
     h5py = module("h5py", path)
 
     def load() -> Contents:
+        names = check_hdf5(path, h5py)
+        key = key_of(path, names)
         with h5py.File(path, "r") as file:
-            names = [str(name) for name in file]
-            key = key_of(path, names)
-            said = dict(file.attrs)
+            said = {str(name): _text(value) for name, value in file.attrs.items()}
             axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
             if "names" in said:
-                axes = str(said["names"]).split()
+                axes = checks.text(said["names"], f"{path}: names", FileFormatError).split()
+            elif axes != list("xyz")[: len(axes)]:
+                # HDF5 lists what is in a file by the alphabet.
+                raise FileFormatError(
+                    f"{path}: names: the axes {', '.join(axes)} stand in no order. Say it in an "
+                    f"attribute of the file, such as names = {' '.join(axes)!r}."
+                )
             for name in axes:
                 if f"axis_{name}" not in names:
-                    raise FileFormatError(f"{path}: the data set axis_{name} is missing.")
-            arrays = {
-                name: _data_set(h5py, file, name, path)
-                for name in (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
-                if name in names
-            }
-        options = _options(path, arrays, {k: str(v) for k, v in said.items()})
+                    raise FileFormatError(f"{path}: the data set axis_{cut(name)} is missing.")
+            wanted = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
+            sets = {name: _data_set(h5py, file, name, path) for name in wanted if name in names}
+            check_room(path, {name: found.shape for name, found in sets.items()})
+            arrays = {name: found[...] for name, found in sets.items()}
+        options = _options(path, arrays, said)
         lines = [arrays[f"axis_{name}"] for name in axes]
         return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
 
     return guarded(path, load)
 
 
-def _data_set(h5py: Any, file: Any, name: str, path: Path) -> np.ndarray:
-    """An array that lies in the file itself: links and other files are not followed."""
+def _text(value: Any) -> Any:
+    """A text, which HDF5 may hold as bytes, or words in a list; all else as it came."""
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "OSU":
+        words = [_text(word) for word in value.tolist()]
+        return " ".join(words) if all(isinstance(word, str) for word in words) else value
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
+    """A data set of numbers as they are: no link, all of it written, nothing packed."""
     link = file.get(name, getlink=True)
     if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
         raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
     found = file[name]
-    if found.is_virtual or found.external or found.dtype.kind not in "fiub":
-        raise FileFormatError(f"{path}: {name}: numbers in this file itself were needed.")
-    check_room(path, name, found.shape)
-    return found[...]
+    if found.shape is None or found.dtype.kind not in "fiub":
+        raise FileFormatError(
+            f"{path}: {name}: real numbers were needed, but it holds "
+            f"{'nothing' if found.shape is None else found.dtype}."
+        )
+    # What was never written is read as zeros.
+    parts = math.prod(-(-n // m) for n, m in zip(found.shape, found.chunks or (), strict=False))
+    written = found.id.get_num_chunks() if found.chunks else bool(found.id.get_storage_size())
+    if written < parts and found.size:
+        raise FileFormatError(
+            f"{path}: {name}: only {int(written):,} of {parts:,} parts of it were written. Write "
+            "the file again."
+        )
+    packed = [key for key in PACKED if key in found.attrs and not np.isnan(found.attrs[key]).all()]
+    if packed:
+        raise FileFormatError(
+            f"{path}: {name}: it has {', '.join(packed)}, which means something in NetCDF alone. "
+            "Write its numbers as they are, with nan for what is missing, or save it as .nc."
+        )
+    return found
 
 
 def write_hdf5(path: Path, contents: Contents) -> None:

@@ -19,6 +19,7 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
+from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.images import LatticeImage
 from geomtorsion.images.image_files import KINDS as PICTURES
 from geomtorsion.loops import SampledFrame
@@ -179,13 +180,12 @@ def _kind(path: Path) -> str:
 
 
 def _has_grid(path: Path) -> bool:
-    """Whether an HDF5 file may hold a sampled frame; if it cannot be opened, its reader says so."""
+    """Whether an HDF5 file may hold a sampled frame; without a library its reader says so."""
     try:
         h5py = import_module("h5py")
-        with h5py.File(path, "r") as file:
-            return "coframe" in file or "distortion" in file
-    except (ImportError, OSError):
+    except ImportError:
         return True
+    return not {"coframe", "distortion"}.isdisjoint(check_hdf5(path, h5py))
 
 
 def _ends(path: Path) -> tuple[str, ...]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from geomtorsion.errors import (
     OrientationError,
 )
 from geomtorsion.files import finite_number, read_text
+from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import UNITS
 
@@ -376,6 +378,24 @@ class _Source:
         return phase.astype(np.int64)
 
 
+def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
+    """Refuse points of orix that do not stand row by row."""
+    rows, columns = found.shape
+    row, column = np.divmod(np.arange(rows * columns), columns)
+    for axis, values, place, step in (
+        ("x", found.x, column, steps[0]),
+        ("y", found.y, row, steps[1]),
+    ):
+        off = np.rint((values - values[0]) / step) != place
+        if off.any():
+            k = int(np.argmax(off))
+            raise FileFormatError(
+                f"{name}: point {k + 1}: {axis} = {values[k]:g}, where steps of {step:g} make "
+                f"{values[0] + step * place[k]:g} of it. Sort the points by rows, or export the "
+                "map as .ctf or .ang."
+            )
+
+
 SUFFIXES = (".h5", ".hdf5")
 
 
@@ -397,14 +417,18 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     laue = checks.table(given, "laue", FileFormatError)
     try:
         # GPL: imported where it is installed, and never needed for anything else.
-        io = import_module("orix.io")
+        io, h5py = import_module("orix.io"), import_module("h5py")
     except ImportError:
         raise MissingExtraError(
             f"{path.name}: HDF5 files need orix, which is not installed. Run `pip install "
             "'geomtorsion[ebsd]'`, or export the map as .ctf or .ang."
         ) from None
+    names = check_hdf5(path, h5py)
     try:
-        found = io.load(str(path))
+        with warnings.catch_warnings():
+            # Angles in degrees that stand for radians: orix reads them and says so.
+            warnings.filterwarnings("error", "Angles are quite high")
+            found = io.load(str(path))
         rows, columns = found.shape
         euler = found.rotations.to_euler()
         number = np.where(found.is_indexed, found.phase_id + 1, 0)
@@ -413,8 +437,8 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         # Readers of several formats, each with errors of its own.
         reason = cut(str(error)) or type(error).__name__
         raise FileFormatError(
-            f"{path.name}: orix cannot read a map of rows and columns from it ({reason}). Export "
-            "it as .ctf or .ang."
+            f"{path.name}: orix cannot read a map of rows and columns from it ({reason}); it "
+            f"begins with {cut(', '.join(names)) or 'nothing'}. Export it as .ctf or .ang."
         ) from None
     euler = np.reshape(euler, (-1, *np.shape(euler)[-1:]))
     if len(euler) != rows * columns or min(steps) <= 0:
@@ -422,8 +446,17 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
             f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
             f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
         )
-    # Without a unit that is known they stand as they came: most instruments write um.
-    unit = UNITS.get(str(found.scan_unit), UNITS["um"]) / UNITS["um"]
+    # Of Bruker's files orix puts the points in order, but not their places.
+    if "XSAMPLE" not in found.prop:
+        _check_places(path.name, found, steps)
+    # orix writes px where nobody said how large a step is.
+    said = str(found.scan_unit)
+    if said not in UNITS:
+        raise FileFormatError(
+            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(said)}. "
+            "Set steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
+        )
+    unit = UNITS[said] / UNITS["um"]
     phases = {}
     for key, phase in found.phases:
         if key < 0:

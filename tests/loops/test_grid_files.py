@@ -2,13 +2,15 @@
 
 import subprocess
 import sys
+import zlib
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.checks import LARGEST_ARRAYS
+from geomtorsion.errors import FileFormatError, GridError, LimitError, MissingExtraError
 from geomtorsion.loops import Loop, SampledFrame
 
 AXES = [np.linspace(0, 1.1, 12), np.linspace(3, 2, 9)]
@@ -167,9 +169,9 @@ def test_links_in_hdf5_are_not_followed(tmp_path):
     """A data set that lies in another file, or behind a link, is none."""
     h5py = pytest.importorskip("h5py")
     full().save(tmp_path / "whole.h5")
-    for name, link in (
-        ("outside", h5py.ExternalLink("whole.h5", "/coframe")),
-        ("inside", h5py.SoftLink("/other")),
+    for name, link, message in (
+        ("outside", h5py.ExternalLink("whole.h5", "/coframe"), "a link to whole.h5"),
+        ("inside", h5py.SoftLink("/other"), "a link or a group"),
     ):
         path = tmp_path / f"{name}.h5"
         full().save(path)
@@ -177,7 +179,7 @@ def test_links_in_hdf5_are_not_followed(tmp_path):
             file["other"] = file["coframe"][...]
             del file["coframe"]
             file["coframe"] = link
-        with pytest.raises(FileFormatError, match="a link or a group"):
+        with pytest.raises(FileFormatError, match=message):
             SampledFrame.read(path)
 
 
@@ -263,3 +265,129 @@ def test_a_mask_in_a_file_counts(tmp_path, end):
         else:
             with pytest.raises(FileFormatError, match="mask: 1 where nothing is known"):
                 SampledFrame.read(path)
+
+
+def square(path, **more):
+    """An HDF5 file of torsion 1 on 8 x 8 nodes, and what else is given; x and y are no names."""
+    h5py = pytest.importorskip("h5py")
+    x, y = np.meshgrid(np.arange(8.0), np.arange(8.0), indexing="ij")
+    every = {"coframe": np.array([[-y, x]]) / 2, "axis_x": x[:, 0], "axis_y": y[0], **more}
+    with h5py.File(path, "w") as file:
+        for name, values in every.items():
+            if values is not None:
+                file[name] = values
+    return h5py.File(path, "a")
+
+
+@pytest.mark.parametrize("name", ["scale_factor", "add_offset", "_FillValue", "missing_value"])
+def test_packed_numbers_of_hdf5_are_refused(tmp_path, name):
+    """What NetCDF says of numbers is not passed over there; nan says nothing."""
+    with square(tmp_path / "a.h5") as file:
+        file["coframe"].attrs[name] = np.nan
+    assert SampledFrame.read(tmp_path / "a.h5").coframe[0, 1, 7, 0] == 3.5
+    with square(tmp_path / "a.h5") as file:
+        file["coframe"].attrs[name] = 2.0
+    with pytest.raises(
+        FileFormatError, match=f"coframe: it has {name}, which means something in NetCDF alone"
+    ):
+        SampledFrame.read(tmp_path / "a.h5")
+
+
+def test_texts_of_hdf5_may_be_bytes_and_lists(tmp_path):
+    """Names, periods and units, however they were written; numbers are none."""
+    with square(tmp_path / "a.h5") as file:
+        file.attrs.update(unit=np.bytes_(b"nm"), names=["x", "y"], periodic=np.bytes_([b"y"]))
+    found = SampledFrame.read(tmp_path / "a.h5")
+    assert (found.unit, found.names, found.periodic) == ("nm", ("x", "y"), (False, True))
+    with square(tmp_path / "a.h5") as file:
+        file.attrs["unit"] = 3
+    with pytest.raises(FileFormatError, match="unit: a text was needed"):
+        SampledFrame.read(tmp_path / "a.h5")
+
+
+def test_axes_of_hdf5_have_an_order(tmp_path):
+    """That of `names`; without it x, y, ..., since the alphabet says nothing about r and phi."""
+    lines = {"axis_x": None, "axis_y": None, "axis_r": np.arange(8.0), "axis_phi": np.arange(8.0)}
+    with square(tmp_path / "a.h5", **lines) as file:
+        file.attrs["names"] = "r phi"
+    assert SampledFrame.read(tmp_path / "a.h5").names == ("r", "phi")
+    square(tmp_path / "a.h5", **lines).close()
+    with pytest.raises(FileFormatError, match="names: the axes phi, r stand in no order"):
+        SampledFrame.read(tmp_path / "a.h5")
+
+
+def test_data_sets_of_hdf5_that_hold_nothing(tmp_path):
+    """Without a size, and written in part: nothing is read as zeros."""
+    h5py = pytest.importorskip("h5py")
+    square(tmp_path / "a.h5", coframe=h5py.Empty("f8")).close()
+    with pytest.raises(FileFormatError, match="coframe: real numbers were needed, .* nothing"):
+        SampledFrame.read(tmp_path / "a.h5")
+    with square(tmp_path / "a.h5", coframe=None) as file:
+        made = file.create_dataset("coframe", shape=(1, 2, 8, 8), dtype="f8", chunks=(1, 1, 8, 8))
+        made[0, 0] = 1.0
+    with pytest.raises(FileFormatError, match="coframe: only 1 of 2 parts of it were written"):
+        SampledFrame.read(tmp_path / "a.h5")
+
+
+def test_arrays_are_too_large_all_together(tmp_path):
+    """Each of them would do."""
+    h5py = pytest.importorskip("h5py")
+    third = LARGEST_ARRAYS // 8 // 3 + 1
+    with square(tmp_path / "a.h5", axis_x=None, axis_y=None, coframe=None) as file:
+        for name in ("axis_x", "axis_y", "coframe"):
+            # Of one byte each, and packed: the file itself stays small.
+            options = {"dtype": "i1", "chunks": (third,), "compression": "gzip"}
+            file.create_dataset(name, shape=(third,), **options)
+            file[name].id.write_direct_chunk((0,), zlib.compress(bytes(third)))
+    assert h5py.is_hdf5(tmp_path / "a.h5")
+    with pytest.raises(LimitError, match="would take 2,000,000,.* with what is before it"):
+        SampledFrame.read(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize("reader", ["xarray", "scipy"])
+@pytest.mark.parametrize(
+    ("name", "dimensions"),
+    [
+        ("coframe", ("column", "row", "x", "y")),
+        ("sigma", ("row", "column", "y", "x")),
+        ("mask", ("y", "x")),
+    ],
+)
+def test_dimensions_of_netcdf_in_another_order(tmp_path, monkeypatch, reader, name, dimensions):
+    """Of equal lengths they would be read in the place of each other."""
+    if reader == "scipy":
+        monkeypatch.setitem(sys.modules, "xarray", None)
+    else:
+        pytest.importorskip("xarray")
+    every = {"coframe": ("row", "column", "x", "y"), name: dimensions}
+    with netcdf_file(tmp_path / "a.nc", "w") as data:
+        for each, length in (("x", 8), ("y", 8), ("row", 2), ("column", 2)):
+            data.createDimension(each, length)
+        for each in "xy":
+            data.createVariable(each, "d", (each,))[:] = np.arange(8.0)
+        for each, along in every.items():
+            data.createVariable(each, "d", along)[:] = 0.0
+    with pytest.raises(FileFormatError, match=f"dimensions of {name} in the order row, column"):
+        SampledFrame.read(tmp_path / "a.nc")
+
+
+def test_links_in_netcdf_are_not_followed(tmp_path):
+    """A file of version 4 is one of HDF5."""
+    h5py, xarray = pytest.importorskip("h5py"), pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    lines = {"x": np.arange(8.0), "y": np.arange(8.0)}
+    values = {"coframe": (("row", "column", "x", "y"), np.ones((1, 2, 8, 8)))}
+    xarray.Dataset(values, lines).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    assert SampledFrame.read(tmp_path / "a.nc").coframe.shape == (1, 2, 8, 8)
+    with h5py.File(tmp_path / "a.nc", "a") as file:
+        file["other"] = h5py.ExternalLink("/etc/hostname", "/x")
+    with pytest.raises(FileFormatError, match="other is a link to /etc/hostname"):
+        SampledFrame.read(tmp_path / "a.nc")
+
+
+def test_two_marks_of_netcdf_are_not_passed_over(tmp_path, monkeypatch):
+    """scipy compares with one."""
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    marked(tmp_path / "a.nc", "d", 1.0, missing_value=np.array([-999.0, -998.0]))
+    with pytest.raises(FileFormatError, match="missing_value of coframe: one number was needed"):
+        SampledFrame.read(tmp_path / "a.nc")

@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -75,15 +76,16 @@ def module(name: str, path: Path) -> Any:
         ) from None
 
 
-def check_room(path: Path, what: str, shape: Iterable[int], size: int = 8) -> None:
-    """Refuse an array that says that it is larger than can be read."""
-    total = size
-    for length in shape:
-        total *= int(length)
-    if total > LARGEST_ARRAYS:
-        raise LimitError(
-            f"{path}: {what} would take {total:,} bytes, more than {LARGEST_ARRAYS:,}. Give a part."
-        )
+def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -> None:
+    """Refuse arrays that say that they are larger, all together, than can be read."""
+    total = 0
+    for what, shape in shapes.items():
+        total += size * prod(map(int, shape))
+        if total > LARGEST_ARRAYS:
+            raise LimitError(
+                f"{path}: {what} would take {total:,} bytes, with what is before it, more than "
+                f"{LARGEST_ARRAYS:,}. Give a part."
+            )
 
 
 def periodic_names(given: object, path: Path) -> list[str]:

@@ -148,7 +148,7 @@ def _array(
     if missing:
         i, mu = missing[0]
         raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
-    check_room(path, "the grid", (rows, width, *shape))
+    check_room(path, {"the grid": (rows, width, *shape)})
     found = np.full((rows, width, int(np.prod(shape))), np.nan)
     for (i, mu), name in keys.items():
         found[i, mu, flat] = columns[name]

@@ -1,0 +1,85 @@
+"""HDF5: files that are damaged, reach into others, or ask for memory that they do not fill."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.measured import open_measured
+
+h5py = pytest.importorskip("h5py")
+
+
+def whole(path):
+    """A file with a group and a data set in it."""
+    with h5py.File(path, "w") as file:
+        file["group/numbers"] = np.arange(50.0)
+    return path
+
+
+def test_a_whole_file_says_what_it_holds(tmp_path):
+    """Names of the first group; links inside of the file are none of another."""
+    path = whole(tmp_path / "a.h5")
+    with h5py.File(path, "a") as file:
+        file["again"] = h5py.SoftLink("/group/numbers")
+    assert check_hdf5(path, h5py) == ["again", "group"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda file: file.__setitem__("group/x", h5py.ExternalLink("/etc/hosts", "/x")),
+            "group/x is a link to /etc/hosts",
+        ),
+        (
+            lambda file: file.create_dataset("x", (9,), "f8", external=[("b", 0, 72)]),
+            "x lies in other files",
+        ),
+        (
+            lambda file: file.create_virtual_dataset("x", virtual_layout("other.h5")),
+            "x lies in other files",
+        ),
+    ],
+)
+def test_what_lies_in_other_files(tmp_path, change, message):
+    """Wherever in the file it is named."""
+    path = whole(tmp_path / "a.h5")
+    with h5py.File(path, "a") as file:
+        change(file)
+    with pytest.raises(FileFormatError, match=f"a.h5: {message}"):
+        check_hdf5(path, h5py)
+
+
+def virtual_layout(name):
+    """A data set that is made of those of another file."""
+    layout = h5py.VirtualLayout(shape=(9,), dtype="f8")
+    layout[...] = h5py.VirtualSource(name, "x", shape=(9,))
+    return layout
+
+
+def test_sizes_that_cannot_be(tmp_path):
+    """A data set that says more than what is stored of it, packed as well as can be."""
+    path = whole(tmp_path / "a.h5")
+    with h5py.File(path, "a") as file:
+        file.create_dataset("group/huge", shape=(10**6, 10**6), dtype="f8", chunks=(100, 100))
+    with pytest.raises(LimitError, match="group/huge would take 8,000,000,000,000 bytes"):
+        check_hdf5(path, h5py)
+
+
+@pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.nc"])
+def test_damage_is_said_whatever_asks(tmp_path, name):
+    """Each byte wrong once: an error of ours, or a file in which nothing that counts was hit."""
+    content = whole(tmp_path / "whole.h5").read_bytes()
+    refused = 0
+    for place in range(0, len(content), 23):
+        spoilt = bytearray(content)
+        spoilt[place] ^= 0xFF
+        (tmp_path / name).write_bytes(spoilt)
+        with pytest.raises((FileFormatError, LimitError), match=name):
+            open_measured(tmp_path / name)
+        try:
+            check_hdf5(tmp_path / name, h5py)
+        except FileFormatError:
+            refused += 1
+    assert refused >= 10
