@@ -92,7 +92,7 @@ def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) 
     for symbol in declared:
         given = values.get(symbol.name)
         if isinstance(given, np.ndarray):
-            # Signs are told by the ends: only where these are wrong all values are gone through.
+            # The ends show the signs: only where these are wrong all values are gone through.
             ends = given.ravel() if symbol.is_integer else (given.min(), given.max())
             if any(checks.against(symbol, checks.expression(x)) for x in ends):
                 for value in given.ravel().tolist():

@@ -62,12 +62,12 @@ def verified(
     engine: Engine,
     accuracy: float,
     run: Callable[[float, float, float | None], Trajectory],
-    beside: Callable[[Sequence[float], float], Sequence[Trajectory]] = lambda *_: (),
+    jointly: Callable[[Sequence[float], float], Sequence[Trajectory]] = lambda *_: (),
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
     Or the best one, where none is. run: (tolerance, part by which states are perturbed, time at
-    which they are, besides the start) -> a trajectory. beside: (three tolerances, part) -> the
+    which they are, besides the start) -> a trajectory. jointly: (three tolerances, part) -> the
     answer and both finer runs, from starts changed by the part and by its opposite, where these
     can be had at one go.
     """
@@ -75,10 +75,9 @@ def verified(
     runs: list[Trajectory] = []
     best: Verified | None = None
     tolerance: float | None = engine.first(AIM * accuracy)
-    while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
-        between = engine.rung(math.sqrt(tolerance * finer))
-        steps = (tolerance, finer, between)
-        answer, *others = beside(steps, perturbation) or [run(tolerance, 0.0, None)]
+    while tolerance is not None and (steps := tolerances_compared(engine, tolerance)):
+        _, finer, between = steps
+        answer, *others = jointly(steps, perturbation) or [run(tolerance, 0.0, None)]
         least, at = SAFETY * rounding(engine, answer.steps), busiest_time(answer)
         if not others or at is not None:
             others.insert(0, run(finer, perturbation, at))
@@ -104,6 +103,12 @@ def verified(
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
     return best._replace(runs=tuple(runs))
+
+
+def tolerances_compared(engine: Engine, tolerance: float) -> tuple[float, ...]:
+    """That of an answer, of the finer run, and of one between them; none where nothing is finer."""
+    finer = engine.finer(tolerance)
+    return () if finer is None else (tolerance, finer, engine.rung(math.sqrt(tolerance * finer)))
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:

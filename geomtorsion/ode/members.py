@@ -12,7 +12,7 @@ from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
-from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_beside
+from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_inside
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Trajectory
 
@@ -211,7 +211,7 @@ def _left(
     """Errors by what steps passed over, infinite where that is not small; whether it was stopped.
 
     Members with steps that may have are run again, with more samples; those that seem to have, once
-    more with samples beside these.
+    more with samples just inside the intervals between them.
     """
     system, last = part.system, float(times[-1])
     left = np.zeros(len(units))
@@ -223,7 +223,7 @@ def _left(
         seen = seen if last > 0 else seen[::-1]
     left[run.finished & is_long(run.longest, run.steps)] = np.inf
     share = max(1, STACKED // system.size)
-    for grid in (seen, with_samples_beside(seen)):
+    for grid in (seen, with_samples_inside(seen)):
         some = np.flatnonzero(np.isinf(left))
         for index in (some[first : first + share] for first in range(0, len(some), share)):
             own = part.parameters[index]
@@ -237,7 +237,7 @@ def _left(
             longest = run.longest[index] * np.abs(clocks[:, -1])
             with np.errstate(all="ignore"):
                 left[index] = left_by_members(
-                    system, columns, clocks, longest, accuracy, beside=grid is not seen
+                    system, columns, clocks, longest, accuracy, inside=grid is not seen
                 )
     return left, False
 

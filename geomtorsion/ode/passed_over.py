@@ -26,7 +26,7 @@ UNLIKE = math.sqrt(1 / 2 * 1 / 12)
 ROUNDING = 4 * np.finfo(float).eps
 # So close to a sample, in parts of an interval, a change is the rate at it: halfway, in digits,
 # from an interval to its rounding.
-BESIDE = np.finfo(float).eps ** 0.25
+INSIDE = np.finfo(float).eps ** 0.25
 
 
 class Interval(NamedTuple):
@@ -38,27 +38,27 @@ class Interval(NamedTuple):
     gap: float
 
     @property
-    def beside(self) -> tuple[float, float]:
+    def inside(self) -> tuple[float, float]:
         """Times just inside."""
-        lasts = BESIDE * (self.end - self.begin)
+        lasts = INSIDE * (self.end - self.begin)
         return self.begin + lasts, self.end - lasts
 
 
 def passed_over(
-    one: Trajectory, accuracy: float, told: float = 0.0
+    one: Trajectory, accuracy: float, claimed: float = 0.0
 ) -> tuple[list[Interval], float]:
     """Where steps may have passed over something, and the error that what is too small may leave.
 
     That is where a step is as long as an interval between samples, and the change of a state in it
     is not that by the mean of the rates at its ends, and this not because the rates change. What
     lies between two samples altogether is not seen. The error is relative to the size of a group.
-    What adds up to no more than the error that is told anyhow is nothing new.
+    What adds up to no more than the error that is claimed anyhow is nothing new.
     """
     found: list[Interval] = []
     left = 0.0
     for segments in _pieces(one):
         if _has_long_step(segments):
-            new, more = _of_piece(segments, accuracy, told)
+            new, more = _of_piece(segments, accuracy, claimed)
             found += new
             left += more
     return found, left
@@ -83,7 +83,7 @@ def is_long(longest: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
 
 def _of_piece(
-    segments: list[Segment], accuracy: float, told: float
+    segments: list[Segment], accuracy: float, claimed: float
 ) -> tuple[list[Interval], float]:
     """The same of segments that go on from each other."""
     system = segments[0].stage.system
@@ -101,7 +101,7 @@ def _of_piece(
     for group in map(list, system.groups_but_clock):
         extent = float(np.abs(states[group]).max())
         sums = np.add.accumulate(gaps[group], axis=1)
-        if (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).max() <= told * extent:
+        if (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).max() <= claimed * extent:
             continue
         parts = np.abs(gaps[group])
         worst = parts.max(axis=0)
@@ -133,13 +133,13 @@ def _unexplained(
 
 
 def _least(accuracy: float, intervals: int) -> float:
-    """What is no larger, relative to a state, is told as an error and not looked into."""
+    """What is no larger, relative to a state, is added to the error and not looked into."""
     return max(AIM * accuracy / intervals, ROUNDING)
 
 
-def with_samples_beside(times: np.ndarray) -> np.ndarray:
+def with_samples_inside(times: np.ndarray) -> np.ndarray:
     """Times with one just inside of each end of every interval between them."""
-    lasts = BESIDE * (times[1:] - times[:-1])
+    lasts = INSIDE * (times[1:] - times[:-1])
     found = np.empty(3 * len(times) - 2)
     found[::3], found[1::3], found[2::3] = times, times[:-1] + lasts, times[1:] - lasts
     return found
@@ -152,23 +152,23 @@ def left_by_members(
     longest: np.ndarray,
     accuracy: float,
     *,
-    beside: bool,
+    inside: bool,
 ) -> np.ndarray:
     """The errors that what was passed over leaves in many motions, infinite where it is not small.
 
     values: states above parameters, shape (size + parameters, number, m), at times of each, shape
-    (number, m). longest: steps, shape (number,). beside: whether times are `with_samples_beside`;
+    (number, m). longest: steps, shape (number,). inside: whether times are `with_samples_inside`;
     without, what may have been passed over counts as such.
     """
-    every, stride = values[: system.size], 3 if beside else 1
+    every, stride = values[: system.size], 3 if inside else 1
     states, seen = every[..., ::stride], times[:, ::stride]
     lasts = seen[:, 1:] - seen[:, :-1]
     over = longest[:, None] > (1 - UNLIKE) * np.abs(lasts)
     rates = system.array_function(*values[..., ::stride])
     gaps = np.abs(_unexplained(states, rates, lasts, over))
-    far = np.full(gaps.shape, not beside)
+    far = np.full(gaps.shape, not inside)
     sides = ((slice(1, None, 3), slice(None, -1)), (slice(2, None, 3), slice(1, None)))
-    for near, here in sides if beside else ():
+    for near, here in sides if inside else ():
         slopes = (every[..., near] - states[..., here]) / (times[:, near] - seen[:, here])
         far |= np.abs((slopes - rates[..., here]) * lasts) > gaps
     left, least = np.zeros(len(times)), _least(accuracy, lasts.shape[1])
@@ -184,7 +184,7 @@ def left_by_members(
 
 
 def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval]:
-    """Those of some intervals that a step passed over, by the same motion with samples beside them.
+    """Those of some intervals that a step passed over, by the same motion with samples just inside them.
 
     The others are too long to show how a motion goes that its steps follow well.
     """
@@ -194,10 +194,10 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
         times, values, _ = _joined(segments)
         place = {t: k for k, t in enumerate(times.tolist())}
         known = [
-            (interval, place[at], place[beside])
+            (interval, place[at], place[inside])
             for interval in intervals
-            for at, beside in zip(interval[:2], interval.beside, strict=True)
-            if at in place and beside in place
+            for at, inside in zip(interval[:2], interval.inside, strict=True)
+            if at in place and inside in place
         ]
         if not known:
             continue

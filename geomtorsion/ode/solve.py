@@ -18,7 +18,7 @@ from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Run, WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
+from geomtorsion.ode.error_estimate import SAFETY, Verified, tolerances_compared, verified
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -173,11 +173,16 @@ class _Runs:
 
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        found = verified(self.problem, self.engine, self.accuracy, self._run, self._beside)
+        found = verified(self.problem, self.engine, self.accuracy, self._run, self._jointly)
         runs += found.runs
         return found
 
-    def _beside(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
+    def again(self, tolerance: float) -> Trajectory:
+        """The answer alone, by the steps that it takes among the runs that it is compared with."""
+        runs = self._jointly(tolerances_compared(self.engine, tolerance) or (), 0.0)
+        return runs[0] if runs else self._run(tolerance, 0.0, None)
+
+    def _jointly(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
         if self.cuts:
             return []
         parts = (0.0, part, -part)
@@ -220,12 +225,13 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         looked = found
         if len(seen) > len(asked.grid) and has_long_step(found.answer):
             looked = asked.at(seen).verified(runs)
-        told = min(looked.error, asked.accuracy)
-        places, left = passed_over(looked.answer, asked.accuracy, told)
+        claimed = min(looked.error, asked.accuracy)
+        places, left = passed_over(looked.answer, asked.accuracy, claimed)
         if places and asked.kept is None:
-            # The same steps, with samples beside those that are in doubt.
-            beside = [t for place in places for t in place.beside]
-            places = confirmed(asked.at([*seen, *beside]).verified(runs).answer, places)
+            # The same steps, with samples just inside the intervals that are in doubt.
+            inside = [t for place in places for t in place.inside]
+            runs.append(asked.at([*seen, *inside]).again(looked.answer.tolerance))
+            places = confirmed(runs[-1], places)
         new = cuts_of(places, end) - {0.0, end, *asked.cuts}
         if not new:
             return found._replace(error=max(found.error, SAFETY * left))
@@ -295,7 +301,7 @@ def _remedy(engine: Engine | None) -> str:
 
 
 class Report:
-    """How much of a solution is done, told from the times that its runs have reached.
+    """How much of a solution is done, by the times that its runs have reached.
 
     Two runs are needed at least; each takes half of what is left.
     """
@@ -304,7 +310,7 @@ class Report:
         self.progress = progress
         self.end = end
         self.left: float = 2.0
-        self.told: float = 0.0
+        self.reported: float = 0.0
 
     def next_run(self) -> Callable[[float], None]:
         """What is to be called with the times that the next run reaches."""
@@ -313,8 +319,8 @@ class Report:
         def watch(time: float) -> None:
             part = 1 - left + 0.5 * left * min(time / self.end, 1.0)
             # Engines call this at every step; a bar shows no less than a thousandth.
-            if part - self.told >= 0.001:
-                self.told = part
+            if part - self.reported >= 0.001:
+                self.reported = part
                 self.progress(part)
 
         return watch
@@ -330,7 +336,7 @@ def side_by_side(
     """Motions by equal equations in one batch; none where they have to go one by one.
 
     A processor adds four pairs of doubles as fast as one, and compiling one integrator takes half
-    the time of two: so an answer and the finer runs that tell its error share an integrator.
+    the time of two: so an answer and the finer runs that it is compared with share an integrator.
     heyoka leaves out of a series what is small beside the largest state; here that is a constant
     of each column.
 

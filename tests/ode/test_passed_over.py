@@ -7,7 +7,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.ode import ODE, solve, solve_many
+from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
 from geomtorsion.ode.passed_over import passed_over
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -69,6 +69,34 @@ def test_a_steep_step_far_ahead(engine):
     away = np.abs(solution["x"] - exact).max() / 110
     assert away < 1e-9
     assert away < 2 * solution.error
+
+
+class Counted:
+    """An engine that keeps the tolerances it was asked for."""
+
+    def __init__(self):
+        self.engine = RungeKutta()
+        self.tolerances = []
+
+    def __getattr__(self, name):
+        return getattr(self.engine, name)
+
+    def run(self, system, start, parameters, times, tolerance, **more):
+        """A run, counted."""
+        self.tolerances.append(tolerance)
+        return self.engine.run(system, start, parameters, times, tolerance, **more)
+
+
+def test_a_doubt_costs_one_run():
+    """Kepler's ellipse of e = 0.9: an interval in doubt is looked at by the answer's steps alone."""
+    rates = {"x": "u", "y": "v", "u": "-x/(x^2+y^2)^(3/2)", "v": "-y/(x^2+y^2)^(3/2)"}
+    engine = Counted()
+    solution = solve(ODE.of(rates, [0.1, 0, 0, 19**0.5]), 20.0, 1e-6, engine)
+    answer = solution.trajectory.tolerance
+    assert engine.tolerances[0] != answer
+    assert engine.tolerances.count(engine.tolerances[0]) == 1
+    assert engine.tolerances.count(answer) == 2
+    assert engine.tolerances[-1] == answer
 
 
 @every_engine
