@@ -184,7 +184,7 @@ def left_by_members(
 
 
 def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval]:
-    """Those of some intervals that a step passed over, by the same motion with samples just inside them.
+    """Those of some intervals that a step passed over, by the same motion with samples inside them.
 
     The others are too long to show how a motion goes that its steps follow well.
     """
