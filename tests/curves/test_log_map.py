@@ -14,7 +14,7 @@ from geomtorsion.ode.trajectory import integrate
 from geomtorsion.spaces import load
 
 
-@pytest.mark.parametrize(("short", "found"), [(1e-5, True), (5e-7, False)])
+@pytest.mark.parametrize(("short", "found"), [(1e-5, True), (2e-6, True), (5e-7, False)])
 def test_how_near_to_a_conjugate_point_geodesics_are_found(short, found):
     """At the antipode of a sphere the end depends on one direction only; so near to it, no more."""
     start, end = [np.pi / 2, 0.0], [np.pi / 2, np.pi - short]

@@ -44,3 +44,23 @@ def test_compilation_is_part_of_the_cost():
         capture_output=True, text=True, timeout=60, check=False, env=env,
     )  # fmt: skip
     assert done.stdout.split() == ["True", "True"], done.stderr
+
+
+LIMIT = """
+import sys, heyoka
+import geomtorsion as gt
+heyoka.llvm_state.set_diskcache_limit(int(sys.argv[1]))
+gt.solve(gt.ODE.of({"x": "-x"}, {"x": 1}), 1.0, engine=gt.Taylor())
+print(heyoka.llvm_state.get_diskcache_limit())
+"""
+
+
+@pytest.mark.parametrize(("before", "after"), [(2**34, 2**30), (2**28, 2**28)])
+def test_little_is_kept_on_the_disk(before, after, tmp_path):
+    """No more than a gigabyte of compiled code; a smaller limit, which somebody set, stays."""
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(
+        [sys.executable, "-c", LIMIT, str(before)],
+        capture_output=True, text=True, timeout=60, check=False, env=env | {"HOME": str(tmp_path)},
+    )  # fmt: skip
+    assert done.stdout.strip() == str(after), done.stderr
