@@ -22,7 +22,8 @@ from geomtorsion.ode.trajectory import Segment, Trajectory
 # second difference of rates. A step that saw nothing of a change takes the rate at its beginning,
 # half of the change away. This lies between.
 UNLIKE = math.sqrt(1 / 2 * 1 / 12)
-# Less than this part of a state is rounding of the states themselves, read as doubles.
+# Less than this part of a state is rounding of the states themselves, read as doubles: nothing is
+# known of it, however many digits a motion has.
 ROUNDING = 4 * np.finfo(float).eps
 # So close to a sample, in parts of an interval, a change is the rate at it: halfway, in digits,
 # from an interval to its rounding.
@@ -110,7 +111,7 @@ def _of_piece(
             state = group[int(parts[:, k].argmax())]
             found.append(Interval(float(times[k]), float(times[k + 1]), state, float(worst[k])))
         if extent > 0:
-            left += float(worst[~large].sum()) / extent
+            left += float(worst[~large & (worst > ROUNDING * extent)].sum()) / extent
     return found, left
 
 
@@ -178,7 +179,8 @@ def left_by_members(
         worst = np.take_along_axis(gaps[group], which, 0)[0]
         large = worst > least * extent
         passed = large & np.take_along_axis(far[group], which, 0)[0]
-        small = np.where(large, np.where(passed, np.inf, 0.0), worst)
+        small = np.where(large | (worst <= ROUNDING * extent), 0.0, worst)
+        small[passed] = np.inf
         left += np.divide(small, extent, out=np.zeros(small.shape), where=extent > 0).sum(axis=1)
     return left
 

@@ -7,7 +7,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
+from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
 from geomtorsion.ode.passed_over import passed_over
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -69,6 +69,28 @@ def test_a_steep_step_far_ahead(engine):
     away = np.abs(solution["x"] - exact).max() / 110
     assert away < 1e-9
     assert away < 2 * solution.error
+
+
+@needs_heyoka
+@pytest.mark.parametrize(
+    ("engine", "accuracy"), [(None, 1e-15), (None, 1e-25), (Taylor(113), 1e-25)]
+)
+def test_a_straight_line_has_all_digits(engine, accuracy):
+    """x' = 1/3, y' = x in a single step: that samples are read as doubles is no error of it."""
+    start = [sp.Rational(3, 10), sp.Rational(9, 10)]
+    line = ODE.of({"x": "1/3", "y": "x"}, start)
+    solution = solve(line, 7.5, accuracy, engine)
+    assert solution.error <= accuracy
+    found = [float(x) for x in solution.states[-1]]
+    assert found == pytest.approx([14 / 5, 501 / 40], rel=4e-16, abs=0)
+
+
+def test_members_on_straight_lines_have_all_digits():
+    """The same of many."""
+    start = np.array([[0.3, 0.9], [0.7, -0.2], [-1 / 7, 0.1]])
+    many = solve_many(ODE.of({"x": "1/3", "y": "1/7"}, start[0]), start, 7.5, 2e-15)
+    assert many.error <= 2e-15
+    assert many.finished.all()
 
 
 class Counted:
