@@ -19,14 +19,14 @@ from sympy.polys.domains import QQ, ZZ
 from sympy.polys.matrices.ddm import DDM
 
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exact.angles import of_inverse_function, power_of_pair, sum_of_angles
+from geomtorsion.exact.arguments import of_inverse_function, power_of_pair, sum_of_angles
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from geomtorsion.exact.angles import Pair
+    from geomtorsion.exact.arguments import Pair
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.tower import Tower
 

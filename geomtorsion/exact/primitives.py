@@ -17,11 +17,11 @@ from flint import fmpq
 from mpmath.libmp import to_rational
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.arguments import express
 from geomtorsion.exact.constant_logarithms import ConstantLogarithms
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.polynomials import prime_factors
-from geomtorsion.exact.rational_basis import express
 from geomtorsion.precision import EXACT_BITS, working_precision
 
 if TYPE_CHECKING:

@@ -12,9 +12,8 @@ from flint import fmpq
 from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.exact.angles import Angles
+from geomtorsion.exact.arguments import Angles, Exponents
 from geomtorsion.exact.entries import checked
-from geomtorsion.exact.exponents import Exponents
 from geomtorsion.exact.functions import (
     CIRCULAR,
     FUNCTIONS,

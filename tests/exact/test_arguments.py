@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.exact import Field
-from geomtorsion.exact.rational_basis import express
+from geomtorsion.exact.arguments import express
 
 x, y = sp.symbols("x y")
 FACTORS = (x, x + 1, x - y, x**2 + y, sp.cos(x) + 2, sp.sqrt(x + 1) + y)
