@@ -47,7 +47,7 @@ ALLOWED: dict[tuple[str, str], str] = {
     ("codegen/printers.py", "compile"): "the one place where code of our own is compiled",
     ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
     ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
-    ("exact/entries.py", "nsimplify"): "of a Float of sympy, never of text",
+    ("exact/reading.py", "nsimplify"): "of a Float of sympy, never of text",
 }
 
 

@@ -14,7 +14,7 @@ from geomtorsion.action.tangent_bundle import MotionSymbols, symbols_of
 from geomtorsion.checks import near_names
 from geomtorsion.errors import ConstraintError, LagrangianError, ShapeError
 from geomtorsion.exact import parse_expression
-from geomtorsion.exact.entries import counted_as
+from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry import Connection, Frame
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 

@@ -17,10 +17,9 @@ from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import ONE, Sums, Term, content, shared, without
 from geomtorsion.errors import ExpressionError, MissingValueError
-from geomtorsion.exact.element import Element
+from geomtorsion.exact.element import Element, in_order, inside_out
 from geomtorsion.exact.form import Sum, form
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.kept import in_order, inside_out
 from geomtorsion.exact.lengths import short_of
 from geomtorsion.exact.polynomials import as_fmpq
 

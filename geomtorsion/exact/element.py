@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import flint
 from flint import fmpq
 
 from geomtorsion.errors import UndecidedError
+from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     import mpmath
     import sympy
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 Denominator = tuple[tuple[int, int], ...]
 Number = int | Fraction | flint.fmpq
+# Whatever has parts: expressions, elements, sums.
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -425,3 +428,70 @@ def _read_again(field: Any, expression: sympy.Expr) -> Element:
     new = expression.free_symbols - set(field.symbols)
     field.declare(sorted(new, key=lambda symbol: symbol.name))
     return field.read(expression)
+
+
+def inside_out(
+    whole: T, parts: Callable[[T], Iterable[T]], is_done: Callable[[T], bool]
+) -> Iterator[T]:
+    """The whole and its parts as far as they are not done, each after its own; no recursion."""
+    waiting = [] if is_done(whole) else [(whole, iter(parts(whole)))]
+    while waiting:
+        one, left = waiting[-1]
+        for part in left:
+            if not is_done(part):
+                waiting.append((part, iter(parts(part))))
+                break
+        else:
+            waiting.pop()
+            yield one
+
+
+def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
+    """The kept elements that are not done, each after its own parts."""
+
+    def parts(one: Element) -> Sequence[Element]:
+        recipe = one._recipe
+        assert recipe is not None
+        # The last one first: what is derived on the way keeps its place in the field.
+        return [part for part in recipe.parts if part.is_kept][::-1]
+
+    return inside_out(element, parts, is_done) if element.is_kept else iter(())
+
+
+def leaves(element: Element) -> Iterator[Element]:
+    """The elements, multiplied out, of which it is built; each once."""
+    seen: set[int] = set()
+    if not element.is_kept:
+        yield element
+    for one in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(one))
+        assert one._recipe is not None
+        for part in one._recipe.parts:
+            if not part.is_kept and id(part) not in seen:
+                seen.add(id(part))
+                yield part
+
+
+def occurring(field: Tower, element: Element) -> int:
+    """The generators that occur in what an element is built of: a bit for each, oldest first."""
+    below = field.tables.setdefault("generators of factors", {})
+
+    def of_polynomials(part: Element) -> int:
+        bits = polynomials.occurring(part._num)
+        for index, _ in part._den:
+            if index not in below:
+                below[index] = polynomials.occurring(field.factors[index])
+            bits |= below[index]
+        return bits
+
+    for one in in_order(element, lambda x: x._bits is not None):
+        assert one._recipe is not None
+        bits = 0
+        for part in one._recipe.parts:
+            if part._bits is None:
+                part._bits = of_polynomials(part)
+            bits |= part._bits
+        one._bits = bits
+    if element._bits is None:
+        element._bits = of_polynomials(element)
+    return element._bits

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import sympy
 
 from geomtorsion.errors import AllowanceError, ExpressionError, GeomtorsionError
-from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.modular import point_of
 

@@ -11,11 +11,10 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from geomtorsion.errors import LimitError
-from geomtorsion.exact import polynomials
-from geomtorsion.exact.element import Element
+from geomtorsion.exact.element import Element, in_order
 from geomtorsion.exact.limits import (
     LARGEST_KEPT,
     LARGEST_POWER_TERMS,
@@ -24,7 +23,7 @@ from geomtorsion.exact.limits import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterator
 
     import sympy
 
@@ -33,9 +32,6 @@ if TYPE_CHECKING:
     Term = tuple[Any, ...]
     # An irreducible factor by its index, or an element kept below the line by its identity.
     _Divisor = tuple[str, int]
-
-# Whatever has parts: expressions, elements, sums.
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,73 +69,6 @@ def reciprocal(field: Tower, element: Element) -> Element:
         ((coefficient, *factors),) = recipe.terms
         return field.sum(((coefficient, *factors),))
     return Element.built(field, Recipe(((1, element),), below=True))
-
-
-def inside_out(
-    whole: T, parts: Callable[[T], Iterable[T]], is_done: Callable[[T], bool]
-) -> Iterator[T]:
-    """The whole and its parts as far as they are not done, each after its own; no recursion."""
-    waiting = [] if is_done(whole) else [(whole, iter(parts(whole)))]
-    while waiting:
-        one, left = waiting[-1]
-        for part in left:
-            if not is_done(part):
-                waiting.append((part, iter(parts(part))))
-                break
-        else:
-            waiting.pop()
-            yield one
-
-
-def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
-    """The kept elements that are not done, each after its own parts."""
-
-    def parts(one: Element) -> Sequence[Element]:
-        recipe = one._recipe
-        assert recipe is not None
-        # The last one first: what is derived on the way keeps its place in the field.
-        return [part for part in recipe.parts if part.is_kept][::-1]
-
-    return inside_out(element, parts, is_done) if element.is_kept else iter(())
-
-
-def leaves(element: Element) -> Iterator[Element]:
-    """The elements, multiplied out, of which it is built; each once."""
-    seen: set[int] = set()
-    if not element.is_kept:
-        yield element
-    for one in in_order(element, lambda x: id(x) in seen):
-        seen.add(id(one))
-        assert one._recipe is not None
-        for part in one._recipe.parts:
-            if not part.is_kept and id(part) not in seen:
-                seen.add(id(part))
-                yield part
-
-
-def occurring(field: Tower, element: Element) -> int:
-    """The generators that occur in what an element is built of: a bit for each, oldest first."""
-    below = field.tables.setdefault("generators of factors", {})
-
-    def of_polynomials(part: Element) -> int:
-        bits = polynomials.occurring(part._num)
-        for index, _ in part._den:
-            if index not in below:
-                below[index] = polynomials.occurring(field.factors[index])
-            bits |= below[index]
-        return bits
-
-    for one in in_order(element, lambda x: x._bits is not None):
-        assert one._recipe is not None
-        bits = 0
-        for part in one._recipe.parts:
-            if part._bits is None:
-                part._bits = of_polynomials(part)
-            bits |= part._bits
-        one._bits = bits
-    if element._bits is None:
-        element._bits = of_polynomials(element)
-    return element._bits
 
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
@@ -261,7 +190,7 @@ def _plain(part: Element) -> Element:
 
 
 def stays_kept(element: Element) -> bool:
-    """Whether an element that was read may stay as it is: a sum of quotients, not too large.
+    """Whether a kept element that was read may stay so: a sum of quotients, not too large.
 
     Raises
     ------
@@ -269,8 +198,6 @@ def stays_kept(element: Element) -> bool:
         its numerator would have more than LARGEST_KEPT terms over a common denominator, and it is
         not brief.
     """
-    if not element.is_kept:
-        return False
     field = element.field
     # Terms of numerators, as if nothing cancelled, and powers of what stands below the line.
     sizes: dict[int, tuple[int, Counter[_Divisor]]] = {}

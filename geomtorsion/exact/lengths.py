@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from geomtorsion.exact.element import in_order
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.limits import check_parts
 
 if TYPE_CHECKING:

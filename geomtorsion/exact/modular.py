@@ -17,7 +17,7 @@ import sympy
 from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
-from geomtorsion.exact.kept import in_order
+from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.primes import BITS, ORDER, nth_prime, order_for, root_of_unity

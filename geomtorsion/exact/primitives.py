@@ -9,6 +9,7 @@ angles in use and with the coordinates themselves.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import mpmath
@@ -64,8 +65,12 @@ class Primitives:
         self._field = field
         self._arguments = arguments
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
-        self._numbers = ConstantLogarithms(field)
         self._by_argument: dict[tuple[str, tuple[Element, ...]], Element] = {}
+
+    @cached_property
+    def _numbers(self) -> ConstantLogarithms:
+        """Logarithms and arcs of numbers, which few fields have."""
+        return ConstantLogarithms(self._field)
 
     def log(self, element: Element) -> Element:
         """The logarithm, as a sum over the factors of its argument.

@@ -19,11 +19,10 @@ from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
-from geomtorsion.exact.element import Denominator, Element
-from geomtorsion.exact.factoring import factored, known_taken_out
+from geomtorsion.exact.element import Denominator, Element, occurring
 from geomtorsion.exact.generators import Branch, Generator, Generators, Names
-from geomtorsion.exact.kept import kept, occurring
-from geomtorsion.exact.polynomials import as_fmpq
+from geomtorsion.exact.kept import kept
+from geomtorsion.exact.polynomials import as_fmpq, factored, known_taken_out
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Certainty, Value
-    from geomtorsion.exact.factoring import Factors
+    from geomtorsion.exact.polynomials import Factors
 
 
 class Point(Protocol):

@@ -12,10 +12,10 @@ from flint import fmpq
 
 from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
+from geomtorsion.exact.element import in_order
 from geomtorsion.exact.form import LONGEST_FACTORED, Form, Sum, form
 from geomtorsion.exact.generators import Generator, Names
 from geomtorsion.exact.independence import without_idle_symbols
-from geomtorsion.exact.kept import in_order
 from geomtorsion.exact.lengths import (
     check_sums,
     exponents,

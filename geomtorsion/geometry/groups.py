@@ -11,7 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ShapeError, StructureConstantError
 from geomtorsion.exact import Field
-from geomtorsion.exact.entries import counted_as
+from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.validation import free_symbols, named_symbols
 
 

@@ -10,9 +10,9 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, UndecidedError, UnknownNameError
 from geomtorsion.exact import Field, Generator, parse_expression
-from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.generators import Name, Names
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
+from geomtorsion.exact.reading import counted_as
 
 Meanings = Mapping[sp.Symbol, sp.Expr]
 

@@ -20,7 +20,7 @@ from geomtorsion.errors import (
     UndecidedError,
 )
 from geomtorsion.exact import Element, Field
-from geomtorsion.exact.entries import counted_as
+from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.matrices import dependence, determinant
 from geomtorsion.geometry.sampling import FINE, Point, candidate_points, domain_relations
 

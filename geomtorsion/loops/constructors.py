@@ -14,8 +14,8 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LoopError
 from geomtorsion.exact import parse_expression
-from geomtorsion.exact.entries import counted_as
 from geomtorsion.exact.names import FUNCTIONS
+from geomtorsion.exact.reading import counted_as
 from geomtorsion.geometry.validation import free_symbols
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import (

@@ -14,13 +14,13 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
 from geomtorsion.exact import Field, parse_expression
-from geomtorsion.exact.factoring import (
+from geomtorsion.exact.limits import FACTORED_HERE
+from geomtorsion.exact.polynomials import (
     OtherProcess,
     factored,
     is_irreducible_on_a_line,
     known_taken_out,
 )
-from geomtorsion.exact.limits import FACTORED_HERE
 
 ROOT = Path(__file__).parents[2]
 CTX = fmpq_mpoly_ctx.get(["x", "y"], Ordering.lex)
