@@ -219,7 +219,7 @@ def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
     places = tuple(range(len(chart.coordinates)))
     if chart.frame is None:
         return [places]
-    signs = [chart.frame.eta[i, i] for i in places]
+    signs = [chart.frame.eta.element(i, i) for i in places]
     # In two dimensions it is the negative one.
     times = [i for i in places if signs[i] == -1 and signs.count(-1) == 1]
     times = times or [i for i in places if signs[i] == 1 and signs.count(1) == 1]

@@ -11,8 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingValueError, TensorIndexError, UndecidedError
 from geomtorsion.exact import Element
-from geomtorsion.geometry.components import total
-from geomtorsion.geometry.symmetry import Index, common
+from geomtorsion.geometry.components import Index, common, total
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Scalar, Tensor

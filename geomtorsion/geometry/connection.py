@@ -15,12 +15,19 @@ from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.components import Components, Rule, total
+from geomtorsion.geometry.components import (
+    Components,
+    Index,
+    Rule,
+    antisymmetric,
+    shifted,
+    symmetric,
+    total,
+)
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
+from geomtorsion.geometry.matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Values
-from geomtorsion.geometry.symmetry import Index, antisymmetric, shifted, symmetric
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 from geomtorsion.checks import shown, text
 from geomtorsion.errors import ShapeError, TensorIndexError
-from geomtorsion.geometry.components import joined
+from geomtorsion.geometry.components import Symmetry, effective, joined
 from geomtorsion.geometry.index_types import KINDS, POSITIONS
-from geomtorsion.geometry.symmetry import Symmetry, effective
 from geomtorsion.geometry.tensor import Tensor
 
 

@@ -10,11 +10,18 @@ from typing import TYPE_CHECKING
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.components import Rule, total
+from geomtorsion.geometry.components import (
+    RIEMANN,
+    Index,
+    Rule,
+    Symmetry,
+    antisymmetric,
+    symmetric,
+    total,
+)
 from geomtorsion.geometry.contraction import contract
-from geomtorsion.geometry.frame_matrices import is_dense
+from geomtorsion.geometry.matrices import is_dense
 from geomtorsion.geometry.substitution import Values
-from geomtorsion.geometry.symmetry import RIEMANN, Index, Symmetry, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from geomtorsion.checks import rows
 from geomtorsion.errors import ShapeError
-from geomtorsion.geometry.symmetry import Index, Symmetry
+from geomtorsion.geometry.components import Index, Symmetry
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:

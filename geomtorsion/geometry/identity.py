@@ -10,10 +10,10 @@ from geomtorsion.checks import instance
 from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import PROVED, least_certain
 from geomtorsion.geometry import notation, riemannian
+from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.symmetry import Index
 
 
 @dataclass(frozen=True)

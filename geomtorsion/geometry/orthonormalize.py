@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from geomtorsion.checks import fraction, shown
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
+from geomtorsion.geometry.evaluation import RationalPoint, with_functions
 from geomtorsion.geometry.matrices import Entries
-from geomtorsion.geometry.sampling import Point, with_functions
 
 Elements = dict[tuple[int, int], Element]
 Row = dict[int, Element]
@@ -18,7 +18,7 @@ def orthonormal_rows(
     field: Field,
     metric: Elements,
     n: int,
-    points: Iterable[Point],
+    points: Iterable[RationalPoint],
     signature: Sequence[object] | None,
 ) -> tuple[Elements, Elements, Elements]:
     """Rows theta^i, squares q_i (diagonal) and eta with g = sum q_i theta^i theta^i.
@@ -105,7 +105,7 @@ def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] 
 def _signs(
     field: Field,
     forms: dict[int, tuple[Element, Row]],
-    points: Iterable[Point],
+    points: Iterable[RationalPoint],
     signature: tuple[int, ...] | None,
     n: int,
 ) -> dict[int, int]:
@@ -140,7 +140,7 @@ def _signs(
     )
 
 
-def _signs_at(forms: dict[int, tuple[Element, Row]], point: Point) -> dict[int, int] | None:
+def _signs_at(forms: dict[int, tuple[Element, Row]], point: RationalPoint) -> dict[int, int] | None:
     """Signs of all squares at a point, or None where one is not finite, real and non-zero."""
     signs = {}
     for place, (square, _) in forms.items():

@@ -9,10 +9,17 @@ from __future__ import annotations
 from fractions import Fraction
 
 from geomtorsion.exact import Element
-from geomtorsion.geometry.components import Components, Rule, total
+from geomtorsion.geometry.components import (
+    RIEMANN,
+    Components,
+    Index,
+    Rule,
+    antisymmetric,
+    symmetric,
+    total,
+)
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.frame_matrices import is_dense
-from geomtorsion.geometry.symmetry import RIEMANN, Index, antisymmetric, symmetric
+from geomtorsion.geometry.matrices import is_dense
 from geomtorsion.geometry.tensor import Tensor
 
 HALF = Fraction(1, 2)

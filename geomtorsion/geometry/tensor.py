@@ -17,11 +17,10 @@ from geomtorsion.exact import Certainty, Element
 from geomtorsion.exact.element import least_certain
 from geomtorsion.exact.expansion import Expansion, limit
 from geomtorsion.geometry import arithmetic, evaluation, notation
-from geomtorsion.geometry.components import Components, change_slot
+from geomtorsion.geometry.components import Components, Index, Symmetry, change_slot, effective
 from geomtorsion.geometry.index_types import EXCHANGES, KINDS, moved
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Value, Values, approaches, substitution
-from geomtorsion.geometry.symmetry import Index, Symmetry, effective
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
-from geomtorsion.geometry.components import total
+from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric, total
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
-from geomtorsion.geometry.symmetry import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.reading import counted_as
+from geomtorsion.geometry.evaluation import FINE, RationalPoint, candidate_points, domain_relations
 from geomtorsion.geometry.matrices import dependence, determinant
-from geomtorsion.geometry.sampling import FINE, Point, candidate_points, domain_relations
 
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
@@ -38,7 +38,7 @@ class Opened:
     complex: bool
     field: Field
 
-    def points(self) -> Iterator[Point]:
+    def points(self) -> Iterator[RationalPoint]:
         """Points inside the domain, to read signs off."""
         return candidate_points(self.coordinates, self.parameters, self.domain)
 

@@ -16,8 +16,8 @@ from geomtorsion.errors import (
     TensorIndexError,
 )
 from geomtorsion.geometry import Frame, Tensor, cartan, contract, levi_civita
+from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.symmetry import antisymmetric, symmetric
 from geomtorsion.spaces import load
 
 r, phi, M = sp.symbols("r phi M", positive=True)
