@@ -12,9 +12,8 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from geomtorsion.checks import entries, instance, shown
-from geomtorsion.codegen.branches import branch_check
 from geomtorsion.codegen.evaluation import ball_values
-from geomtorsion.codegen.expression_graph import Graph, graph
+from geomtorsion.codegen.expression_graph import Graph, branch_check, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
 from geomtorsion.codegen.steps import Forward, Signed, Step
 from geomtorsion.errors import ArgumentError, ExpressionError, MissingValueError, SingularPointError

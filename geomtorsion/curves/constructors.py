@@ -12,7 +12,7 @@ from geomtorsion import checks
 from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
 from geomtorsion.curves.atlas_check import check_atlas
-from geomtorsion.curves.laws import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
+from geomtorsion.curves.equations import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
 from geomtorsion.curves.moving_point import (
     check_causal,
     checked_parameters,

@@ -1,34 +1,286 @@
-"""Equations: a law of motion written out in one chart, as first-order equations."""
+"""Equations: laws of motion, each in one formula over any frame, and a law written out in a chart.
+
+Written out it is a system of first-order equations.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, TypeAlias
-
-import numpy as np
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart
-from geomtorsion.curves.cyclic import CyclicReduction, cost
-from geomtorsion.curves.laws import Law, Momenta
-from geomtorsion.curves.separated import SeparatedReduction, separated
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.exact.form import of_same_sign
-from geomtorsion.ode.members import Members, Part
+from geomtorsion.ode.rates import SMALL
 from geomtorsion.ode.system import System
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Frame
+    from geomtorsion.exact import Element
+    from geomtorsion.geometry import Connection, Frame
 
 
-# Smaller systems that stand in the place of the equations of frame velocities.
-Reduction: TypeAlias = CyclicReduction | SeparatedReduction
-# Longer rates (values in a graph) belong to frames whose inverse metric is too long to work with.
-LONGEST = 100
+@dataclass(frozen=True)
+class Rates:
+    """Rates of u^0 ... u^(n-1); constants are extra parameters with their exact values."""
+
+    products: tuple[Products, ...]
+    constants: Mapping[str, Fraction] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Momenta:
+    """What the momenta p_mu = e^i_mu G_ij u^j of a geodesic are made of.
+
+    cyclic: places of the coordinates that do not occur; their momenta are constant.
+    lower: rows of G_ij, pairs (j, element).
+    """
+
+    frame: Frame
+    cyclic: tuple[int, ...]
+    lower: tuple[tuple[tuple[int, Element], ...], ...]
+
+
+class Law(Protocol):
+    """A law of motion for the frame velocities u^i.
+
+    needs_frame: whether the law is about this very frame field, not only its metric.
+    text: its equation, in one line.
+    """
+
+    @property
+    def needs_frame(self) -> bool:
+        """Whether another frame of the same metric would have another law."""
+        ...
+
+    @property
+    def text(self) -> str:
+        """The equation in one line."""
+        ...
+
+    def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
+        """Rates of the velocities of these names; None: they are constant."""
+        ...
+
+    def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
+        """Quantities that the law keeps, by name."""
+        ...
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """What is constant along coordinates that do not occur; None: nothing is known."""
+        ...
+
+
+@dataclass(frozen=True)
+class CartanAutoparallel:
+    """Autoparallels of the Cartan connection: all frame velocities are constant."""
+
+    needs_frame = True
+    text = "u'^k = 0"
+
+    def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
+        """None: constant."""
+        return None
+
+    def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
+        """Nothing besides the velocities themselves."""
+        return {}
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None: all velocities are constant already."""
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Autoparallel:
+    """Autoparallels of any connection: u'^k = - omega_ij^k u^i u^j."""
+
+    connection: Connection
+
+    needs_frame = True
+    text = "u'^k = -omega_ij^k u^i u^j"
+
+    def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
+        """Symmetrised: each product u^i u^j occurs once."""
+        collected: dict[tuple[int, int, int], list[Any]] = {}
+        omega = self.connection.spin_connection.in_frame().components.nonzero
+        for (i, j, k), value in omega.items():
+            collected.setdefault((k, min(i, j), max(i, j)), []).append((-1, value))
+        return Rates(_products(frame, collected, names))
+
+    def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
+        """The length of the velocity, if the connection is metric."""
+        if self.connection.kind == "general" and not self.connection.metric_compatible:
+            return {}
+        return {"norm": _square(frame, None, names)}
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None: torsion may change them."""
+        return None
+
+
+@dataclass(frozen=True)
+class Geodesic:
+    """Geodesics of eta, or of a constant kinetic metric G in the frame (Boltzmann, Hamel).
+
+    p'_k = C_kj^i u^j p_i with p = G u                        READING, sections 3 and 4, no force.
+    """
+
+    metric: tuple[tuple[Fraction, ...], ...] | None = None
+
+    text = "G_kl u'^l = C_kj^i u^j G_im u^m"
+
+    @property
+    def needs_frame(self) -> bool:
+        """A kinetic metric of its own belongs to one frame field."""
+        return self.metric is not None
+
+    def rates(self, frame: Frame, names: Sequence[str]) -> Rates | None:
+        """u'^l = G^lk C_kj^i G_im u^j u^m, each product of velocities once."""
+        twist = frame.anholonomy.components.nonzero
+        if self.metric is not None:
+            return self._weighted(frame, twist, names)
+        up, down = frame.inverse_eta.components.rows, frame.eta.components.rows
+        collected: dict[tuple[int, int, int], list[Any]] = {}
+        for (k, j, i), value in twist.items():
+            for row, first in up[k]:
+                for m, second in down[i]:
+                    place = (row, min(j, m), max(j, m))
+                    collected.setdefault(place, []).append((1, first, value, second))
+        return Rates(_products(frame, collected, names))
+
+    def _weighted(self, frame: Frame, twist: Mapping, names: Sequence[str]) -> Rates:
+        """The same with numbers for G: equal coefficients are added up exactly."""
+        assert self.metric is not None
+        metric, inverse, n = self.metric, inverted(self.metric), frame.dimension
+        table: dict[tuple[int, int, int], dict[Element, Fraction]] = {}
+        for (k, j, i), value in twist.items():
+            if value.is_rational:
+                number, element = value.as_fraction(), frame.field.one
+            else:
+                number, element = Fraction(1), value
+            for row in range(n):
+                for m in range(n):
+                    weight = inverse[row][k] * number * metric[i][m]
+                    if weight:
+                        group = table.setdefault((row, min(j, m), max(j, m)), {})
+                        if -element in group:
+                            group[-element] -= weight
+                        else:
+                            group[element] = group.get(element, Fraction(0)) + weight
+        constants: dict[Fraction, str] = {}
+        rates: list[list[Any]] = [[] for _ in range(n)]
+        for (row, j, m), group in sorted(table.items(), key=lambda item: item[0]):
+            for element, weight in group.items():
+                pair = (names[j], names[m])
+                if not weight:
+                    continue
+                if _is_short(weight):
+                    rates[row].append((element * weight, pair))
+                else:
+                    name = constants.setdefault(weight, f"{names[0][0]}_weight{len(constants)}")
+                    rates[row].append((element, (name, *pair)))
+        named = {name: value for value, name in constants.items()}
+        return Rates(tuple(map(tuple, rates)), named)
+
+    def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
+        """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
+        found = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
+        lower = _lowered(frame, self.metric)
+        for mu in _cyclic(frame):
+            terms = []
+            for (i, column), value in frame.coframe.components.nonzero.items():
+                if column == mu:
+                    terms += [(value * entry, (names[j],)) for j, entry in lower[i]]
+            found[f"momentum of {frame.coordinates[mu]}"] = tuple(terms)
+        if _is_bi_invariant(frame):
+            terms = []
+            for row in lower:
+                for i, one in row:
+                    terms += [(one * two, (names[i], names[j])) for j, two in row]
+            found["angular momentum squared"] = tuple(terms)
+        return found
+
+    def momenta(self, frame: Frame) -> Momenta | None:
+        """None where weights are handed over at run time, so that they stay parameters."""
+        if frame.complex or not all(map(_is_short, (x for row in self.metric or () for x in row))):
+            return None
+        return Momenta(frame, _cyclic(frame), tuple(map(tuple, _lowered(frame, self.metric))))
+
+
+def _is_short(weight: Fraction) -> bool:
+    """Whether a weight is compiled in."""
+    return max(abs(weight.numerator), weight.denominator) <= SMALL
+
+
+def _cyclic(frame: Frame) -> tuple[int, ...]:
+    """Places of the coordinates that do not occur in the coframe."""
+    rows = frame.coframe.components.nonzero.values()
+    return tuple(
+        mu
+        for mu, symbol in enumerate(frame.coordinates)
+        if all(value.free_of(symbol) for value in rows)
+    )
+
+
+def _products(
+    frame: Frame, collected: Mapping[tuple[int, int, int], list[Any]], names: Sequence[str]
+) -> tuple[Products, ...]:
+    """Sums of collected terms as product sums, row by row."""
+    rates: list[list[Any]] = [[] for _ in range(frame.dimension)]
+    for (k, i, j), terms in sorted(collected.items(), key=lambda item: item[0]):
+        value = frame.field.sum(terms)
+        if not value.is_zero:
+            rates[k].append((value, (names[i], names[j])))
+    return tuple(map(tuple, rates))
+
+
+def _lowered(frame: Frame, metric: Any) -> list[list[tuple[int, Element]]]:
+    """Rows of G_ij as elements: pairs (j, element)."""
+    if metric is None:
+        return [list(row) for row in frame.eta.components.rows]
+    rational = frame.field.rational
+    return [[(j, rational(x)) for j, x in enumerate(row) if x] for row in metric]
+
+
+def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:
+    """G_ij u^i u^j."""
+    rows = _lowered(frame, metric)
+    return tuple((x, (names[i], names[j])) for i, row in enumerate(rows) for j, x in row)
+
+
+def _is_bi_invariant(frame: Frame) -> bool:
+    """Whether C_kj^i = - C_ij^k: then the sum of p_k^2 is kept, whatever G."""
+    twist = frame.anholonomy.components
+    if not twist.nonzero:
+        return False
+    for (k, j, i), value in twist.nonzero.items():
+        other = twist.get((i, j, k))
+        if other is None or value != -other:
+            return False
+    return True
+
+
+def inverted(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
+    """Inverse of a matrix of fractions (Gauss and Jordan)."""
+    n = len(matrix)
+    rows = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(matrix)]
+    for c in range(n):
+        pivot = next((r for r in range(c, n) if rows[r][c]), None)
+        if pivot is None:
+            raise ZeroDivisionError("singular matrix")
+        rows[c], rows[pivot] = rows[pivot], rows[c]
+        scale = rows[c][c]
+        rows[c] = [x / scale for x in rows[c]]
+        for r in range(n):
+            if r != c and rows[r][c]:
+                factor = rows[r][c]
+                rows[r] = [x - factor * y for x, y in zip(rows[r], rows[c], strict=True)]
+    return [row[n:] for row in rows]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,36 +335,6 @@ class Equations:
         shorter = [of_same_sign(edge) for edge in edges]
         ends = [one if one.symbols else edge for one, edge in zip(shorter, edges, strict=True)]
         return guard, graph(arguments, ends, parameters)
-
-    @cached_property
-    def reductions(self) -> tuple[Reduction, ...]:
-        """Smaller systems in the place of this one that cost less; the cheapest first."""
-        if self.momenta is None or not self.momenta.cyclic or self.chart is None:
-            return ()
-        # Where a root of the frame vanishes, momenta may grow without bound; velocities do not.
-        if any(edge.is_root for edge in self.chart.edges):
-            return ()
-        if len(self.system.rates.steps) > LONGEST:
-            return ()
-        cyclic = CyclicReduction(self, self.momenta)
-        offered = [one for one in (separated(cyclic), cyclic) if one is not None]
-        costs = {id(one): cost(one.system.rates) for one in (self, *offered)}
-        paying = [one for one in offered if costs[id(one)] < costs[id(self)]]
-        return tuple(sorted(paying, key=lambda one: costs[id(one)]))
-
-    def parts(self, members: Members) -> Iterator[Part]:
-        """Members of an ensemble, each by the first smaller system by which it loses no digits."""
-        rest, several = np.arange(len(members.states)), members.system is self.system
-        for one in self.reductions:
-            start, numbers, kept = one.reduced(members.states[rest], members.parameters[rest])
-            if kept.any():
-                own = numbers[kept]
-                system = one.system if several else one.system.to_the_end
-                yield Part(rest[kept], system, start[kept], own, partial(one.lifted, own))
-            rest = rest[~kept]
-        if len(rest):
-            full = members.states[rest], members.parameters[rest]
-            yield Part(rest, members.system, *full, lambda rows: rows)
 
     @property
     def moves(self) -> bool:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.codegen.branches import branch_check
+from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.curves.atlas import atlas_of
 from geomtorsion.curves.transported import speed_powers
 from geomtorsion.errors import (

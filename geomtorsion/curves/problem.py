@@ -15,10 +15,10 @@ from geomtorsion.codegen import graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves import moving_point, readout
 from geomtorsion.curves.atlas import Atlas
-from geomtorsion.curves.equations import Equations, Reduction, written
-from geomtorsion.curves.laws import Law
+from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.moving_point import MovingPoint, checked_start, frame_velocities
 from geomtorsion.curves.readout import laid_out, start_lists
+from geomtorsion.curves.reductions import Reduction, Reductions
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.ode.engines import Taylor
@@ -66,7 +66,7 @@ class CurveProblem:
     atlas: Atlas
     carried: Carried | None = None
     coordinate_velocity: tuple[Real, ...] | None = None
-    _written: dict[str, Equations] = field(default_factory=dict, repr=False)
+    _written: dict[str, Reductions] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
@@ -82,11 +82,16 @@ class CurveProblem:
 
     def equations(self, chart: str | None = None) -> Equations:
         """The equations in a chart (the home chart if none is named), worked out once."""
+        return self.reductions(chart).equations
+
+    def reductions(self, chart: str | None = None) -> Reductions:
+        """The smaller systems that may stand in the place of the equations in a chart."""
         name = "" if self.start is None else chart or self.atlas.home
         if name not in self._written:
             place = self.atlas.chart(name) if name else None
             plain = written(self.frame, self.law, place)
-            self._written[name] = carrying(plain, self.carried) if self.carried else plain
+            full = carrying(plain, self.carried) if self.carried else plain
+            self._written[name] = Reductions(full)
         return self._written[name]
 
     @cached_property
@@ -272,12 +277,12 @@ class CurveProblem:
         event = Event(None, follow, self._ender(label, floats(states)))
         groups = equations.groups
         stage = Stage(label, system, states, numbers, begin, (event,), groups=groups)
-        return self._reduced(stage, equations, several) if precision == 53 else stage
+        return self._reduced(stage, label, several) if precision == 53 else stage
 
-    def _reduced(self, stage: Stage, equations: Equations, several: bool) -> Stage:
+    def _reduced(self, stage: Stage, label: str, several: bool) -> Stage:
         """The same stage by the first smaller system that loses no digits."""
         rows = [np.asarray(x)[None, :] for x in (stage.start, stage.parameters)]
-        for smaller in equations.reductions:
+        for smaller in self.reductions(label).offered:
             start, numbers, kept = smaller.reduced(*rows)
             if kept[0]:
                 return replace(

@@ -332,7 +332,8 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
     label = problem.charts[0] if place is not None else ""
     if place is not None and label != problem.atlas.home:
         place, scaled = converted(problem, problem.atlas.home, label, place, scaled)
-    equations = problem.equations(label)
+    smaller = problem.reductions(label)
+    equations = smaller.equations
     varied["own_velocity"] = scaled * units[:, None]
     parts = [part for part in (place, scaled if equations.moves else None) if part is not None]
     table: dict[str, float | np.ndarray] = {}
@@ -351,7 +352,7 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
         parameters,
         units,
         np.abs(velocities).sum(axis=1),
-        parts=equations.parts if equations.reductions else None,
+        parts=smaller.parts if smaller.offered else None,
         label=label,
         varied=varied,
     )

@@ -100,7 +100,7 @@ def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
     if not frame.field.relied_on:
         return
     # Loads numpy.
-    from geomtorsion.codegen.branches import branch_check
+    from geomtorsion.codegen.expression_graph import branch_check
 
     point = {str(key): complex(number) for key, number in values.items()}
     check = branch_check([frame.field], list(point))

@@ -14,12 +14,11 @@ import numpy as np
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
-from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.problem import ODE
-from geomtorsion.ode.solution import Solution
+from geomtorsion.ode.solution import Cost, Solution
 from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.ode.writing import FORMAT

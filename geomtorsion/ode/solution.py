@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,6 @@ from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ExpressionError, TimeError
-from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import PARTS, times_between
@@ -24,9 +23,45 @@ from geomtorsion.ode.writing import pandas_table, write_solution
 from geomtorsion.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from geomtorsion.errors import GeomtorsionError
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a solution cost.
+
+    steps, evaluations: of the answer, without the run that gave the error estimate.
+    compile_seconds: compilation, of all runs; zero where everything was kept from before.
+    run_seconds: integration of the answer.
+    check_seconds: integration of everything else: finer runs, answers that were not good enough.
+    """
+
+    steps: int
+    evaluations: int
+    compile_seconds: float
+    run_seconds: float
+    check_seconds: float
+
+    @classmethod
+    def of(cls, answer: Trajectory, runs: Sequence[Trajectory]) -> Cost:
+        """The cost of an answer among all runs that were made."""
+        running = answer.run_seconds
+        return cls(
+            answer.steps,
+            answer.evaluations,
+            sum([run.compile_seconds for run in runs]),
+            running,
+            sum([run.run_seconds for run in runs]) - running,
+        )
+
+    def __str__(self) -> str:
+        return (
+            f"{self.steps} steps, {self.evaluations} evaluations, "
+            f"compiled in {self.compile_seconds:.3g} s, ran in {self.run_seconds:.3g} s, "
+            f"checked in {self.check_seconds:.3g} s"
+        )
 
 
 # Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.

@@ -14,7 +14,6 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
-from geomtorsion.ode.cost import Cost
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Run, WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
@@ -28,7 +27,7 @@ from geomtorsion.ode.numbers import (
 )
 from geomtorsion.ode.passed_over import confirmed, cuts_of, has_long_step, passed_over
 from geomtorsion.ode.scaling import units_of
-from geomtorsion.ode.solution import DOUBLE, Problem, Solution
+from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate, is_beyond
 

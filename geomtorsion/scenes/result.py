@@ -18,7 +18,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
-from geomtorsion.ode.cost import Cost
+from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot

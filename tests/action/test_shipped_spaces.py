@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.curves.laws import Geodesic
+from geomtorsion.curves.equations import Geodesic
 from tests.chosen import one_in
 
 NAMES = [name for name in gt.spaces.names() if not gt.spaces.load(name).frame.complex]

@@ -11,7 +11,7 @@ from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import ChartEdgeError
 from geomtorsion.ode import RungeKutta, SavedSolution, Taylor, solve, solve_many
-from geomtorsion.ode.engines.compiled import tolerance_of
+from geomtorsion.ode.engines.taylor import tolerance_of
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.spaces import load
 from tests.chosen import one_in

@@ -9,8 +9,8 @@ import pytest
 from geomtorsion.errors import StuckError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
 from geomtorsion.ode.engines import stepper
-from geomtorsion.ode.engines.compiled import _limit_disk_cache
 from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
+from geomtorsion.ode.engines.taylor import _limit_disk_cache
 from tests.ode.engines import needs_heyoka
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
@@ -113,8 +113,8 @@ def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
     """One integrator at a time is compiled again; short code, and eight columns, agree."""
     laws = [ODE.of({"x": "v", "v": f"-{k}*sin(x)"}, [1, 0]) for k in (2, 3)]
     first = [solve(law, 5.0, 1e-9, Taylor()) for law in laws]
-    monkeypatch.setattr("geomtorsion.ode.engines.compiled._kept", OrderedDict())
-    monkeypatch.setattr("geomtorsion.ode.engines.compiled.KEPT", 1)
+    monkeypatch.setattr("geomtorsion.ode.engines.taylor._kept", OrderedDict())
+    monkeypatch.setattr("geomtorsion.ode.engines.taylor.KEPT", 1)
     for law, before in [*zip(laws, first, strict=True)] * 2:
         again = solve(law, 5.0, 1e-9, Taylor())
         assert again.cost.compile_seconds > 0

@@ -21,7 +21,7 @@ from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StuckError
 from geomtorsion.geometry import Frame, blend, cartan, levi_civita
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
-from geomtorsion.ode.engines.compiled import order_of, tolerance_of
+from geomtorsion.ode.engines.taylor import order_of, tolerance_of
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 

@@ -8,7 +8,7 @@ import pytest
 
 from geomtorsion.errors import StartError, StuckError
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
-from geomtorsion.ode.engines.compiled import _quieten, heyoka
+from geomtorsion.ode.engines.taylor import _quieten, heyoka
 from tests.ode.engines import ENGINES, every_engine, needs_heyoka
 
 

@@ -1,8 +1,8 @@
-"""equations: which smaller systems are offered, and that they are the same motion."""
+"""reductions: which smaller systems are offered, and that they are the same motion."""
 
 import numpy as np
 
-from geomtorsion.curves import equations, geodesic
+from geomtorsion.curves import geodesic, reductions
 from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.spaces import load
 
@@ -19,11 +19,11 @@ def orbit():
 def test_how_long_rates_may_be(monkeypatch):
     """Those of Kerr, of 80 values, get smaller systems, those of 101 in another chart do not."""
     problem = orbit()
-    assert problem.equations("kerr").reductions
-    assert not problem.equations("ingoing").reductions
+    assert problem.reductions("kerr").offered
+    assert not problem.reductions("ingoing").offered
     found = solve(problem, 20.0, 1e-8, RungeKutta())
-    monkeypatch.setattr(equations, "LONGEST", 0)
+    monkeypatch.setattr(reductions, "LONGEST", 0)
     full = orbit()
-    assert not full.equations("kerr").reductions
+    assert not full.reductions("kerr").offered
     other = solve(full, 20.0, 1e-8, RungeKutta())
     assert np.abs(found.coordinates - other.coordinates).max() <= 8 * (found.error + other.error)

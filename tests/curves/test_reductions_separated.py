@@ -6,8 +6,7 @@ import sympy as sp
 
 from geomtorsion import Frame
 from geomtorsion.curves import geodesic
-from geomtorsion.curves.cyclic import CyclicReduction
-from geomtorsion.curves.separated import SeparatedReduction
+from geomtorsion.curves.reductions import CyclicReduction, SeparatedReduction
 from geomtorsion.ode import RungeKutta, Taylor, solve, solve_many
 from geomtorsion.ode.engines import taylor
 from geomtorsion.spaces import load
@@ -29,7 +28,7 @@ def orbit(space="kerr", start=(0, 10, 1.2, 0), velocity=None, **numbers):
 def lifted_rates(problem, seed):
     """Rates of coordinates at random places: those of the reduction, and the full ones."""
     equations = problem.equations(problem.charts[0])
-    smaller = equations.reductions[0]
+    smaller = problem.reductions(problem.charts[0]).offered[0]
     random = np.random.default_rng(seed)
     state = np.array([[*map(float, problem.start), *map(float, problem.frame_velocity)]])
     state = state * (1 + 0.01 * random.normal(size=(50, state.shape[1])))
@@ -92,7 +91,7 @@ def test_an_angle_that_goes_round_keeps_its_place():
     theta, phi = sp.symbols("theta phi")
     torus = Frame([theta, phi], [[1, 0], [0, 3 + sp.cos(theta)]], name="torus")
     problem = geodesic(torus, [0.5, 0], frame_velocity=[1.0, 0.3])
-    reductions = problem.equations(problem.charts[0]).reductions
+    reductions = problem.reductions(problem.charts[0]).offered
     assert not any(isinstance(one, SeparatedReduction) for one in reductions)
     found = solve(problem, 20.0, 1e-9)
     assert found.coordinates[-1, 0] > 2 * np.pi
@@ -101,12 +100,12 @@ def test_an_angle_that_goes_round_keeps_its_place():
 def test_angles_outside_keep_the_full_equations():
     """The cosine stands for theta between 0 and pi only."""
     problem = orbit(**KERR)
-    equations = problem.equations(problem.charts[0])
+    (smaller, *_) = problem.reductions(problem.charts[0]).offered
     state = np.array(
         [[0, 8, theta, 0, 1.07, 0, 0.1, 0.28] for theta in (1.0, -1.0, 1.0 + 2 * np.pi)]
     )
     numbers = np.tile([1, 0.9], (3, 1))
-    *_, kept = equations.reductions[0].reduced(state, numbers)
+    *_, kept = smaller.reduced(state, numbers)
     assert kept.tolist() == [True, False, False]
 
 
@@ -138,7 +137,7 @@ def test_what_does_not_fall_apart():
         Frame([t, r, x], [[sp.exp(r) + sp.exp(x), 0, 0], [0, 1, 0], [0, 0, 1]]),
     ):
         problem = geodesic(frame, [0, 0.5, 0.5], frame_velocity=[1, 0.1, 0.1])
-        reductions = problem.equations(problem.charts[0]).reductions
+        reductions = problem.reductions(problem.charts[0]).offered
         assert all(type(one) is CyclicReduction for one in reductions)
 
 

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion import numpy_function
-from geomtorsion.codegen.branches import APART, branch_check
+from geomtorsion.codegen.expression_graph import APART, branch_check
 from geomtorsion.errors import BranchError
 from geomtorsion.exact import Field
 from geomtorsion.geometry import Frame, cartan

@@ -1,25 +1,266 @@
-"""Separated: geodesics that fall apart into motions in one coordinate each.
+"""Reductions: geodesics by smaller systems that cost less than the equations of frame velocities.
 
-Optional like `cyclic`, whose equations these replace where they are shorter still.
+With the momenta of coordinates that do not occur as constants; and, where they fall apart, as
+motions in one coordinate each. Optional: without these the same curves are followed by their
+frame velocities, some of them slower.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion.codegen import Graph, Products, graph
-from geomtorsion.curves.cyclic import ROUNDINGS, CyclicReduction
+from geomtorsion.copies import only_fields
+from geomtorsion.curves.equations import Equations, Momenta, inverted
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.form import of_same_sign
+from geomtorsion.ode.members import Members, Part
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import PER_STEP
 from geomtorsion.precision import EPS
+
+if TYPE_CHECKING:
+    pass
+
+
+# Kinds of steps in a graph that cost little.
+_CHEAP = ("argument", "number", "sum")
+# Velocities that come back from their momenta more roundings off than this lose digits on the way,
+# for large parts cancel: such starts keep the full equations.
+ROUNDINGS = 64
+# Longer rates (values in a graph) belong to frames whose inverse metric is too long to work with.
+LONGEST = 100
+
+
+@dataclass(frozen=True, eq=False)
+class CyclicReduction:
+    """Hamilton's equations, the momenta of cyclic coordinates being parameters.
+
+    Equation
+    --------
+    q'^mu = g^mu nu p_nu,  p_mu = e^i_mu G_ij u^j,
+    p'_mu = (N d_mu D - d_mu (D g^nu rho) p_nu p_rho) / (2 D)   with N = g^mu nu p_mu p_nu
+
+    for any function D: N is constant, and a D that clears the denominators of the inverse metric
+    makes the rates short (for Kerr they fall apart into functions of r and of theta).
+
+    equations: those of the frame velocities, in whose place these stand.
+    momenta: what the momenta are made of.
+
+    Examples
+    --------
+    >>> from geomtorsion.curves import geodesic
+    >>> from geomtorsion.spaces import load
+    >>> orbit = geodesic(load("kerr").frame, [0, 8, 1.5, 0], [1.3, 0, 0, 0.05],
+    ...                  parameters={"M": 1, "a": 0.9})
+    >>> orbit.reductions("kerr").offered[1].system.states
+    ('t', 'r', 'theta', 'phi', 'p_r', 'p_theta')
+    """
+
+    equations: Equations
+    momenta: Momenta
+
+    def __getstate__(self) -> Mapping[str, object]:
+        # The graph goes with it, so that a copy gives the same bits.
+        return only_fields(self) | {"_to_velocities": self._to_velocities}
+
+    @property
+    def _coordinates(self) -> tuple[str, ...]:
+        return self.equations.states[: self.equations.width]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the momenta, coordinate by coordinate."""
+        taken = (*self.equations.states, *self.equations.parameters)
+        letters = ("p_", "momentum_", "P_", "Momentum_")
+        letter = next(x for x in letters if not any(name.startswith(x) for name in taken))
+        return tuple(letter + name for name in self._coordinates)
+
+    @cached_property
+    def moving(self) -> tuple[int, ...]:
+        """Places of the coordinates whose momenta change."""
+        return tuple(k for k in range(self.equations.width) if k not in self.momenta.cyclic)
+
+    @cached_property
+    def _states(self) -> tuple[str, ...]:
+        return (*self._coordinates, *(self.names[k] for k in self.moving))
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters: those of the equations, the constant momenta, and N."""
+        constant = (self.names[k] for k in self.momenta.cyclic)
+        return (*self.equations.parameters, *constant, self._norm)
+
+    @cached_property
+    def _norm(self) -> str:
+        """Name of the constant N."""
+        taken = (*self.equations.states, *self.equations.parameters, *self.names)
+        return next(x for x in ("norm", "squared_norm", "norm_of_p") if x not in taken)
+
+    # -- exact matrices --------------------------------------------------------------------------
+
+    @cached_property
+    def _lowered(self) -> Mapping[tuple[int, int], Element]:
+        """e^i_mu G_ij by (mu, j)."""
+        pairs: dict[tuple[int, int], list[Element]] = {}
+        for (i, mu), value in self.momenta.frame.coframe.components.nonzero.items():
+            for j, weight in self.momenta.lower[i]:
+                pairs.setdefault((mu, j), []).append(value * weight)
+        return _summed(pairs)
+
+    @cached_property
+    def _raised(self) -> Mapping[tuple[int, int], Element]:
+        """G^ij E_j^mu by (i, mu)."""
+        weights = _inverse(self.momenta.lower)
+        chart = self.equations.chart
+        assert chart is not None
+        pairs: dict[tuple[int, int], list[Element]] = {}
+        for mu, row in enumerate(chart.legs):
+            for j, value in row:
+                for i, weight in enumerate(weights[j]):
+                    if weight:
+                        pairs.setdefault((i, mu), []).append(value * weight)
+        return _summed(pairs)
+
+    @cached_property
+    def inverse_metric(self) -> Mapping[tuple[int, int], Element]:
+        """g^mu nu by (mu, nu), mu <= nu."""
+        chart = self.equations.chart
+        assert chart is not None
+        pairs: dict[tuple[int, int], list[Element]] = {}
+        for mu, row in enumerate(chart.legs):
+            for i, value in row:
+                for (j, nu), other in self._raised.items():
+                    if j == i and mu <= nu:
+                        pairs.setdefault((mu, nu), []).append(value * other)
+        return _summed(pairs)
+
+    # -- the smaller system ----------------------------------------------------------------------
+
+    @cached_property
+    def system(self) -> System:
+        """All coordinates, and the momenta that change, with the divisor that costs the least."""
+        field = self.momenta.frame.field
+        own = [self.inverse_metric.get((k, k)) for k in self.moving]
+        divisors = [field.one, *(field.one / x for x in own if x is not None)]
+        arguments = (*self._states, *self.parameters)
+        made = [graph(arguments, self._rates(x), self.parameters) for x in divisors]
+        rates = min(made, key=cost)
+        guard, end = self.equations.guards(arguments, self.parameters)
+        width = self.equations.width
+        places = (group for group in self.equations.groups if group[-1] < width)
+        groups = (*places, tuple(range(width, len(self._states))))
+        return System(self._states, self.parameters, rates, groups, guard, end)
+
+    def _rates(self, divisor: Element) -> list[Products]:
+        """Rates of coordinates and momenta, by D g^mu nu for a divisor D."""
+        rates: list[Products] = [()] * self.equations.width
+        for (mu, nu), value in self.inverse_metric.items():
+            rates[mu] += ((value, (self.names[nu],)),)
+            if mu != nu:
+                rates[nu] += ((value, (self.names[mu],)),)
+        symbols, inverse = self.momenta.frame.coordinates, divisor.field.one / divisor
+        for k in self.moving:
+            terms: list[tuple[Element, tuple[str, ...]]] = []
+            for (mu, nu), value in self.inverse_metric.items():
+                slope = (value * divisor).diff(symbols[k])
+                if not slope.is_zero:
+                    weight = Fraction(-1, 2) if mu == nu else Fraction(-1)
+                    terms.append((slope * inverse * weight, (self.names[mu], self.names[nu])))
+            slope = divisor.diff(symbols[k])
+            if not slope.is_zero:
+                terms.append((slope * inverse * Fraction(1, 2), (self._norm,)))
+            rates.append(tuple(terms))
+        return rates
+
+    @cached_property
+    def _to_momenta(self) -> Graph:
+        """All momenta, and the constant N, over full states and parameters."""
+        velocities = self.equations.velocities
+        rows: list[Products] = [()] * self.equations.width
+        for (mu, j), value in self._lowered.items():
+            rows[mu] += ((value, (velocities[j],)),)
+        norm = tuple(
+            (x, (velocities[i], velocities[j]))
+            for i, row in enumerate(self.momenta.lower)
+            for j, x in row
+        )
+        arguments = (*self.equations.states, *self.equations.parameters)
+        return graph(arguments, [*rows, norm], factor=False)
+
+    @cached_property
+    def _to_velocities(self) -> Graph:
+        """Frame velocities over states and parameters of the smaller system."""
+        rows: list[Products] = [()] * len(self.equations.velocities)
+        for (i, mu), value in self._raised.items():
+            rows[i] += ((value, (self.names[mu],)),)
+        return graph((*self._states, *self.parameters), rows, factor=False)
+
+    # -- there and back --------------------------------------------------------------------------
+
+    def reduced(
+        self, states: np.ndarray, parameters: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Starts of the smaller system, their parameters, and for which no digits are lost.
+
+        states, parameters: full ones in double precision, shapes (number, size).
+        """
+        width = self.equations.width
+        momenta = self._to_momenta.numpy()(*states.T, *parameters.T).T
+        start = np.concatenate((states[:, :width], momenta[:, list(self.moving)]), axis=1)
+        constant = [*self.momenta.cyclic, width]
+        numbers = np.concatenate((parameters, momenta[:, constant]), axis=1)
+        back = self.lifted(numbers, start[:, None, :])[:, 0, width:]
+        own = states[:, width:]
+        gap = np.abs(back - own).max(axis=1)
+        kept = gap <= ROUNDINGS * 2.0**-53 * np.abs(own).max(axis=1)
+        return start, numbers, kept & np.isfinite(start).all(axis=1)
+
+    def lifted(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Full states, shape (number, m, size), of states (number, m, smaller size)."""
+        number, m, size = states.shape
+        columns = states.reshape(-1, size).T
+        numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T
+        width = self.equations.width
+        found = np.empty((width + len(self.equations.velocities), number * m))
+        found[:width] = columns[:width]
+        found[width:] = self._to_velocities.numpy()(*columns, *numbers)
+        return found.T.reshape(number, m, len(found))
+
+
+def cost(rates: Graph) -> int:
+    """Products, quotients and functions in a step, those of parameters alone left out."""
+    return sum(not step.constant and step.kind not in _CHEAP for step in rates.steps)
+
+
+def _summed(
+    pairs: Mapping[tuple[int, int], Sequence[Element]],
+) -> dict[tuple[int, int], Element]:
+    """Sums of elements, those that vanish left out."""
+    found = {}
+    for key, values in pairs.items():
+        total = values[0].field.sum([(1, value) for value in values])
+        if not total.is_zero:
+            found[key] = total
+    return found
+
+
+def _inverse(lower: Sequence[Sequence[tuple[int, Element]]]) -> list[list[Fraction]]:
+    """The inverse of G_ij, whose entries are numbers."""
+    n = len(lower)
+    matrix = [[Fraction(0)] * n for _ in range(n)]
+    for i, row in enumerate(lower):
+        for j, value in row:
+            matrix[i][j] = value.as_fraction()
+    return inverted(matrix)
+
 
 HALF = Fraction(1, 2)
 # Coordinates have to stay within this factor of their start, sines above its inverse: x grows as
@@ -88,7 +329,7 @@ class SeparatedReduction:
     >>> from geomtorsion.spaces import load
     >>> orbit = geodesic(load("kerr").frame, [0, 8, 1.5, 0], [1.3, 0, 0, 0.05],
     ...                  parameters={"M": 1, "a": 0.9})
-    >>> orbit.equations("kerr").reductions[0].system.states
+    >>> orbit.reductions("kerr").offered[0].system.states
     ('t', 'r', 'cos_theta', 'phi', 'x_r', 'x_theta')
     """
 
@@ -385,3 +626,57 @@ def _free(name: str, taken: set[str]) -> str:
     while name in taken:
         name += "_"
     return name
+
+
+# Smaller systems that stand in the place of the equations of frame velocities.
+Reduction: TypeAlias = CyclicReduction | SeparatedReduction
+
+
+@dataclass(frozen=True, eq=False)
+class Reductions:
+    """The smaller systems that may stand in the place of some equations.
+
+    Examples
+    --------
+    >>> from geomtorsion.curves import geodesic
+    >>> from geomtorsion.spaces import load
+    >>> polar = geodesic(load("flat_polar").frame, [2, 0], [0.1, 0.3])
+    >>> Reductions(polar.equations("flat_polar")).offered[0].system.states
+    ('r', 'phi', 'p_r')
+    """
+
+    equations: Equations
+
+    def __getstate__(self) -> Mapping[str, object]:
+        return only_fields(self)
+
+    @cached_property
+    def offered(self) -> tuple[Reduction, ...]:
+        """Those that cost less; the cheapest first."""
+        full = self.equations
+        if full.momenta is None or not full.momenta.cyclic or full.chart is None:
+            return ()
+        # Where a root of the frame vanishes, momenta may grow without bound; velocities do not.
+        if any(edge.is_root for edge in full.chart.edges):
+            return ()
+        if len(full.system.rates.steps) > LONGEST:
+            return ()
+        cyclic = CyclicReduction(full, full.momenta)
+        offered = [one for one in (separated(cyclic), cyclic) if one is not None]
+        costs = {id(one): cost(one.system.rates) for one in (full, *offered)}
+        paying = [one for one in offered if costs[id(one)] < costs[id(full)]]
+        return tuple(sorted(paying, key=lambda one: costs[id(one)]))
+
+    def parts(self, members: Members) -> Iterator[Part]:
+        """Members of an ensemble, each by the first smaller system by which it loses no digits."""
+        rest, several = np.arange(len(members.states)), members.system is self.equations.system
+        for one in self.offered:
+            start, numbers, kept = one.reduced(members.states[rest], members.parameters[rest])
+            if kept.any():
+                own = numbers[kept]
+                system = one.system if several else one.system.to_the_end
+                yield Part(rest[kept], system, start[kept], own, partial(one.lifted, own))
+            rest = rest[~kept]
+        if len(rest):
+            full = members.states[rest], members.parameters[rest]
+            yield Part(rest, members.system, *full, lambda rows: rows)

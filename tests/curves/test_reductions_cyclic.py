@@ -6,7 +6,7 @@ import sympy as sp
 
 from geomtorsion import Frame
 from geomtorsion.curves import geodesic
-from geomtorsion.curves.cyclic import CyclicReduction
+from geomtorsion.curves.reductions import CyclicReduction
 
 
 @pytest.mark.parametrize(("mixed", "least", "most"), [(10, 1.0, 1.0), (1000, 0.0, 0.3)])

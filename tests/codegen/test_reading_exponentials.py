@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.exponentials import merged
+from geomtorsion.codegen.reading import merged
 from geomtorsion.exact import Field
 from geomtorsion.exact.form import Sum, form
 
