@@ -58,11 +58,24 @@ NEIGHBOURS: dict[tuple[str, str], str] = {
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
     "checks.py": "all validators side by side, so that nobody writes another; half are examples",
+    # Each stands for several files that were always read together.
+    "codegen/reading.py": "all that is read: elements, their products, expressions",
+    "curves/atlas.py": "charts, the maps between them, and the point that they carry",
+    "curves/problem.py": "a curve from its start through charts, as solvers ask for it",
+    "curves/reductions.py": "both smaller systems; optional, and only the problem knows them",
+    "exact/arguments.py": "angles and exponents, over one kind of basis",
+    "exact/reading.py": "what may be read, and how it is",
+    "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",
+    "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
+    "ode/engines/taylor.py": "the engine and the integrators that are compiled for it",
+    "ode/solution.py": "a solution with its cost, and the outline of what can be solved",
+    "ode/trajectory.py": "one integration: its stages, what ends them, and the samples",
+    "ode/system.py": "equations, engines that take them, and the units they are run in",
 }
 LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
-    "files in rings": 28,
+    "files in rings": 27,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     "tuned constants": 121,

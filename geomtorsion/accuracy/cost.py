@@ -14,11 +14,11 @@ from geomtorsion.curves.linear import closed_form
 from geomtorsion.errors import AccuracyError, GeomtorsionError
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor, solve
 from geomtorsion.ode.engines import Run
-from geomtorsion.ode.engines.protocol import WorkLimitError
 from geomtorsion.ode.engines.stepwise import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.numbers import checked_accuracy, checked_times
+from geomtorsion.ode.system import WorkLimitError
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 from geomtorsion.precision import EPS
 

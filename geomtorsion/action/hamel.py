@@ -12,8 +12,14 @@ import sympy as sp
 from geomtorsion.action.tangent_bundle import TangentBundle
 from geomtorsion.errors import ConstraintError, KineticMatrixError, LimitError, UndecidedError
 from geomtorsion.geometry import Frame, Tensor, cartan
-from geomtorsion.geometry.components import Index, antisymmetric
-from geomtorsion.geometry.matrices import blocks, dependence, determinant, inverse
+from geomtorsion.geometry.components import (
+    Index,
+    antisymmetric,
+    blocks,
+    dependence,
+    determinant,
+    inverse,
+)
 from geomtorsion.geometry.validation import Opened
 
 if TYPE_CHECKING:

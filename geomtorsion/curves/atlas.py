@@ -1,24 +1,38 @@
-"""Charts: several sets of coordinates for one space, and the exact maps between them."""
+"""Atlas: charts of a space, maps between them, and a moving point carried from one to another.
+
+A start is checked in the chart in which it is given.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.codegen import Graph, graph, numpy_function
+from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.edges import Edge, edges_of
-from geomtorsion.errors import UnknownNameError
+from geomtorsion.errors import (
+    BranchError,
+    ChartEdgeError,
+    GeomtorsionError,
+    MissingValueError,
+    SingularPointError,
+    StartError,
+    UnknownNameError,
+)
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
-from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.precision import working_precision
+from geomtorsion.ode.numbers import Real, checked_numbers, floats, mpf
+from geomtorsion.precision import CALCULATED, working_precision
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -321,6 +335,23 @@ class TransitionMap:
         return [element.evaluate(point, max(bits, 54), known) for element in self.elements]
 
 
+# A chart is worth moving to if it is this much further from its edge, in units of its margin.
+GAIN = 1.5
+
+
+class MovingPoint(NamedTuple):
+    """Coordinates, velocities u^i in units of the speed, and what is carried along."""
+
+    coordinates: list[Real]
+    velocities: list[Real]
+    carried: list[Real]
+
+    @property
+    def has_value(self) -> bool:
+        """Whether a motion can begin here."""
+        return all(math.isfinite(float(x)) for row in self for x in row)
+
+
 @dataclass(frozen=True, eq=False)
 class Atlas:
     """Charts of one space and the maps between them, made when they are first asked for.
@@ -404,6 +435,92 @@ class Atlas:
                     paths.append([*path, change])
         raise UnknownNameError(f"no map leads from chart {source!r} to chart {target!r}.")
 
+    def same_frame(self, source: str, target: str) -> bool:
+        """Whether two charts have the same frame vectors."""
+        return self.chart(source).keeps_frame and self.chart(target).keeps_frame
+
+    def moved(
+        self,
+        source: str,
+        target: str,
+        point: MovingPoint,
+        parameters: Mapping[str, Real],
+        bits: int,
+    ) -> MovingPoint:
+        """A moving point in another chart; above 53 bits with mpmath numbers throughout.
+
+        Raises
+        ------
+        ChartEdgeError
+            The other chart does not reach the point.
+        """
+        if source == target:
+            return point
+        coordinates, velocities, carried = point
+        numbers = dict(parameters)
+        turning = not self.same_frame(source, target)
+        rates: list[Real] = []
+        if turning:
+            chart = self.chart(source)
+            place = dict(zip(chart.names, coordinates, strict=True)) | numbers
+            rates = chart.frame_vectors.precisely(place, velocities, bits)
+        for change in self.route(source, target):
+            here = self.chart(change.source)
+            if turning:
+                place = dict(zip(here.names, coordinates, strict=True)) | numbers
+                rates = change.slopes.precisely(place, rates, bits)
+            if bits > 53:
+                coordinates = list(change.precisely(coordinates, numbers, bits))
+            else:
+                coordinates = change([float(x) for x in coordinates], numbers).tolist()
+        if not np.isfinite([float(x) for x in coordinates]).all():
+            raise ChartEdgeError(f"chart {target!r} does not reach this point")
+        if turning:
+            chart = self.chart(target)
+            place = dict(zip(chart.names, coordinates, strict=True)) | numbers
+            velocities = chart.coframe.precisely(place, rates, bits)
+        return MovingPoint(coordinates, list(velocities), carried)
+
+    def best_chart(
+        self,
+        charts: Sequence[str],
+        source: str,
+        point: MovingPoint,
+        parameters: Mapping[str, Real],
+        bits: int,
+        *,
+        starting: bool = False,
+    ) -> str | None:
+        """The first of some charts far from its edge, or else the one that is furthest from it.
+
+        Of those that are far from their edges none in which the motion is much faster than in
+        another: behind a horizon, ingoing coordinates run away from what comes out of it, and
+        outgoing ones from what falls in.
+        """
+        best, score = None, 0.0
+        far: list[tuple[str, float]] = []
+        for name in charts:
+            if name == source and not starting:
+                continue
+            try:
+                there = self.moved(source, name, point, parameters, bits)
+            except (ChartEdgeError, ArithmeticError, ValueError):
+                continue
+            if not there.has_value:
+                continue
+            chart = self.chart(name)
+            place = dict(zip(chart.names, map(float, there.coordinates), strict=True))
+            numbers = {key: float(value) for key, value in parameters.items()}
+            distance = chart.distance(place | numbers)
+            if distance >= 2 * GAIN:
+                far.append((name, math.hypot(*map(float, there.velocities))))
+            if distance > score:
+                best, score = name, distance
+        if far:
+            slowest = min(speed for _, speed in far)
+            return next(name for name, speed in far if speed <= 2 * GAIN * slowest)
+        return best if starting or score > GAIN else None
+
 
 def _same(value: Any) -> Any:
     """What it is given: a maker of something that is made already."""
@@ -424,3 +541,111 @@ def single(frame: Frame) -> Atlas:
 def atlas_of(frame: Frame) -> Atlas:
     """The atlas that came with a frame, or its one chart."""
     return frame.derived("atlas", lambda: single(frame))
+
+
+CAUSAL = ("timelike", "null", "spacelike")
+
+
+def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
+    """Parameters by name, each one known to the frame, finite and as it was declared."""
+    known = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
+    found: dict[str, Real] = {}
+    for name, value in checks.by_name(parameters, "parameters", StartError).items():
+        if name not in known:
+            listed = ", ".join(sorted(known)) or "none"
+            raise StartError(
+                f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
+            )
+        checked_numbers([value], 1, f"parameter {name}")
+        checks.check_declared(known[name], value)
+        found[name] = value
+    return found
+
+
+def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -> tuple[Real, ...]:
+    """Coordinates at which the frame is regular."""
+    names = ", ".join(symbol.name for symbol in frame.coordinates)
+    found = checked_numbers(start, frame.dimension, f"start ({names})")
+    point = {s.name: float(x) for s, x in zip(frame.coordinates, found, strict=True)}
+    where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
+    point |= {name: float(value) for name, value in parameters.items()}
+    try:
+        size = abs(complex(frame.determinant.element().evaluate(point)))
+        if not _has_legs(frame, point):
+            frame.legs.at(point)
+    except MissingValueError as error:
+        raise StartError(f"{error} Give parameters={{...}}.") from None
+    except BranchError as error:
+        # The frame may be regular there, but was read for the other side.
+        raise StartError(f"start {where}: {error}") from None
+    except (SingularPointError, ZeroDivisionError):
+        size = 0.0
+    if size == 0.0 or not math.isfinite(size):
+        raise StartError(
+            f"the frame {frame.name or 'of this problem'} is singular at the start {where}: "
+            "its determinant vanishes or has no value. Start beside the edge of the chart, "
+            "or in another chart."
+        )
+    return found
+
+
+def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
+    """Whether doubles give all legs at a point, on the right branches; exact work takes longer."""
+    atlas = atlas_of(frame)
+    try:
+        values = atlas.chart(atlas.home).frame_vectors.values(point)
+    except (KeyError, GeomtorsionError):
+        # What is missing, exact work says by name.
+        return False
+    branches = branch_check([frame.field], list(point))
+    kept = branches is None or not branches.broken(*point.values()).any()
+    return kept and not frame.complex and bool(np.isfinite(values).all())
+
+
+def frame_velocities(
+    frame: Frame,
+    start: Sequence[Real] | None,
+    velocity: object,
+    frame_velocity: object,
+    parameters: Mapping[str, Real],
+) -> tuple[tuple[Real, ...], tuple[Real, ...] | None]:
+    """u^i, as given or from the coordinate velocity, and that velocity if it was given."""
+    if (velocity is None) == (frame_velocity is None):
+        came = "none" if velocity is None else "both"
+        raise StartError(
+            f"exactly one of velocity (q'^mu) and frame_velocity (u^i) was needed, {came} came."
+        )
+    if velocity is None:
+        return checked_numbers(frame_velocity, frame.dimension, "frame_velocity"), None
+    rates = checked_numbers(velocity, frame.dimension, "velocity")
+    if start is None:
+        raise StartError("velocity needs a start; without one, give frame_velocity (u^i).")
+    point = {s.name: float(x) for s, x in zip(frame.coordinates, start, strict=True)}
+    point |= {name: float(value) for name, value in parameters.items()}
+    coframe = frame.coframe.at(point)
+    found = np.real(coframe) @ np.array(floats(rates))
+    return tuple(found.tolist()), rates
+
+
+def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> None:
+    """Refuse a velocity that has not the causal character asked for."""
+    if causal is None:
+        return
+    if causal not in CAUSAL:
+        raise StartError(f"causal={causal!r}: one of {', '.join(CAUSAL)} was needed.")
+    eta = np.real(frame.eta.at({}))
+    squares = np.linalg.eigvalsh(eta)
+    if squares.min() > 0:
+        raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
+    u = np.array([float(x) for x in velocity])
+    norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
+    # Null as far as rounding can tell: the norm is nothing against its terms.
+    is_null = abs(norm) <= CALCULATED * size
+    # Time is the one direction whose square has the other sign; in two dimensions the negative one.
+    time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1
+    found = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
+    if found != causal:
+        raise StartError(
+            f"the velocity is {found}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "
+            "Give another velocity, or causal=None."
+        )

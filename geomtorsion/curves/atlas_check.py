@@ -16,7 +16,7 @@ from geomtorsion.checks import shown
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.errors import CoordinateError, GeomtorsionError, ShapeError
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.evaluation import candidate_points
+from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.precision import EXACT_BITS, working_precision
 

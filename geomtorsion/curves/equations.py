@@ -443,8 +443,8 @@ def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
         return [places]
     signs = [chart.frame.eta.element(i, i) for i in places]
     # In two dimensions it is the negative one.
-    times = [i for i in places if signs[i] == -1 and signs.count(-1) == 1]
-    times = times or [i for i in places if signs[i] == 1 and signs.count(1) == 1]
+    by_sign = [[i for i in places if signs[i] == sign] for sign in (-1, 1)]
+    times = next((few for few in by_sign if len(few) == 1), [])
     if not times or len(places) == 1:
         return [places]
     return [(times[0],), tuple(i for i in places if i != times[0])]

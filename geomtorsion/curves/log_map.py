@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.curves.atlas import checked_start
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.edges import full_turn
-from geomtorsion.curves.moving_point import checked_start
 from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.readout import converted
 from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError

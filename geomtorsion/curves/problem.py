@@ -13,10 +13,9 @@ import sympy as sp
 
 from geomtorsion.codegen import graph
 from geomtorsion.copies import only_fields
-from geomtorsion.curves import moving_point, readout
-from geomtorsion.curves.atlas import Atlas
+from geomtorsion.curves import readout
+from geomtorsion.curves.atlas import Atlas, MovingPoint, checked_start, frame_velocities
 from geomtorsion.curves.equations import Equations, Law, written
-from geomtorsion.curves.moving_point import MovingPoint, checked_start, frame_velocities
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.reductions import Reduction, Reductions
 from geomtorsion.curves.transported import Carried, carrying
@@ -24,7 +23,7 @@ from geomtorsion.errors import ChartEdgeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Numbers, Real, floats, perturbed, precision_of
+from geomtorsion.ode.numbers import Numbers, Real, divided, floats, perturbed, precision_of
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
@@ -254,10 +253,38 @@ class CurveProblem:
         key = precision, perturbation
         if key not in self._stages:
             if precision not in self._beginnings:
-                self._beginnings[precision] = moving_point.beginning(self, precision)
+                self._beginnings[precision] = self._beginning(precision)
             label, point = self._beginnings[precision]
             self._stages[key] = self._stage(label, point, 0.0, precision, perturbation)
         return self._stages[key]
+
+    def _beginning(self, precision: int) -> tuple[str, MovingPoint]:
+        """The chart in which to begin, and the point there."""
+        velocities = [divided(u, self.time_unit) for u in self._starting_velocity(precision)]
+        carried: list[Real] = []
+        if self.carried is not None:
+            carried = [
+                divided(x, self.time_unit) if power else x
+                for x, power in zip(self.carried.start, self.carried.speed_powers, strict=True)
+            ]
+        if self.start is None:
+            return "", MovingPoint([], velocities, carried)
+        home, point = self.atlas.home, MovingPoint(list(self.start), velocities, carried)
+        name = self.atlas.best_chart(
+            self.charts, home, point, self.parameters, precision, starting=True
+        )
+        if name is None or name == home:
+            return home, point
+        return name, self.atlas.moved(home, name, point, self.parameters, precision)
+
+    def _starting_velocity(self, precision: int) -> Sequence[Real]:
+        """u^i at the start, worked out from q'^mu where more digits are needed."""
+        given = self.coordinate_velocity
+        if precision <= 53 or given is None or self.start is None:
+            return self.frame_velocity
+        chart = self.atlas.chart(self.atlas.home)
+        point = dict(zip(chart.names, self.start, strict=True)) | dict(self.parameters)
+        return chart.coframe.precisely(point, given, precision + 20)
 
     def _stage(
         self, label: str, point: MovingPoint, begin: float, precision: int, perturbation: float
@@ -302,10 +329,10 @@ class CurveProblem:
 
         def follow(time: float, state: State) -> Stage | None:
             point = self._taken_apart(label, state, velocities)
-            target = moving_point.best_chart(self, label, point, precision)
+            target = self.atlas.best_chart(self.charts, label, point, self.parameters, precision)
             if target is None:
                 return None
-            there = moving_point.moved(self, label, target, point, precision)
+            there = self.atlas.moved(label, target, point, self.parameters, precision)
             return self._stage(target, there, time, precision, 0.0)
 
         return follow
@@ -360,7 +387,7 @@ class CurveProblem:
         found = []
         for row in states:
             point = self._taken_apart(segment.label, row, velocities)
-            there = moving_point.moved(self, segment.label, label, point, bits)
+            there = self.atlas.moved(segment.label, label, point, self.parameters, bits)
             moving = there.velocities if self.equations(label).moves else []
             found.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
         return np.array(found)

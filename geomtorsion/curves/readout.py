@@ -9,9 +9,7 @@ import mpmath
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.curves import moving_point
-from geomtorsion.curves.moving_point import MovingPoint
-from geomtorsion.curves.transported import speed_powers
+from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
@@ -56,7 +54,7 @@ def _at_home(
     u, carried = _velocities(problem, segment, states, bits)
     if equations.moves:
         carried = states[:, width + n :].copy()
-    for k, power in enumerate(speed_powers(problem.carried)):
+    for k, power in enumerate(problem.carried.speed_powers if problem.carried else ()):
         if power:
             carried[:, [k]] = multiplied(carried[:, [k]], unit)
     if not width:
@@ -92,9 +90,10 @@ def converted(
     """
     if bits == 53:
         q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
-    if bits > 53 or not moving_point.same_frame(problem, source, target):
+    if bits > 53 or not problem.atlas.same_frame(source, target):
+        numbers = problem.parameters
         points = [
-            moving_point.moved(problem, source, target, MovingPoint(list(a), list(b), []), bits)
+            problem.atlas.moved(source, target, MovingPoint(list(a), list(b), []), numbers, bits)
             for a, b in zip(q, u, strict=True)
         ]
         there = _long_rows([point.coordinates for point in points], bits)

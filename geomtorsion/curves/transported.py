@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -31,6 +30,11 @@ class TransportedVectors:
     def start(self) -> tuple[Real, ...]:
         """All components in a row."""
         return tuple(x for vector in self.vectors for x in vector)
+
+    @property
+    def speed_powers(self) -> tuple[int, ...]:
+        """For each component: 1 where it scales with the speed of the motion, else 0."""
+        return (0,) * len(self.start)
 
     def names(self) -> tuple[str, ...]:
         """Names of the states."""
@@ -68,6 +72,11 @@ class Deviation:
     def start(self) -> tuple[Real, ...]:
         """Offset, then rate."""
         return (*self.offset, *self.rate)
+
+    @property
+    def speed_powers(self) -> tuple[int, ...]:
+        """See `TransportedVectors.speed_powers`."""
+        return (*(0 for _ in self.offset), *(1 for _ in self.rate))
 
     def names(self) -> tuple[str, ...]:
         """Names of the states."""
@@ -117,10 +126,3 @@ def _groups(carried: Carried, first: int) -> list[tuple[int, ...]]:
         return [tuple(range(first, first + count))]
     n = len(carried.vectors[0])
     return [tuple(range(first + v * n, first + (v + 1) * n)) for v in range(len(carried.vectors))]
-
-
-def speed_powers(carried: Carried | None) -> Sequence[int]:
-    """For each component: 1 where it scales with the speed of the motion, else 0."""
-    if isinstance(carried, Deviation):
-        return [0] * len(carried.offset) + [1] * len(carried.rate)
-    return [0] * (len(carried.start) if carried else 0)

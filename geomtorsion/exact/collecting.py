@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.exact.form import Form, Sum, form
 from geomtorsion.exact.limits import FACTORED_HERE
-from geomtorsion.exact.radical_denominators import coefficients
+from geomtorsion.exact.roots import coefficients
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -20,7 +20,7 @@ from geomtorsion.exact.element import in_order, inside_out, leaves
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.polynomials import as_fmpq
-from geomtorsion.exact.radical_denominators import roots_restored
+from geomtorsion.exact.roots import roots_restored
 from geomtorsion.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flint import fmpq_mpoly
 
     from geomtorsion.exact.element import Denominator, Element
-    from geomtorsion.exact.radical_denominators import Below
+    from geomtorsion.exact.roots import Below
     from geomtorsion.exact.tower import Tower
 
     Given = Callable[[Generator], mpmath.mpf]

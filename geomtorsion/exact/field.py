@@ -16,9 +16,8 @@ from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.modular import point_of
-from geomtorsion.exact.radical_denominators import inverse
 from geomtorsion.exact.reading import Reader, counted_as
-from geomtorsion.exact.roots import root
+from geomtorsion.exact.roots import inverse, root
 from geomtorsion.exact.serialization import from_json, to_json
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.writing import shortest, to_sympy

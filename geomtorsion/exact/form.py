@@ -18,7 +18,7 @@ from flint import fmpq
 
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Generator
-from geomtorsion.exact.radical_denominators import roots_restored
+from geomtorsion.exact.roots import roots_restored
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly

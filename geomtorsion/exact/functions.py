@@ -1,4 +1,4 @@
-"""Functions: those known by name, f(r) with its partial derivatives, and those known by name alone.
+"""Functions: f(r) with its partial derivatives, and those that are known by name alone.
 
 The partial derivatives of an unknown function are independent: each is a generator (a jet).
 An opaque function, such as erf, has a derivative in the field but no relation that is known.
@@ -6,8 +6,7 @@ An opaque function, such as erf, has a derivative in the field but no relation t
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import sympy
 
@@ -40,59 +39,6 @@ def with_roots(expression: sympy.Basic) -> sympy.Basic:
     RootOfSquare(x) + 1
     """
     return expression.replace(sympy.Abs, RootOfSquare)
-
-
-class Waves(Protocol):
-    """What all these functions are made of; the reader of a field has it."""
-
-    def cos_sin(self, angle: Element) -> tuple[Element, Element]:
-        """(cos, sin) of an element."""
-        ...
-
-    def cosh_sinh(self, argument: Element) -> tuple[Element, Element]:
-        """(cosh, sinh) of an element."""
-        ...
-
-    def exp(self, exponent: Element) -> Element:
-        """exp of an element."""
-        ...
-
-
-# The value of a function from what reads its argument, and the argument.
-Rule = Callable[[Waves, "Element"], "Element"]
-
-
-def _circular(form: Callable[[Element, Element], Element]) -> Rule:
-    """A function of cos and sin of its argument."""
-    return lambda waves, argument: form(*waves.cos_sin(argument))
-
-
-def _hyperbolic(form: Callable[[Element, Element], Element]) -> Rule:
-    """A function of cosh and sinh of its argument."""
-    return lambda waves, argument: form(*waves.cosh_sinh(argument))
-
-
-CIRCULAR: dict[str, Rule] = {
-    "cos": _circular(lambda c, s: c),
-    "sin": _circular(lambda c, s: s),
-    "tan": _circular(lambda c, s: s / c),
-    "cot": _circular(lambda c, s: c / s),
-    "sec": _circular(lambda c, s: 1 / c),
-    "csc": _circular(lambda c, s: 1 / s),
-}
-HYPERBOLIC: dict[str, Rule] = {
-    "cosh": _hyperbolic(lambda c, s: c),
-    "sinh": _hyperbolic(lambda c, s: s),
-    "tanh": _hyperbolic(lambda c, s: s / c),
-    "coth": _hyperbolic(lambda c, s: c / s),
-    "sech": _hyperbolic(lambda c, s: 1 / c),
-    "csch": _hyperbolic(lambda c, s: 1 / s),
-}
-FUNCTIONS: dict[str, Rule] = {
-    **CIRCULAR,
-    **HYPERBOLIC,
-    "exp": lambda waves, argument: waves.exp(argument),
-}
 
 
 def smooth_form(expr: sympy.Expr) -> sympy.Expr | None:

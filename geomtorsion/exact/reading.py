@@ -6,7 +6,7 @@ Entries are checked first: parts that can be read, in symbols of one meaning.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from itertools import islice
 from operator import attrgetter
@@ -20,15 +20,7 @@ from geomtorsion.checks import ErrorClass, cut, plain, shown
 from geomtorsion.errors import CoordinateError, ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.exact.arguments import Angles, Exponents
 from geomtorsion.exact.element import inside_out
-from geomtorsion.exact.functions import (
-    CIRCULAR,
-    FUNCTIONS,
-    HYPERBOLIC,
-    RootOfSquare,
-    jet,
-    opaque,
-    smooth_form,
-)
+from geomtorsion.exact.functions import RootOfSquare, jet, opaque, smooth_form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
@@ -188,6 +180,43 @@ def _by_name(symbols: Iterable[sympy.Symbol], error: ErrorClass) -> dict[str, sy
                 "Create the symbol once and use it everywhere."
             )
     return found
+
+
+# The value of a function from what reads its argument, and the argument.
+Rule = Callable[["Reader", "Element"], "Element"]
+
+
+def _circular(form: Callable[[Element, Element], Element]) -> Rule:
+    """A function of cos and sin of its argument."""
+    return lambda reader, argument: form(*reader.cos_sin(argument))
+
+
+def _hyperbolic(form: Callable[[Element, Element], Element]) -> Rule:
+    """A function of cosh and sinh of its argument."""
+    return lambda reader, argument: form(*reader.cosh_sinh(argument))
+
+
+CIRCULAR: dict[str, Rule] = {
+    "cos": _circular(lambda c, s: c),
+    "sin": _circular(lambda c, s: s),
+    "tan": _circular(lambda c, s: s / c),
+    "cot": _circular(lambda c, s: c / s),
+    "sec": _circular(lambda c, s: 1 / c),
+    "csc": _circular(lambda c, s: 1 / s),
+}
+HYPERBOLIC: dict[str, Rule] = {
+    "cosh": _hyperbolic(lambda c, s: c),
+    "sinh": _hyperbolic(lambda c, s: s),
+    "tanh": _hyperbolic(lambda c, s: s / c),
+    "coth": _hyperbolic(lambda c, s: c / s),
+    "sech": _hyperbolic(lambda c, s: 1 / c),
+    "csch": _hyperbolic(lambda c, s: 1 / s),
+}
+FUNCTIONS: dict[str, Rule] = {
+    **CIRCULAR,
+    **HYPERBOLIC,
+    "exp": lambda reader, argument: reader.exp(argument),
+}
 
 
 # What is made of its arguments as they are, by name.

@@ -12,7 +12,7 @@ import sympy
 from sympy.core.relational import Relational
 
 from geomtorsion.exact import Field
-from geomtorsion.geometry.evaluation import FINE, candidate_points
+from geomtorsion.geometry.validation import FINE, candidate_points
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -25,7 +25,7 @@ from geomtorsion.geometry.components import (
     total,
 )
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.matrices import is_dense, parallel_rows
+from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor

@@ -11,8 +11,8 @@ from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import Index, total
 from geomtorsion.geometry.connection import Connection, contortion_of
 from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
-from geomtorsion.geometry.matrices import parallel_rows
 from geomtorsion.geometry.tensor import Scalar, Source, Tensor
 from geomtorsion.geometry.torsion import Torsion
 

@@ -9,8 +9,8 @@ import sympy as sp
 
 from geomtorsion.errors import CoordinateError
 from geomtorsion.geometry import validation
+from geomtorsion.geometry.components import inverse
 from geomtorsion.geometry.groups import invariant_coframe
-from geomtorsion.geometry.matrices import inverse
 from geomtorsion.geometry.orthonormalize import orthonormal_rows
 from geomtorsion.geometry.substitution import INFINITE, Substitution
 

@@ -20,7 +20,7 @@ from geomtorsion.geometry.components import (
     total,
 )
 from geomtorsion.geometry.contraction import contract
-from geomtorsion.geometry.matrices import is_dense
+from geomtorsion.geometry.frame_matrices import is_dense
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of

@@ -17,14 +17,13 @@ from geomtorsion.exact import Branch, Element, Field
 from geomtorsion.geometry import (
     constructors,
     evaluation,
-    matrices,
+    frame_matrices,
     naming,
     notation,
     substitution,
     validation,
 )
-from geomtorsion.geometry.components import Components, symmetric
-from geomtorsion.geometry.matrices import inverse
+from geomtorsion.geometry.components import Components, inverse, symmetric
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
@@ -253,7 +252,7 @@ class Frame:
     @cached_property
     def coframe(self) -> Tensor:
         """e^i_mu, slots Ud: rows i, columns mu; inverse to legs."""
-        return Tensor(self, "Ud", matrices.coframe(self), (), "e", "coframe")
+        return Tensor(self, "Ud", frame_matrices.coframe(self), (), "e", "coframe")
 
     @cached_property
     def eta(self) -> Tensor:
@@ -269,24 +268,24 @@ class Frame:
     @cached_property
     def legs(self) -> Tensor:
         """E_i^mu, slots uD: legs[mu, i], one leg per column."""
-        return Tensor(self, "uD", matrices.legs(self), (), "E", "legs")
+        return Tensor(self, "uD", frame_matrices.legs(self), (), "E", "legs")
 
     @cached_property
     def metric(self) -> Tensor:
         """g_{mu nu} = e^i_mu eta_ij e^j_nu, slots dd."""
-        return Tensor(self, "dd", matrices.metric(self), symmetric(2), "g", "metric")
+        return Tensor(self, "dd", frame_matrices.metric(self), symmetric(2), "g", "metric")
 
     @cached_property
     def inverse_metric(self) -> Tensor:
         """g^{mu nu}, slots uu."""
         return Tensor(
-            self, "uu", matrices.inverse_metric(self), symmetric(2), "g", "inverse metric"
+            self, "uu", frame_matrices.inverse_metric(self), symmetric(2), "g", "inverse metric"
         )
 
     @cached_property
     def coframe_derivative(self) -> Components:
         """d_a e^i_b at (a, i, b): every connection is made from these."""
-        return matrices.coframe_derivative(self)
+        return frame_matrices.coframe_derivative(self)
 
     @cached_property
     def anholonomy(self) -> Tensor:
@@ -294,7 +293,7 @@ class Frame:
 
         It equals 2 S_ij^k of the Cartan connection and minus the structure functions of the legs.
         """
-        return matrices.anholonomy(self)
+        return frame_matrices.anholonomy(self)
 
     # -- scalars --------------------------------------------------------------------------------
 
@@ -322,12 +321,12 @@ class Frame:
     @cached_property
     def determinant(self) -> Tensor:
         """det e^i_mu, a scalar density (rank 0)."""
-        return self.scalar(lambda: matrices.coframe_determinant(self), "e", "determinant")
+        return self.scalar(lambda: frame_matrices.coframe_determinant(self), "e", "determinant")
 
     @cached_property
     def volume(self) -> Tensor:
         """Volume element: det e * sqrt|det eta|, a signed root of |det g| (rank 0)."""
-        return self.scalar(lambda: matrices.volume(self), "\\sqrt{g}", "volume element")
+        return self.scalar(lambda: frame_matrices.volume(self), "\\sqrt{g}", "volume element")
 
     @property
     def branches(self) -> tuple[Branch, ...]:
@@ -335,7 +334,7 @@ class Frame:
         return self.field.branches
 
     @cached_property
-    def sample_point(self) -> evaluation.Point:
+    def sample_point(self) -> validation.RationalPoint:
         """A point inside the domain where the frame is finite and regular: symbol -> number.
 
         Raises

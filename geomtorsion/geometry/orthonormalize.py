@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from geomtorsion.checks import fraction, shown
 from geomtorsion.errors import MetricError, SignatureError
 from geomtorsion.exact import Element, Field
-from geomtorsion.geometry.evaluation import RationalPoint, with_functions
-from geomtorsion.geometry.matrices import Entries
+from geomtorsion.geometry.components import Entries
+from geomtorsion.geometry.validation import RationalPoint, with_functions
 
 Elements = dict[tuple[int, int], Element]
 Row = dict[int, Element]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.checks import close_names, shown
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.geometry import matrices
+from geomtorsion.geometry import frame_matrices
 from geomtorsion.geometry.components import effective, orbits
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.frame import Frame
@@ -187,11 +187,11 @@ def needs(frame: Frame, name: str) -> tuple[str, ...]:
         return ()
     if name == "coframe" and "legs" in frame.given:
         return ("legs",)
-    if name in _IN_FRAME and matrices.is_dense(frame):
+    if name in _IN_FRAME and frame_matrices.is_dense(frame):
         return _IN_FRAME[name]
-    if name == "legs" and matrices.goes_through_metric(frame):
+    if name == "legs" and frame_matrices.goes_through_metric(frame):
         return ("coframe", "inverse_metric")
-    if name == "inverse_metric" and not matrices.inverts_metric(frame):
+    if name == "inverse_metric" and not frame_matrices.inverts_metric(frame):
         return ("legs",)
     return QUANTITIES[name].needs
 

@@ -19,7 +19,7 @@ from geomtorsion.geometry.components import (
     total,
 )
 from geomtorsion.geometry.frame import Frame
-from geomtorsion.geometry.matrices import is_dense
+from geomtorsion.geometry.frame_matrices import is_dense
 from geomtorsion.geometry.tensor import Tensor
 
 HALF = Fraction(1, 2)

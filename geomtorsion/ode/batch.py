@@ -10,11 +10,9 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.ode.engines import Engine, Taylor
-from geomtorsion.ode.engines.protocol import STANDSTILL
 from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
 from geomtorsion.ode.engines.taylor import heyoka
-from geomtorsion.ode.scaling import member_units, scaled_system
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import STANDSTILL, System, member_units, scaled_system
 
 # Called with the number of members that are done.
 Show: TypeAlias = Callable[[float], None] | None

@@ -16,9 +16,9 @@ import numpy as np
 from geomtorsion.checks import cut
 from geomtorsion.errors import CheckpointError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
-from geomtorsion.ode.engines.protocol import Engine, Run
 from geomtorsion.ode.engines.taylor import Taylor, is_available
 from geomtorsion.ode.numbers import PARTS
+from geomtorsion.ode.system import Engine, Run
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from geomtorsion.ode.engines.protocol import Engine
-from geomtorsion.ode.system import System, columns
+from geomtorsion.ode.system import Engine, System, columns
 from geomtorsion.ode.trajectory import Segment, Trajectory
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run

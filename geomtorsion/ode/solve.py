@@ -15,7 +15,6 @@ from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
-from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Run, WorkLimitError
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import SAFETY, Verified, tolerances_compared, verified
 from geomtorsion.ode.numbers import (
@@ -26,9 +25,8 @@ from geomtorsion.ode.numbers import (
     checked_times,
 )
 from geomtorsion.ode.passed_over import confirmed, cuts_of, has_long_step, passed_over
-from geomtorsion.ode.scaling import units_of
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import STEPS_AT_ONCE, Run, System, WorkLimitError, units_of
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate, is_beyond
 
 Progress: TypeAlias = Callable[[float], object]

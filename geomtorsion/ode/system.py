@@ -1,16 +1,19 @@
-"""System: first-order equations y' = f(y) with a guard, ready for every engine."""
+"""System: first-order equations, what engines make of them, and units of their own size."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
 from geomtorsion.codegen import Graph
 from geomtorsion.copies import only_fields
+from geomtorsion.errors import LimitError
+from geomtorsion.ode.numbers import Real, divided, floats, multiplied
 
 # Functions that have a value everywhere.
 ENTIRE = ("sin", "cos", "sinh", "cosh", "exp")
@@ -208,3 +211,308 @@ class System:
     def to_the_end(self) -> System:
         """The same equations, watched up to where the chart ends and not to its margin."""
         return self if self.end is None else replace(self, guard=self.end, end=None)
+
+
+# States (the largest of each group) and durations within this factor of one are run as they are.
+# Coefficients of order n of a series are as its n-th power: those of the highest stay far within
+# the range of floats; and steps measured by the largest of states that differ by it still have ten
+# digits of the others.
+FAR = 2.0**20
+# For each group of states its size, and where that is zero the size of its rates.
+Extents: TypeAlias = list[tuple[float, float]]
+
+
+# Frozen, it would take a microsecond to make, which short runs would notice.
+@dataclass(eq=False, slots=True)
+class Run:
+    """What one integration gave, complete or not.
+
+    times, states: where it was asked for and reached; shapes (m,) and (m, size).
+    reached, last: time and state at which it ended.
+    outcome: "done", "edge" (the guard fell through zero), "beyond" (it did so at a place that is
+        still to be found) or "stuck" (steps became too small, or there was no number).
+    steps, evaluations: counted; for Taylor series an evaluation is one order of one step.
+    compile_seconds, run_seconds: what it cost.
+    dense: states at any times; None if not asked for.
+    reason: why it is stuck.
+    longest_step: in time; infinite where that is not known.
+    """
+
+    times: np.ndarray
+    states: np.ndarray
+    reached: float
+    last: Sequence[Real] | np.ndarray
+    outcome: str
+    steps: int
+    evaluations: int
+    compile_seconds: float
+    run_seconds: float
+    dense: Dense | None = None
+    reason: str = ""
+    longest_step: float = math.inf
+
+
+class WorkLimitError(LimitError):
+    """A run needs more work than it may do.
+
+    args: what there was too much of, the time reached, what to do, the name of the time.
+    """
+
+    def __str__(self) -> str:
+        work, reached, advice, name = self.args
+        return f"more than {work} were needed by {name} = {reached:.6g}. {advice}"
+
+    def counted(self, unit: float, name: str = "t") -> WorkLimitError:
+        """The same in other units of time, whose name may be another one."""
+        work, reached, advice, _ = self.args
+        return WorkLimitError(work, reached * unit, advice, name)
+
+
+class Engine(Protocol):
+    """Integrates a system over given times, to a local tolerance."""
+
+    @property
+    def name(self) -> str:
+        """How it is called in tables."""
+        ...
+
+    @property
+    def precision(self) -> int:
+        """Bits of the mantissa it works with."""
+        ...
+
+    @property
+    def finds_every_root(self) -> bool:
+        """Whether it sees a guard that falls and rises again within one step."""
+        ...
+
+    @property
+    def follows_rounding(self) -> bool:
+        """Whether its steps are short enough to follow what rounding makes of rates."""
+        ...
+
+    def first(self, accuracy: float) -> float:
+        """The tolerance with which to try for an accuracy of the result."""
+        ...
+
+    def rung(self, tolerance: float) -> float:
+        """The largest tolerance of its ladder that is no larger, so that few are compiled."""
+        ...
+
+    def finer(self, tolerance: float) -> float | None:
+        """The next tolerance of its ladder, a hundred times finer; None where there is none."""
+        ...
+
+    def run(
+        self,
+        system: System,
+        start: Sequence[Real] | np.ndarray,
+        parameters: Sequence[Real] | np.ndarray,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+        watch: Watch | None = None,
+    ) -> Run:
+        """Integrate from times[0] through all times (monotone); watching changes no bit of it."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """Powers of two in which a run counts: sizes of its states, shape (size,), and of its times."""
+
+    sizes: np.ndarray
+    time: float
+
+    @property
+    def parameters(self) -> list[float]:
+        """What the scaled system has besides: size of each state, and rate of each state."""
+        return [*self.sizes.tolist(), *(self.time / self.sizes).tolist()]
+
+
+def scaled_run(
+    engine: Engine,
+    system: System,
+    start: Sequence[Real] | np.ndarray,
+    parameters: Sequence[Real] | np.ndarray,
+    times: np.ndarray,
+    tolerance: float,
+    *,
+    extents: Extents | None = None,
+    dense: bool = False,
+    watch: Watch | None = None,
+) -> Run:
+    """See `Engine.run`: the same, in units of its own size where numbers are far from one.
+
+    extents: those of the start, where they are known.
+    """
+    units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
+    if units is None:
+        return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+    unit = units.time
+    sizes = units.sizes.tolist()
+    try:
+        found = engine.run(
+            scaled_system(system),
+            [divided(x, size) for x, size in zip(start, sizes, strict=True)],
+            [*parameters, *units.parameters],
+            times / units.time,
+            tolerance,
+            dense=dense,
+            watch=None if watch is None else lambda t: watch(t * unit),
+        )
+    except WorkLimitError as limit:
+        raise limit.counted(unit) from None
+    found.times = times[: len(found.times)]
+    found.states = multiplied(found.states, units.sizes)
+    found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]
+    found.reached = found.reached * type(found.reached)(units.time)
+    found.longest_step *= unit
+    if found.dense is not None:
+        found.dense = _unscaled(found.dense, units)
+    return found
+
+
+def member_units(
+    system: System,
+    states: np.ndarray,
+    parameters: np.ndarray,
+    durations: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Sizes (number, size) and times (number,) of members; None where all run as they are."""
+    far = np.flatnonzero(~_run_as_they_are(system, states, parameters, np.abs(durations)))
+    if not len(far):
+        return None
+    found: list[Units | None] = [None] * len(states)
+    for k in far:
+        found[k] = units_of(system, states[k], parameters[k], float(durations[k]))
+    if all(units is None for units in found):
+        return None
+    plain = Units(np.ones(states.shape[1]), 1.0)
+    if system.clock is not None:
+        plain.sizes[system.states.index(system.clock[0])] = 1 / system.clock[1]
+    units = [one or plain for one in found]
+    return np.array([one.sizes for one in units]), np.array([one.time for one in units])
+
+
+def _unscaled(dense: Dense, units: Units) -> Dense:
+    """Dense output in the units of the problem."""
+    return lambda t: multiplied(dense(np.asarray(t) / units.time), units.sizes)
+
+
+def extents_of(
+    system: System, start: Sequence[Real] | np.ndarray, parameters: Sequence[Real] | np.ndarray
+) -> Extents:
+    """Size of each group of states at a start; of what begins at zero, that of its rates."""
+    # On lists: this is asked of every start.
+    groups, sizes = system.groups_but_clock, [abs(float(x)) for x in start]
+    tops = [max([sizes[k] for k in group]) for group in groups]
+    if all(tops):
+        return [(top, 0.0) for top in tops]
+    rates = system.scalar_rates(floats(parameters))(0.0, np.array(floats(start)))
+    return [
+        (top, 0.0 if top else max([abs(rates[k]) for k in group]))
+        for top, group in zip(tops, groups, strict=True)
+    ]
+
+
+def units_of(
+    system: System,
+    start: Sequence[Real] | np.ndarray,
+    parameters: Sequence[Real] | np.ndarray,
+    duration: float,
+    extents: Extents | None = None,
+) -> Units | None:
+    """The units of a run; None where it can be run as it is."""
+    duration = abs(duration)
+    extents = extents or extents_of(system, start, parameters)
+    # What begins at zero is soon as large as its rates make it.
+    sizes = [top or rate * duration for top, rate in extents]
+    if (not duration or _is_near(duration)) and all(not x or _is_near(x) for x in sizes):
+        return None
+    groups, parameters = system.groups_but_clock, floats(parameters)
+    values = np.abs(floats(start))
+    if not duration or not np.isfinite(values).all():
+        return None
+    jacobian = system.jacobian(floats(start), parameters)
+    if not np.isfinite(jacobian).all():
+        return None
+    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    time = 1 / fastest if fastest * duration > 1 else duration
+    largest = values
+    # What a state has after that time, where no terms cancel; velocities come before coordinates.
+    for _ in range(2):
+        terms = np.abs(np.ravel(system.rates.sizes(*largest.tolist(), *parameters))) * time
+        largest = np.maximum(largest, np.where(np.isfinite(terms), terms, 0.0))
+    found = np.ones(len(values))
+    for group in map(list, groups):
+        top = float(largest[group].max())
+        if top > 0:
+            found[group] = np.where(largest[group] * FAR < top, largest[group], top)
+            found[group] = np.where(found[group] > 0, found[group], top)
+    if all(map(_is_near, (*found.tolist(), time))):
+        return None
+    found = 2.0 ** np.round(np.log2(found))
+    time = float(2.0 ** np.round(np.log2(time)))
+    if system.clock is not None:
+        found[system.states.index(system.clock[0])] = time / system.clock[1]
+    return Units(found, time)
+
+
+def _run_as_they_are(
+    system: System, states: np.ndarray, parameters: np.ndarray, durations: np.ndarray
+) -> np.ndarray:
+    """Which members have numbers near one: the first question of `units_of`, all at once."""
+    near = (durations == 0) | _are_near(durations)
+    for group in map(list, system.groups_but_clock):
+        tops = np.abs(states[:, group]).max(axis=1)
+        still = np.flatnonzero(tops == 0)
+        if len(still):
+            with np.errstate(all="ignore"):
+                rates = system.array_function(*states[still].T, *parameters[still].T)
+            shape = (system.size, len(still))
+            tops[still] = np.abs(np.broadcast_to(rates, shape)[group]).max(axis=0)
+            tops[still] *= durations[still]
+        near &= (tops == 0) | _are_near(tops)
+    return near
+
+
+def _are_near(sizes: np.ndarray) -> np.ndarray:
+    """Which of many sizes are near enough to one."""
+    return (sizes >= 1 / FAR) & (sizes <= FAR)
+
+
+def _is_near(size: float) -> bool:
+    """Whether a size is near enough to one."""
+    return 1 / FAR <= size <= FAR
+
+
+@lru_cache(maxsize=256)
+def scaled_system(system: System) -> System:
+    """The same equations for states and a time in units that are parameters."""
+    sizes = tuple(f"size of {name}" for name in system.states)
+    rates = tuple(f"rate of {name}" for name in system.states)
+    more = (*sizes, *rates)
+    scaled = system.rates.with_factors(dict(zip(system.states, sizes, strict=True)), rates, more)
+    guards = [
+        None if guard is None
+        else guard.with_factors(dict(zip(system.states, sizes, strict=True)), (), more)
+        for guard in (system.guard, system.end)
+    ]  # fmt: skip
+    clock = None if system.clock is None else (system.clock[0], 1)
+    return replace(
+        system, parameters=(*system.parameters, *more), rates=scaled, guard=guards[0],
+        end=guards[1], clock=clock,
+    )  # fmt: skip
+
+
+# Called now and then with the time that a run has reached; what it raises ends the run.
+Watch: TypeAlias = Callable[[float], object]
+# A motion that gets no further by this part of its time stands still.
+STANDSTILL = 1e-9
+# Steps between two looks at whether it does.
+STEPS_AT_ONCE = 2_000
+
+# Function of times that gives states, shape (m, size).
+Dense: TypeAlias = Callable[[np.ndarray], np.ndarray]

@@ -11,11 +11,19 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.engines.protocol import STANDSTILL, Dense, Engine, Run, Watch
 from geomtorsion.ode.numbers import PARTS, Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
-from geomtorsion.ode.scaling import Extents, extents_of, scaled_run
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import (
+    STANDSTILL,
+    Dense,
+    Engine,
+    Extents,
+    Run,
+    System,
+    Watch,
+    extents_of,
+    scaled_run,
+)
 
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion that meets more events than this goes round in circles on the edge of a chart.

@@ -13,9 +13,9 @@ from geomtorsion.checks import shown
 from geomtorsion.errors import CheckpointError
 from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint, part_name
-from geomtorsion.ode.engines.protocol import Run
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.solution import Cost
+from geomtorsion.ode.system import Run
 from geomtorsion.ode.trajectory import Stage, integrate
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed

@@ -7,8 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.curves.atlas import Atlas, Chart, MapFunctions, TransitionMap, Written
-from geomtorsion.curves.moving_point import GAIN
+from geomtorsion.curves.atlas import GAIN, Atlas, Chart, MapFunctions, TransitionMap, Written
 from geomtorsion.geometry import Frame
 
 # So near to an axis its angles are left: by the sine of the colatitude, or in units of length.

@@ -9,8 +9,8 @@ import pytest
 from geomtorsion.errors import StuckError
 from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
 from geomtorsion.ode.engines import stepper
-from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
 from geomtorsion.ode.engines.taylor import _limit_disk_cache
+from geomtorsion.ode.system import STEPS_AT_ONCE, WorkLimitError
 from tests.ode.engines import needs_heyoka
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])
@@ -120,7 +120,7 @@ def test_what_is_kept_or_unrolled_changes_no_result(monkeypatch):
         assert again.cost.compile_seconds > 0
         assert (again.states == before.states).all()
     for name, constant, value in (
-        ("engines.compiled", "LONGEST_UNROLLED", 0),
+        ("engines.taylor", "LONGEST_UNROLLED", 0),
         ("solve", "WIDTH", 8),
     ):
         monkeypatch.setattr(import_module(f"geomtorsion.ode.{name}"), constant, value)

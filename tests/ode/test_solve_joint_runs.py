@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from geomtorsion.ode import ODE, Taylor, When, solve
-from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE
 from geomtorsion.ode.solve import run_jointly
+from geomtorsion.ode.system import STEPS_AT_ONCE
 
 pytest.importorskip("heyoka", reason="joint runs are heyoka's batches")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.ode import ODE, RungeKutta, Stiff, When, solve
-from geomtorsion.ode.engines.protocol import Run
+from geomtorsion.ode.system import Run
 from geomtorsion.ode.trajectory import Event, close_times, integrate
 
 

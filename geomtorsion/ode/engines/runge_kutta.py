@@ -10,11 +10,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
-from geomtorsion.ode.engines.protocol import Run, Watch
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import Run, System, Watch
 
 # Each tolerance is this part of the last.
 RUNG = 0.01

@@ -17,9 +17,8 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen import Graph, compiled
-from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, WorkLimitError
 from geomtorsion.ode.rates import KEPT
-from geomtorsion.ode.system import NO_VALUE, System
+from geomtorsion.ode.system import NO_VALUE, STEPS_AT_ONCE, System, WorkLimitError
 
 # Larger systems are faster on arrays; the steps are the same.
 LARGEST = 24

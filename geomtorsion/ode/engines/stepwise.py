@@ -13,7 +13,6 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen.steps import ROUNDINGS
-from geomtorsion.ode.engines.protocol import STEPS_AT_ONCE, Dense, Run, Watch, WorkLimitError
 from geomtorsion.ode.engines.stepper import (
     Polynomial,
     Steps,
@@ -22,7 +21,15 @@ from geomtorsion.ode.engines.stepper import (
     too_many_evaluations,
 )
 from geomtorsion.ode.numbers import Real, floats
-from geomtorsion.ode.system import ScalarRates, System
+from geomtorsion.ode.system import (
+    STEPS_AT_ONCE,
+    Dense,
+    Run,
+    ScalarRates,
+    System,
+    Watch,
+    WorkLimitError,
+)
 from geomtorsion.precision import EPS
 
 # Smaller differences than this are told from rounding by no step of generated code: below it steps

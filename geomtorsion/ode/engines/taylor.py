@@ -22,17 +22,17 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingExtraError
-from geomtorsion.ode.engines.protocol import (
+from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.ode.rates import KEPT
+from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
     Dense,
     Run,
+    System,
     Watch,
     WorkLimitError,
 )
-from geomtorsion.ode.numbers import Real, mpf
-from geomtorsion.ode.rates import KEPT
-from geomtorsion.ode.system import System
 from geomtorsion.precision import EXACT_BITS
 
 # Equations of more values than this are not unrolled.

@@ -11,7 +11,7 @@ from geomtorsion.errors import ChartEdgeError, LimitError, StuckError, TimeError
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.ode import ODE, RungeKutta, Stiff, Taylor, When, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.scaling import FAR, units_of
+from geomtorsion.ode.system import FAR, units_of
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 

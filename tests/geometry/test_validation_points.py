@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.geometry.evaluation import candidate_points
+from geomtorsion.geometry.validation import candidate_points
 
 x, y = sp.symbols("x y", real=True)
 

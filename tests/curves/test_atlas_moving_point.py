@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.curves import geodesic
-from geomtorsion.curves.moving_point import MovingPoint, best_chart
+from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import ODE, Taylor, solve
 from geomtorsion.spaces import load
@@ -131,4 +131,4 @@ def test_how_much_further_another_chart_has_to_reach(room, found):
     theta = float(np.arccos(room / 4))
     problem = geodesic(load("s2").frame, [theta, 0], frame_velocity=[0.3, 0.4], parameters={"R": 1})
     point = MovingPoint([theta, 0.0], [0.3, 0.4], [])
-    assert best_chart(problem, "s2", point, 53) == found
+    assert problem.atlas.best_chart(problem.charts, "s2", point, problem.parameters, 53) == found
