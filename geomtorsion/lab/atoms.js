@@ -142,7 +142,8 @@
   crystal.addEventListener("keydown", (event) => {
     const keys = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     if (event.key === "Backspace") { path.pop(); draw(); event.preventDefault(); }
-    if (!(event.key in keys)) return;
+    // With a second key they belong to the browser, such as the page before.
+    if (!(event.key in keys) || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     if (!path.length) { go(nearest([-2, -2])); return; }
     const [dx, dy] = keys[event.key];

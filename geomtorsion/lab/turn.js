@@ -8,7 +8,8 @@
   const play = document.getElementById("play");
   const pen = canvas.getContext("2d");
   const SOFT = "#5c6475", INK = "#1d2330", FAINT = "#c9ccd1";
-  const view = { turn: data.turn ?? -0.9, tilt: data.tilt ?? 0.42, zoom: 1, ...kept() };
+  const view = { turn: -0.9, tilt: 0.42, zoom: 1, ...kept() };
+  // The next picture of the film that runs; 0 where none does.
   let running = 0;
 
   function kept() {
@@ -49,7 +50,7 @@
     pen.setTransform(fine, 0, 0, fine, 0, 0);
     pen.clearRect(0, 0, box.width, box.height);
     const eye = camera();
-    const unit = ((data.globe || ball ? 0.37 : 0.52) * Math.min(box.width, box.height) * view.zoom) / radius;
+    const unit = ((data.globe || ball ? 0.37 : 0.48) * Math.min(box.width, box.height) * view.zoom) / radius;
     const place = (point) => {
       const p = point.map((x, k) => (x - centre[k]) * scale[k]);
       return [box.width / 2 + unit * dot(p, eye.right), box.height / 2 - unit * dot(p, eye.up), dot(p, eye.toward), Math.hypot(...p)];
@@ -170,30 +171,37 @@
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { held = null; });
   canvas.addEventListener("keydown", (event) => {
     const steps = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
-    if (!(event.key in steps)) return;
+    // With a second key they belong to the browser: its own zoom, the page before.
+    if (!(event.key in steps) || event.ctrlKey || event.metaKey || event.altKey) return;
     moved(...steps[event.key]);
     event.preventDefault();
   });
   if (slider) {
     slider.addEventListener("input", draw);
+    const each = (1000 * data.seconds) / Number(slider.max);
+    let last = 0;
+    const step = (time) => {
+      const gone = Math.max(0, Math.floor((time - last) / each));
+      if (gone) {
+        slider.value = Number(slider.value) + gone;
+        // What is left of the time counts for the next picture.
+        last += gone * each;
+        draw();
+      }
+      if (slider.value === slider.max) stop();
+      else running = requestAnimationFrame(step);
+    };
+    const stop = () => {
+      cancelAnimationFrame(running);
+      running = 0;
+      play.textContent = "Play";
+    };
     play.addEventListener("click", () => {
-      running = running ? 0 : 1;
-      if (running && slider.value === slider.max) slider.value = 0;
-      play.textContent = running ? "Pause" : "Play";
-      let last = performance.now();
-      const step = (time) => {
-        if (!running) return;
-        const most = Number(slider.max);
-        if (time - last > 1000 * data.seconds / most) {
-          const gone = Math.floor((time - last) / (1000 * data.seconds / most));
-          slider.value = Math.min(Number(slider.value) + gone, most);
-          last = time;
-          draw();
-          if (slider.value === slider.max) play.click();
-        }
-        requestAnimationFrame(step);
-      };
-      requestAnimationFrame(step);
+      if (running) { stop(); return; }
+      if (slider.value === slider.max) slider.value = 0;
+      play.textContent = "Pause";
+      last = performance.now();
+      running = requestAnimationFrame(step);
     });
   }
   new ResizeObserver(draw).observe(canvas);
