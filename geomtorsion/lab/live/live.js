@@ -16,7 +16,7 @@ function begin() {
   document.body.dataset.state = "starting";
   worker = new Worker("worker.js", { type: "module" });
   worker.onmessage = ({ data }) => heard(data);
-  worker.onerror = (event) => failed(event.message || "the worker did not start");
+  worker.onerror = (event) => broken(event.message || "the worker did not start");
   worker.postMessage({ kind: "start", config });
 }
 
@@ -30,12 +30,15 @@ function heard(data) {
     next();
   } else if (data.kind === "reply") {
     ended(JSON.parse(data.reply));
-  } else if (running) {
-    // Python itself broke down: what it held may be damaged.
-    restart(config.broken);
   } else {
-    failed(data.why);
+    broken(data.why);
   }
+}
+
+function broken(why) {
+  // Python itself broke down: what it held may be damaged.
+  if (running) restart(config.broken);
+  else failed(why);
 }
 
 function failed(why) {
@@ -82,12 +85,12 @@ function valuesOf(tab) {
   return found;
 }
 
-function ask(tab, changed = "", action = "") {
+function ask(tab, changed = [], action = "") {
   const values = valuesOf(tab);
   const kept = Object.fromEntries(address);
   // What was wanted, and has not begun, is still wanted.
   const before = waiting.get(tab);
-  const every = [...(before?.changed ?? []), ...(changed ? [changed] : [])];
+  const every = [...(before?.changed ?? []), ...changed];
   waiting.set(tab, { tab, values, kept, changed: every, action: action || before?.action || "" });
   next();
 }
@@ -120,20 +123,20 @@ function shown(tab, request, reply) {
     const place = document.activeElement?.selectionStart;
     form.innerHTML = reply.controls;
     form.dataset.shape = reply.shape;
-    let late = "";
+    const late = [];
     for (const [name, value] of Object.entries(before)) {
       const field = named(form, name);
-      if (field && field.type !== "checkbox" && value !== request.values[name]) {
-        field.value = value;
-        late = name;
-      }
+      if (!field || value === request.values[name]) continue;
+      if (field.type === "checkbox") field.checked = value === "true";
+      else field.value = value;
+      late.push(name);
     }
     const field = focus && named(form, focus);
     if (field && panel.contains(field)) {
       field.focus();
       if (field.type === "text" && place !== null) field.setSelectionRange(place, place);
     }
-    if (late) ask(tab, late);
+    if (late.length) ask(tab, late);
   }
   for (const part of panel.querySelectorAll("[data-part]")) {
     if (part.dataset.part in reply.parts) part.innerHTML = reply.parts[part.dataset.part];
@@ -150,21 +153,23 @@ function write() {
   history.replaceState(null, "", text ? `?${text}` : location.pathname);
 }
 
-let pause = 0;
+// Each field waits for its own next letter: nobody's typing ends the waiting of another.
+const pauses = new Map();
 for (const [tab, panel] of panels) {
   const form = panel.querySelector("form");
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", ({ target }) => {
-    clearTimeout(pause);
+    const key = JSON.stringify([tab, target.dataset.name]);
+    clearTimeout(pauses.get(key));
     const wait = target.matches("select, [type=checkbox]") ? 0 : config.pause;
-    pause = setTimeout(() => ask(tab, target.dataset.name), wait);
+    pauses.set(key, setTimeout(() => ask(tab, [target.dataset.name]), wait));
   });
   form.addEventListener("click", ({ target }) => {
     if (target.matches("button[data-name]")) {
       target.value = Number(target.value) + 1;
-      ask(tab, target.dataset.name);
+      ask(tab, [target.dataset.name]);
     } else if (target.matches("button[data-action]")) {
-      ask(tab, "", target.dataset.action);
+      ask(tab, [], target.dataset.action);
     }
   });
 }
@@ -201,8 +206,14 @@ async function keep() {
   // A page that is opened from a disk, or over a plain network, has nobody who keeps files.
   if (!("serviceWorker" in navigator)) return;
   try {
-    await navigator.serviceWorker.register("service.js");
-    await navigator.serviceWorker.ready;
+    const { installing } = await navigator.serviceWorker.register("service.js");
+    // Where it cannot keep files (no room), it is given up, and never ready.
+    const gone = new Promise((done) => {
+      installing?.addEventListener("statechange", () => {
+        if (installing.state === "redundant") done();
+      });
+    });
+    await Promise.race([navigator.serviceWorker.ready, gone]);
     if (!navigator.serviceWorker.controller) {
       await new Promise((done) => {
         navigator.serviceWorker.addEventListener("controllerchange", done, { once: true });

@@ -4,10 +4,12 @@ const KEPT = "geomtorsion-lab-@DIGEST@";
 const FIXED = /\/(pyodide|wheels-[0-9a-f]+)\/[^/]+$/;
 
 // What the page had loaded before anybody kept files.
-const BEFORE = ["./", "live.js"];
+const BEFORE = ["./", "index.html", "live.js"];
 
 self.addEventListener("install", (event) => event.waitUntil((async () => {
-  await (await caches.open(KEPT)).addAll(BEFORE);
+  const kept = await caches.open(KEPT);
+  // Some hosts have no page under the address of a folder.
+  await Promise.allSettled(BEFORE.map((file) => kept.add(file)));
   await self.skipWaiting();
 })()));
 self.addEventListener("activate", (event) => event.waitUntil((async () => {
@@ -21,7 +23,8 @@ async function asked(request, kept) {
   const response = await fetch(request);
   // The address says what is typed; the file is the same for all.
   const { origin, pathname } = new URL(request.url);
-  if (response.ok) await kept.put(origin + pathname, response.clone());
+  // What there is no room for is given all the same.
+  if (response.ok) await kept.put(origin + pathname, response.clone()).catch(() => {});
   return response;
 }
 

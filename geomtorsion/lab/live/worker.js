@@ -52,9 +52,9 @@ onmessage = async ({ data }) => {
       answer = await start(data.config);
       postMessage({ kind: "ready" });
     } else {
-      postMessage({ kind: "reply", id: data.id, reply: answer(data.request) });
+      postMessage({ kind: "reply", reply: answer(data.request) });
     }
   } catch (error) {
-    postMessage({ kind: "failed", id: data.id, why: String(error).slice(-2000) });
+    postMessage({ kind: "failed", why: String(error).slice(-2000) });
   }
 };

@@ -89,9 +89,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 @contextmanager
-def served_folder(folder: Path) -> Iterator[str]:
+def served_folder(folder: Path, host: type[Quiet] = Quiet) -> Iterator[str]:
     """The address of a folder on a static host."""
-    handler = functools.partial(Quiet, directory=str(folder))
+    handler = functools.partial(host, directory=str(folder))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
@@ -253,6 +253,116 @@ def test_a_hostile_tetrad_ends_its_worker(offline: Watched):
     page.locator('[data-tab="Exercises"] textarea').fill("1,2,2 = 1/r")
     page.get_by_role("button", name="Check").click()
     says(offline, "Exercises", "#verdict", "✓ right")
+
+
+# In the place of Python: it answers after a while, with what it was asked for and its form; one
+# whose text begins with "new" is of another shape.
+FAKE = """
+onmessage = ({ data }) => {
+  if (data.kind === "start") return postMessage({ kind: "ready" });
+  const { values, changed, tab } = JSON.parse(data.request);
+  if (values.text === "crash") throw new Error("on purpose");
+  const controls = '<input type="text" data-name="text"><input type="text" data-name="more">'
+    + '<input type="checkbox" data-name="tick">';
+  const shape = values.text?.startsWith("new") ? "b" : "a";
+  const result = JSON.stringify([values, changed]).replaceAll("<", "");
+  const reply = JSON.stringify({ controls, shape, parts: { result }, kept: {} });
+  setTimeout(() => postMessage({ kind: "reply", reply }), 600);
+};
+"""
+
+
+class Bare(Quiet):
+    """A static host without a page under the address of a folder."""
+
+    def do_GET(self) -> None:
+        if self.path == "/":
+            self.send_error(404)
+        else:
+            super().do_GET()
+
+
+@pytest.fixture
+def scripted(tmp_path: Path, browser: Any) -> Iterator[Any]:
+    """The page with its scripts, but without Python, on a host that serves no folders."""
+    (tmp_path / "index.html").write_text(page(configuration([], 1)), "utf-8")
+    for name in ("live.js", "service.js"):
+        (tmp_path / name).write_text(script(name), "utf-8")
+    (tmp_path / "worker.js").write_text(FAKE, "utf-8")
+    context = browser.new_context()
+    with served_folder(tmp_path, Bare) as address:
+        opened = context.new_page()
+        opened.goto(f"{address}index.html")
+        opened.wait_for_selector("body[data-state=ready]")
+        yield opened
+    context.close()
+
+
+def field(opened: Any, tab: str, name: str) -> Any:
+    """A field of a tab."""
+    return opened.locator(f'[data-tab="{tab}"] [data-name={name}]')
+
+
+def asked(opened: Any, tab: str, text: str) -> Any:
+    """What was asked for last, when it is about a text: values and what has changed."""
+    part = opened.locator(f'[data-tab="{tab}"] [data-part=result]', has_text=text)
+    part.wait_for(timeout=ANSWER, state="attached")
+    return json.loads(part.inner_text() or part.text_content())
+
+
+def test_a_host_without_pages_of_folders(scripted: Any):
+    """What cannot be kept keeps nobody waiting: the page starts, and what can be is kept."""
+    asked(scripted, "Any tetrad", "[")
+    kept = "caches.keys().then(k => caches.open(k[0])).then(c => c.keys()).then(k => k.length)"
+    scripted.wait_for_function("() => navigator.serviceWorker.controller")
+    assert scripted.evaluate(kept) >= 2
+
+
+def test_every_field_waits_for_itself(scripted: Any):
+    """What is typed in one tab is asked for, though somebody types in another at once."""
+    asked(scripted, "Any tetrad", "[")
+    scripted.get_by_role("tab", name="Loops").click()
+    asked(scripted, "Loops", "[")
+    scripted.evaluate(
+        """() => {
+            for (const tab of ["Any tetrad", "Loops"]) {
+                const field = document.querySelector(`[data-tab="${tab}"] [data-name=text]`);
+                field.value = "typed";
+                field.dispatchEvent(new Event("input", { bubbles: true }));
+            }
+        }"""
+    )
+    assert asked(scripted, "Loops", "typed")[1] == ["text"]
+    assert asked(scripted, "Any tetrad", "typed")[1] == ["text"]
+
+
+def test_what_changes_while_python_works_stays(scripted: Any):
+    """Two texts and a box, though the form is drawn anew under them; all of them count."""
+    asked(scripted, "Any tetrad", "[")
+    text, more, tick = (field(scripted, "Any tetrad", name) for name in ("text", "more", "tick"))
+    text.fill("new")
+    scripted.wait_for_selector('[data-tab="Any tetrad"][aria-busy=true]')
+    scripted.evaluate(
+        """() => {
+            const [text, more, tick] = document.querySelectorAll('[data-tab="Any tetrad"] input');
+            [text.value, more.value, tick.checked] = ["new!", "late", true];
+        }"""
+    )
+    values, changed = asked(scripted, "Any tetrad", "late")
+    assert values == {"text": "new!", "more": "late", "tick": "true"}
+    assert sorted(changed) == ["more", "text", "tick"]
+    assert (text.input_value(), more.input_value(), tick.is_checked()) == ("new!", "late", True)
+
+
+def test_a_worker_that_breaks_down(scripted: Any):
+    """It is said at once, a new one begins, and answers."""
+    asked(scripted, "Any tetrad", "[")
+    field(scripted, "Any tetrad", "text").fill("crash")
+    problem = scripted.locator('[data-tab="Any tetrad"] [data-part=problem]', has_text="worker ended")
+    problem.wait_for()
+    scripted.wait_for_selector("body[data-state=ready]")
+    field(scripted, "Any tetrad", "text").fill("well")
+    assert asked(scripted, "Any tetrad", "well")[0]["text"] == "well"
 
 
 @pytest.mark.slow
