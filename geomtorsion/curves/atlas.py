@@ -31,6 +31,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.tower import Tower
+from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.numbers import Real, checked_numbers, floats, mpf
 from geomtorsion.precision import CALCULATED, working_precision
 
@@ -583,10 +584,19 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
     if size == 0.0 or not math.isfinite(size):
         raise StartError(
             f"the frame {frame.name or 'of this problem'} is singular at the start {where}: "
-            "its determinant vanishes or has no value. Start beside the edge of the chart, "
-            "or in another chart."
+            f"its determinant vanishes or has no value. {_advice(frame, point)}"
         )
     return found
+
+
+def _advice(frame: Frame, point: Mapping[str, float]) -> str:
+    """Where to start instead of at a point where the frame is singular."""
+    symbols = (*frame.coordinates, *frame.parameters)
+    values = {symbol: point[symbol.name] for symbol in symbols}
+    outside = broken_relations(frame.domain, values)
+    if not outside:
+        return "Start beside the edge of the chart, or in another chart."
+    return f"The domain is {', '.join(map(str, outside))}. Start inside."
 
 
 def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:

@@ -366,10 +366,14 @@ def candidate_points(
     if any(low is not None and high is not None and low >= high for low, high in ranges.values()):
         return
     whole = {symbol for symbol in symbols if symbol.is_integer}
-    several = [x for x in relations if len(x.free_symbols) > 1 or whole & x.free_symbols]
-    for number in range(TRIES):
-        # Domains far from the origin are reached by wider and wider ranges.
-        stretch = 1 + 10 * number // TRIES
+    others = [x for x in relations if whole & x.free_symbols or not _is_bound(x)]
+    # Domains far from the origin are reached by wider and wider ranges, at last by far wider ones.
+    near = [1 + 10 * number // TRIES for number in range(TRIES)]
+    far = [10 * 2 ** (1 + 20 * number // TRIES) for number in range(TRIES if others else 0)]
+    found = False
+    for number, stretch in enumerate([*near, *far]):
+        if found and number >= TRIES:
+            return
         point = {}
         for k, symbol in enumerate(symbols):
             root = math.sqrt(PRIMES[k % len(PRIMES)]) * (number + 1 + k // len(PRIMES))
@@ -380,8 +384,30 @@ def candidate_points(
                 # The next one on the side where zero is not.
                 value = Fraction(math.floor(value) + (ranges[symbol][0] is not None))
             point[symbol] = sp.Rational(value.numerator, value.denominator)
-        if all(relation.subs(point) == sp.true for relation in several):
+        if all(relation.subs(point) == sp.true for relation in others):
+            found = True
             yield point
+
+
+def broken_relations(
+    relations: Iterable[sp.Basic], values: Mapping[sp.Symbol, float]
+) -> list[sp.Basic]:
+    """Relations that a point does not satisfy, those apart on whose very edge it lies.
+
+    Examples
+    --------
+    >>> r, M = sp.symbols("r M")
+    >>> broken_relations([r > 2 * M, r > 0], {r: 1.5, M: 1})
+    [r > 2*M]
+    >>> broken_relations([r > 2 * M], {r: 2, M: 1})
+    []
+    """
+    return [
+        relation
+        for relation in relations
+        if relation.subs(values) == sp.false
+        and float((relation.args[0] - relation.args[1]).subs(values)) != 0.0
+    ]
 
 
 def with_functions(element: Element, point: RationalPoint) -> dict[Any, Any]:
@@ -398,6 +424,15 @@ def with_generic_functions(element: Element, point: RationalPoint) -> dict[Any, 
     field = element.field
     jets = [generator for generator in field.generators if generator.kind == "jet"]
     return {**point, **{g.shown: field.sample.value(field.generator_element(g)) for g in jets}}
+
+
+def _is_bound(relation: sp.Basic) -> bool:
+    """Whether it bounds one symbol by a number: r > 2, but not r**2 > 4."""
+    less, greater = (getattr(relation, name, None) for name in ("lts", "gts"))
+    return any(
+        one in relation.free_symbols and other is not None and other.is_number and other.is_finite
+        for one, other in ((less, greater), (greater, less))
+    )
 
 
 def _interval(

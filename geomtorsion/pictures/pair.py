@@ -220,14 +220,15 @@ def pair_problems(
     # What is missing is chosen by the space itself, so that every space shows something.
     checks.instance(space, Space, "space")
     refuse_unknown_functions(space)
-    first = first_motion(space.frame)
+    values = checks.by_name(parameters, "parameters")
+    # A start that is given needs no look at the domain.
+    first = first_motion(space.frame, values if start is None else {})
     # Arrays are neither true nor false.
     moving = frame_velocity if velocity is None else velocity
     given = {"start": start, "velocity": moving, "t": t}
     chosen = [name for name, value in given.items() if value is None]
-    values = checks.by_name(parameters, "parameters")
     numbers = dict(first.parameters) | values
-    if set(first.parameters) - set(values):
+    if {symbol.name for symbol in space.frame.parameters} - set(values):
         chosen.append("parameters")
     if velocity is None and frame_velocity is None:
         frame_velocity = first.frame_velocity

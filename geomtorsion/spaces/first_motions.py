@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import sympy as sp
 
+from geomtorsion import checks
+from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry import Frame
+from geomtorsion.geometry.validation import broken_relations
 
 # Directions of the legs, where nothing better is known.
 DIRECTION = (3, 2, 1, 2, 1, 2, 1)
@@ -71,18 +75,43 @@ MOTIONS: dict[str, FirstMotion] = {
 }
 
 
-def first_motion(frame: Frame) -> FirstMotion:
+def first_motion(
+    frame: Frame, parameters: Mapping[str, float] = MappingProxyType({})
+) -> FirstMotion:
     """The motion chosen for a space of this name, or one from the frame's own sample point.
 
     The sample point is rounded to hundredths where that stays inside the domain. The direction is
-    fixed, of length one, and in a Lorentzian frame timelike.
+    fixed, of length one, and in a Lorentzian frame timelike. Parameters that are given have these
+    values, and the start lies inside the domain that follows from them.
 
     Examples
     --------
     >>> from geomtorsion.spaces import load
     >>> first_motion(load("ax_plus_b").frame)
     FirstMotion(start=(1.66, 0.91), frame_velocity=(0.832, 0.555), t=2.0, parameters={})
+    >>> [first_motion(load("schwarzschild").frame, {"M": m}).start[1] for m in (1, 6)]
+    [10.0, 14.91]
     """
+    found = _first_motion(frame)
+    if not parameters:
+        return found
+    numbers = dict(found.parameters) | dict(parameters)
+    symbols = {symbol.name: symbol for symbol in (*frame.coordinates, *frame.parameters)}
+    begin = zip([symbol.name for symbol in frame.coordinates], found.start, strict=True)
+    values = {symbols[name]: x for name, x in (*begin, *numbers.items()) if name in symbols}
+    if not broken_relations(frame.domain, values):
+        return replace(found, parameters=numbers)
+    exact = {symbol: checks.fraction(numbers[symbol.name]) for symbol in frame.parameters}
+    try:
+        inside = _first_motion(frame.subs(exact))
+    except GeomtorsionError:
+        # A value that cannot be: whoever uses it is told so.
+        return replace(found, parameters=numbers)
+    return replace(found, start=inside.start, parameters=numbers)
+
+
+def _first_motion(frame: Frame) -> FirstMotion:
+    """The same for parameters of its own."""
     chosen = MOTIONS.get(frame.name or "")
     if chosen is not None and _fits(chosen, frame):
         return chosen

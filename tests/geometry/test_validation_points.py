@@ -28,3 +28,28 @@ def test_whole_numbers_are_sampled(sign: str) -> None:
     first = next(candidate_points([], [n], [n < 9, n > -9, sp.Ne(n, 1), sp.Ne(n, -1)]))
     assert abs(first[n]) != 1
     assert first[n].is_integer
+
+
+@pytest.mark.parametrize(
+    "domain",
+    [
+        [x**2 > 4],
+        [x**2 > 4, x < y],
+        [x**2 - 41 * x + 9 > 0, x > 20],
+        [sp.Abs(x) > 30],
+        [x**2 > 4e8],
+        [x > y + 1000],
+        [sp.cos(x) < -sp.Rational(9, 10)],
+    ],
+    ids=str,
+)
+def test_every_relation_holds_at_the_sample(domain: list[sp.Basic]) -> None:
+    """Also one of a single coordinate that is no bound, and one that only holds far away."""
+    point = Frame([x, y], sp.diag(1, 2 + x**2), domain=domain).sample_point
+    assert all(relation.subs(point) == sp.true for relation in domain)
+
+
+def test_roots_are_read_where_the_domain_is() -> None:
+    """A radicand that is positive wherever x**2 > 4 is so."""
+    frame = Frame([x, y], sp.diag(sp.sqrt(x**2 - 4), 1), domain=[x**2 > 4])
+    assert sp.expand(frame.metric[0, 0]) == x**2 - 4

@@ -35,3 +35,28 @@ def test_a_domain_decides():
 def test_plain_coordinates_keep_their_signs():
     """Where no sign matters, the sample point is as good as another."""
     assert min(first_motion(gt.spaces.load("sol").frame).start) < 0
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [
+        ("schwarzschild", {"M": 6}),
+        ("kerr", {"M": 20.5, "a": 3}),
+        ("de_sitter", {"L": 0.05}),
+        ("schwarzschild_isotropic", {"M": 100}),
+    ],
+)
+def test_the_start_suits_the_parameters(name, parameters):
+    """With other values the domain is another, and the start lies in it."""
+    frame = gt.spaces.load(name).frame
+    motion = first_motion(frame, parameters)
+    symbols = (*frame.coordinates, *frame.parameters)
+    point = dict(zip(symbols, (*motion.start, *motion.parameters.values()), strict=True))
+    assert motion.parameters == parameters
+    assert all(relation.subs(point) == sp.true for relation in frame.domain)
+
+
+def test_a_start_that_suits_stays():
+    """The one that was chosen for the space, also on the very edge of its domain."""
+    frame = gt.spaces.load("schwarzschild").frame
+    assert first_motion(frame, {"M": 1.5}).start == first_motion(frame).start

@@ -81,6 +81,14 @@ def test_what_is_given_is_used():
     assert "apart by" in text
 
 
+def test_what_is_chosen_suits_what_is_given():
+    """A hole of a file, of a size of one's own: the start lies outside of its horizon."""
+    arguments = (str(DATA / "schwarzschild.toml"), "--set", "M=3", "--t", "1", *CHEAP)
+    text = run("curve", *arguments).stdout
+    assert float(text.partition(" r = ")[2].split(",")[0]) > 6
+    assert "(chosen)" in text
+
+
 def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
     """Where and why is said, and what was computed is written."""
     given = ("--start", "0.5,0", "--velocity=-0.2,1", "--t", "6", "-o", str(tmp_path))
@@ -110,6 +118,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
         (("s2", "--parameters", "R=1,R=2"), "given twice"),
         (("s2", "--engine", "magic"), "there is no engine 'magic'"),
         (("so3", "--moments", "1,0,1"), "singular"),
+        (("schwarzschild", "--start", "0,1,1,0", "--set", "M=1"), "The domain is r > 2*M."),
         (("frw",), "unknown function a"),
         (("kerr_kinnersley",), "complex"),
         (("nowhere",), "none is called 'nowhere'"),

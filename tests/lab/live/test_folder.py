@@ -358,7 +358,9 @@ def test_a_worker_that_breaks_down(scripted: Any):
     """It is said at once, a new one begins, and answers."""
     asked(scripted, "Any tetrad", "[")
     field(scripted, "Any tetrad", "text").fill("crash")
-    problem = scripted.locator('[data-tab="Any tetrad"] [data-part=problem]', has_text="worker ended")
+    problem = scripted.locator(
+        '[data-tab="Any tetrad"] [data-part=problem]', has_text="worker ended"
+    )
     problem.wait_for()
     scripted.wait_for_selector("body[data-state=ready]")
     field(scripted, "Any tetrad", "text").fill("well")
