@@ -1,8 +1,10 @@
 """nbgrader: notebooks read back and graded by their hidden tests, and by nbgrader itself."""
 
+import ast
 import csv
 import json
 import re
+from copy import deepcopy
 from functools import cache
 from pathlib import Path
 
@@ -114,38 +116,101 @@ def filled(release: dict, answers: dict[str, dict[str, str]]) -> dict:
     return handed
 
 
-@pytest.mark.parametrize("student", ["bob", pytest.param("ada", marks=pytest.mark.slow)])
-def test_nbgrader_grades(student, tmp_path):
-    """generate_assignment takes out solutions and tests; autograde puts the tests back.
+# bob is right once, leaves out an exercise, makes a mistake, and half of a table; ada answers all.
+NUMBERS_ASKED = ("3.1", "3.2", "3.3")
+PARTLY = {
+    "3.2": {"christoffel": "-cot(phi2)"},
+    "3.3": {"ricci": "1,1 = 1/R^2", "scalar": "2/R^2"},
+}
 
-    bob is right once, leaves out an exercise, makes a mistake, and half of a table; ada answers
-    all.
-    """
+
+def answers_of(student: str) -> dict[str, dict[str, str]]:
+    """Exercise -> question -> text."""
+    right = {number: exercises.load(number).answers() for number in NUMBERS_ASKED}
+    return {"ada": right, "bob": PARTLY}[student]
+
+
+def run(cells: list) -> None:
+    """Run cells one after the other, and write what they give where a kernel writes it."""
+    formats = pytest.importorskip("nbformat.v4")
+    scope: dict = {}
+    for cell in cells:
+        said: list[str] = []
+        scope["print"] = said.append
+        *lines, last = ast.parse(cell.source).body
+        try:
+            exec(compile(ast.Module(lines, []), "cell", "exec"), scope)
+            if isinstance(last, ast.Expr):
+                given = eval(compile(ast.Expression(last.value), "cell", "eval"), scope)  # noqa: S307
+                shown = {"text/plain": repr(given)}
+                cell.outputs = [formats.new_output("execute_result", shown)]
+            else:
+                exec(compile(ast.Module([last], []), "cell", "exec"), scope)
+        except (AssertionError, NameError, NotImplementedError) as error:
+            told = {"ename": type(error).__name__, "evalue": str(error)}
+            cell.outputs = [formats.new_output("error", **told)]
+        if said:
+            cell.outputs.append(formats.new_output("stream", text="\n".join(said)))
+
+
+@pytest.mark.parametrize("student", ["bob", "ada"])
+def test_nbgrader_takes_it_apart(student):
+    """What nbgrader's own steps take out for students, and what its marks are of what came back."""
+    steps = pytest.importorskip("nbgrader.preprocessors")
+    formats = pytest.importorskip("nbgrader.nbgraderformat")
+    utils = pytest.importorskip("nbgrader.utils")
+    [text] = list(course_files(tasks(NUMBERS_ASKED, [0])).values())[1:]
+    teacher = formats.reads(text, as_version=4)
+    released = deepcopy(teacher)
+    for name in ("LockCells", "ClearSolutions", "CheckCellMetadata", "ClearHiddenTests"):
+        released, _ = getattr(steps, name)().preprocess(released, {})
+    text = json.dumps(released)
+    assert "exercises.check" not in text
+    assert "BEGIN SOLUTION" not in text
+    answers = answers_of(student)
+    handed = formats.reads(json.dumps(filled(released, answers)), as_version=4)
+    # The tests come back from the teacher's notebook before it is run.
+    tests = {cell.id: cell for cell in teacher.cells if utils.is_grade(cell)}
+    cells = [tests.get(cell.id, cell) for cell in handed.cells if cell.cell_type == "code"]
+    run(cells)
+    marks = {key: utils.determine_grade(cell) for key, cell in tests.items()}
+    points = {
+        f"test-{number.replace('.', '-')}-{part.name}": (part.points * part.score, part.points)
+        for number in NUMBERS_ASKED
+        for part in exercises.check(number, answers.get(number, {})).questions
+    }
+    assert marks == points
+    shares = {earned / most for earned, most in marks.values()}
+    assert shares == ({1} if student == "ada" else {0, 0.5, 1})
+    assert ("The sign is wrong." in json.dumps(tests)) == (student == "bob")
+
+
+# What is read in one process stands for it above.
+@pytest.mark.slow
+@pytest.mark.parametrize("student", ["bob", "ada"])
+def test_nbgrader_grades(student, tmp_path):
+    """generate_assignment takes out solutions and tests; autograde puts the tests back."""
     pytest.importorskip("nbgrader")
 
     def write(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, "utf-8")
 
-    numbers = ("3.1", "3.2", "3.3")
-    for name, text in course_files(tasks(numbers, [0])).items():
+    for name, text in course_files(tasks(NUMBERS_ASKED, [0])).items():
         write(tmp_path / name, text)
     with command("nbgrader.apps.nbgraderapp", "main", tmp_path) as nbgrader:
         nbgrader("generate_assignment", "chapter3")
         released = (tmp_path / "release/chapter3/chapter3.ipynb").read_text("utf-8")
         assert "exercises.check" not in released
         assert "BEGIN SOLUTION" not in released
-        right = {number: exercises.load(number).answers() for number in numbers}
-        partly = {"3.2": {"christoffel": "-cot(phi2)"},
-                  "3.3": {"ricci": "1,1 = 1/R^2", "scalar": "2/R^2"}}  # fmt: skip
-        answers = {"ada": right, "bob": partly}[student]
+        answers = answers_of(student)
         handed = json.dumps(filled(json.loads(released), answers))
         write(tmp_path / f"submitted/{student}/chapter3/chapter3.ipynb", handed)
         nbgrader("autograde", "chapter3")
         nbgrader("export", "--to", "marks.csv")
     with (tmp_path / "marks.csv").open(encoding="utf-8") as file:
         [marks] = csv.DictReader(file)
-    verdicts = [exercises.check(number, answers.get(number, {})) for number in numbers]
+    verdicts = [exercises.check(number, answers.get(number, {})) for number in NUMBERS_ASKED]
     earned, most = (sum(getattr(x, key) for x in verdicts) for key in ("earned", "points"))
     assert marks["student_id"] == student
     assert float(marks["max_score"]) == most

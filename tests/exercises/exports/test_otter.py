@@ -3,6 +3,7 @@
 import json
 import re
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +16,7 @@ from tests.exercises.exports.graders import command
 NUMBERS = exercises.names()
 SEED = 1
 SOLUTION = re.compile(r"(\w+) = (.+)  # SOLUTION")
+SET = re.compile(r"\w+ = .+")
 
 
 def source(cell: dict) -> str:
@@ -111,13 +113,89 @@ PARTLY = {
 }
 
 
-@pytest.mark.parametrize("student", ["bob", pytest.param("ada", marks=pytest.mark.slow)])
+def answers_of(student: str) -> dict[str, dict[str, str]]:
+    """Exercise -> question -> text; ada answers all."""
+    right = {number: exercises.load(number).answers() for number in NUMBERS_ASKED}
+    return {"ada": right, "bob": PARTLY}[student]
+
+
+def variables(answers: dict[str, dict[str, str]]) -> dict[str, str]:
+    """The same by the names that they have in the notebook."""
+    return {
+        f"{key}_{number.replace('.', '_')}": text
+        for number, found in answers.items()
+        for key, text in found.items()
+    }
+
+
+def points_of(answers: dict[str, dict[str, str]]) -> dict[str, tuple[float, float]]:
+    """What each answer earns in the library, and could earn."""
+    return {
+        f"{part.name}_{number.replace('.', '_')}": (part.points * part.score, part.points)
+        for number in NUMBERS_ASKED
+        for part in exercises.check(number, answers.get(number, {})).questions
+    }
+
+
+def read_by_otter(folder: Path) -> tuple[dict, dict]:
+    """The notebooks for students and for the grader, as otter assign takes them apart."""
+    from otter.assign.assignment import Assignment
+    from otter.assign.output import write_output_directories
+
+    [(name, text)] = assign_files(tasks(NUMBERS_ASKED, [0])).items()
+    (folder / name).write_text(text, "utf-8")
+    assignment = Assignment(require_valid_keys=True)
+    assignment.master, assignment.result = folder / name, folder / "made"
+    assert write_output_directories(assignment)
+    found = [folder / "made" / kind / name for kind in ("student", "autograder")]
+    student, grader = (json.loads(path.read_text("utf-8")) for path in found)
+    return student, grader
+
+
+@pytest.mark.parametrize("student", ["bob", "ada"])
+def test_otter_takes_it_apart(student, tmp_path, monkeypatch):
+    """What otter's own reader makes of a notebook: none of the solutions and tests for students,
+    and tests that grade what came back as they are run by otter."""
+    pytest.importorskip("otter.assign")
+    from otter.test_files.exception_test import ExceptionTestFile
+
+    monkeypatch.chdir(tmp_path)
+    released, grader = read_by_otter(tmp_path)
+    text = json.dumps(released)
+    assert "exercises.check" not in text
+    assert exercises.load("3.2").answers()["christoffel"] not in text
+    answers = answers_of(student)
+    scope: dict = {}
+    for cell in json.loads(filled(released, variables(answers)))["cells"]:
+        if SET.fullmatch(source(cell)):
+            exec(source(cell), scope)
+    marks, said = {}, {}
+    for name, code in grader["metadata"]["otter"]["tests"].items():
+        test = ExceptionTestFile.from_metadata(code, "chapter3.ipynb")
+        test.run(scope)
+        assert all(case.test_case.hidden for case in test.test_case_results)
+        marks[name] = (test.score, test.possible)
+        said[name] = [case.message for case in test.test_case_results if not case.passed]
+    assert marks == points_of(answers)
+    if student == "ada":
+        assert not any(said.values())
+    else:
+        assert {earned / most for earned, most in marks.values()} == {0, 0.5, 1}
+        assert marks["ricci_3_3"] == (0.5, 1)
+        assert said["christoffel_3_2"]
+        assert all("The sign is wrong." in message for message in said["christoffel_3_2"])
+
+
+# What is read in one process stands for it above.
+@pytest.mark.slow
+@pytest.mark.parametrize("student", ["bob", "ada"])
 def test_otter_assigns_and_grades(student, tmp_path):
     """otter assign takes out solutions and tests, and runs them; otter run grades what came back.
 
     What every kind of answer earns, by one student; ada answers all.
     """
     pytest.importorskip("otter.assign")
+    answers = answers_of(student)
     with command("otter.cli", "cli", tmp_path) as otter:
         [(name, text)] = assign_files(tasks(NUMBERS_ASKED, [0])).items()
         (tmp_path / name).write_text(text, "utf-8")
@@ -126,22 +204,14 @@ def test_otter_assigns_and_grades(student, tmp_path):
         assert "exercises.check" not in released
         assert exercises.load("3.2").answers()["christoffel"] not in released
         [grader] = (tmp_path / "made/autograder").glob("*.zip")
-        right = {number: exercises.load(number).answers() for number in NUMBERS_ASKED}
-        answers = {"ada": right, "bob": PARTLY}[student]
-        given = {f"{key}_{number.replace('.', '_')}": text
-                 for number, found in answers.items() for key, text in found.items()}  # fmt: skip
         folder = tmp_path / student
         folder.mkdir()
-        (folder / name).write_text(filled(json.loads(released), given), "utf-8")
+        (folder / name).write_text(filled(json.loads(released), variables(answers)), "utf-8")
         otter("run", "-a", str(grader), "-o", str(folder), "--no-logo", str(folder / name))
     found = json.loads((folder / "results.json").read_text("utf-8"))
     tests = {test["name"]: test for test in found["tests"] if "score" in test}
     marks = {name: (test["score"], test["max_score"]) for name, test in tests.items()}
-    verdicts = {
-        number: exercises.check(number, answers.get(number, {})) for number in NUMBERS_ASKED
-    }
-    points = {f"{part.name}_{number.replace('.', '_')}": (part.points * part.score, part.points)
-              for number, verdict in verdicts.items() for part in verdict.questions}  # fmt: skip
+    points = points_of(answers)
     assert marks == points
     if student == "ada":
         assert all(earned == most for earned, most in marks.values())
