@@ -42,6 +42,8 @@ ROUTES: Mapping[tuple[str, str], str] = {
     ("GET", "/favicon.ico"): "the icon of the window",
     ("GET", "/apple-touch-icon.png"): "the icon on a telephone",
     ("GET", "/manifest.json"): "the page as it is kept on a telephone",
+    ("GET", "/android-chrome-192x192.png"): "the icon that it names, loaded with it",
+    ("GET", "/android-chrome-512x512.png"): "the same, larger",
     ("GET", "/public-files-sw.js"): "a script that the front end registers when it begins",
     ("GET", "/health"): "whether the server is still there, asked when the page begins",
     ("GET", "/auth/login"): "where a token is asked for, if there is one",

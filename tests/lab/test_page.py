@@ -443,11 +443,11 @@ def test_names_and_values_for_readers(standing: Watched):
     assert [name for name in names if "<" in name] == []
 
 
-def test_dark_and_narrow(browser: Any, address: str):
+def test_dark_and_narrow(watched: Watched, address: str):
     """By night everything is dark; on a phone the picture comes before what moves it."""
-    context = browser.new_context(viewport={"width": 400, "height": 800}, color_scheme="dark")
-    page = context.new_page()
-    page.set_default_timeout(30_000)
+    page = watched.page
+    page.set_viewport_size({"width": 400, "height": 800})
+    page.emulate_media(color_scheme="dark")
     page.goto(f"{address}?tab=The+top")
     page.wait_for_selector(READY["The top"])
     dark = """(e) => { while (e) {
@@ -464,7 +464,6 @@ def test_dark_and_narrow(browser: Any, address: str):
     assert film["y"] < 800
     assert film["y"] < sliders["y"] < plan["y"]
     assert too_wide(page) == []
-    context.close()
 
 
 def test_what_is_watched_is_drawn(standing: Watched):
