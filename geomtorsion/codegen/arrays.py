@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from geomtorsion.checks import entries, instance, shown
+from geomtorsion.checks import array, cut, entries, flag, instance, shown
 from geomtorsion.codegen.evaluation import ball_values
 from geomtorsion.codegen.expression_graph import Graph, branch_check, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
@@ -47,6 +47,9 @@ def numpy_function(
     ------
     MissingValueError
         an element contains a symbol that is not among the arguments.
+    ArgumentError
+        (from the function, too) a symbol comes twice; an argument is no number and no array of real
+        ones, or, if values are to be right, not finite.
     BranchError
         (from the function) a root has not the sign with which it was read, see `Frame.branches`.
     SingularPointError
@@ -67,6 +70,10 @@ def numpy_function(
     elements = entries(elements, "elements")
     for k, element in enumerate(elements):
         instance(element, Element, f"elements[{k}]")
+    flag(check, "check")
+    for k, symbol in enumerate(symbols):
+        if str(symbol) in map(str, symbols[:k]):
+            raise ArgumentError(f"symbols[{k}]: {cut(str(symbol))} came twice. Give it once.")
     made = graph([str(symbol) for symbol in symbols], elements, factor=False)
     inner, settled = made.numpy(), Settled(made)
     names = [str(symbol) for symbol in symbols]
@@ -85,29 +92,43 @@ def numpy_function(
                 f"{len(symbols)} arguments are needed ({', '.join(map(str, symbols))}), "
                 f"{len(values)} came"
             )
+        given = [_argument(*pair, check) for pair in zip(names, values, strict=True)]
         try:
-            if not check:
-                result = inner(*values)
-                if branches is not None:
-                    result[:, branches.broken(*values).any(axis=0)] = np.nan
-                return result
-            if branches is not None:
-                branches.refuse(*values)
-            result, doubtful = settled(*values)
-        except (TypeError, ValueError):
+            np.broadcast_shapes(*map(np.shape, given))
+        except ValueError:
             came = shown(values)
             raise ArgumentError(
                 f"numbers or arrays of one shape were needed, {came} came"
             ) from None
+        if not check:
+            result = inner(*given)
+            if branches is not None:
+                result[:, branches.broken(*given).any(axis=0)] = np.nan
+            return result
+        if branches is not None:
+            branches.refuse(*given)
+        result, doubtful = settled(*given)
         if doubtful.any():
-            lost = settled.mend(result, doubtful, values, last_resort)
+            lost = settled.mend(result, doubtful, given, last_resort)
             if lost is not None:
-                raise SingularPointError(_where_singular(lost, values, elements, symbols))
+                raise SingularPointError(_where_singular(lost, given, elements, symbols))
         return result
 
     # Functions have room for attributes of their own, which types do not say.
     function.source = made.python_source()  # type: ignore[attr-defined]
     return function
+
+
+def _argument(name: str, value: ArrayLike, is_finite: bool) -> ArrayLike:
+    """An argument as floats; they are left as they came where they are."""
+    is_float = type(value) is float or (type(value) is np.ndarray and value.dtype == np.float64)
+    if is_float and not (is_finite and not np.isfinite(value).all()):
+        return value
+    message = "{subject}: a number or an array of real numbers was needed, but {value} came."
+    infinite = "{subject}{place} = {value} is not finite. Give finite numbers."
+    return array(
+        value, name, ArgumentError, message=message, infinite=infinite if is_finite else None
+    )
 
 
 def _where_singular(

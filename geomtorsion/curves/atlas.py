@@ -21,10 +21,12 @@ from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.edges import Edge, edges_of
 from geomtorsion.errors import (
+    ArgumentError,
     BranchError,
     ChartEdgeError,
     GeomtorsionError,
     MissingValueError,
+    ShapeError,
     SingularPointError,
     StartError,
     UnknownNameError,
@@ -283,6 +285,16 @@ class TransitionMap:
     sample: Mapping[sp.Symbol, Any] | None = None
     written: Written | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("source", "target"):
+            checks.text(getattr(self, name), name, ArgumentError)
+        for name in ("coordinates", "parameters"):
+            for k, symbol in enumerate(checks.entries(getattr(self, name), name)):
+                checks.instance(symbol, sp.Symbol, f"{name}[{k}]")
+        size = len(checks.entries(self.expressions, "expressions"))
+        for k, index in enumerate(checks.entries(self.angles, "angles")):
+            checks.count(index, f"angles[{k}]", ArgumentError, 0, size - 1)
+
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
@@ -308,23 +320,65 @@ class TransitionMap:
         }
         return ElementMatrix(entries, (len(self.elements), len(self.coordinates)))
 
-    def __call__(self, coordinates: Any, parameters: Mapping[str, Real]) -> np.ndarray:
-        """Target coordinates of points with shape (size, ...)."""
-        numbers = {p.name: float(parameters[p.name]) for p in self.parameters}
+    def __call__(self, coordinates: Any, parameters: Mapping[Any, Real]) -> np.ndarray:
+        """Target coordinates of points with shape (size, ...); not finite where there are none.
+
+        Raises
+        ------
+        ShapeError
+            There is not one number, or one array, for each coordinate.
+        ArgumentError
+            One is no real number, or a parameter is not among the values.
+        """
+        numbers = {name: float(x) for name, x in self._numbers(parameters).items()}
+        place = self._places(coordinates)
         if self.written is None:
-            return self._function(*coordinates, *numbers.values())
-        place = [np.asarray(x, dtype=float) for x in coordinates]
+            return self._function(*place, *numbers.values())
+        place = [checks.array(x, "coordinates", ArgumentError, infinite=None) for x in place]
         # Outside of the source chart there are no values; whoever asked looks at what came.
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_arrays(*self.written(FLOATS, place, numbers)))
 
+    def _places(self, coordinates: Any) -> list[Any]:
+        """One entry for each coordinate."""
+        is_array = isinstance(coordinates, np.ndarray) and coordinates.ndim > 0
+        # Points stay the arrays that they are.
+        found = (
+            list(coordinates)
+            if is_array
+            else checks.entries(coordinates, "coordinates", ShapeError)
+        )
+        if len(found) != len(self.coordinates):
+            names = ", ".join(symbol.name for symbol in self.coordinates)
+            raise ShapeError(
+                f"coordinates: {len(self.coordinates)} ({names}) were needed, but {len(found)} "
+                "came."
+            )
+        return found
+
+    def _numbers(self, parameters: Mapping[Any, Real]) -> dict[str, Real]:
+        """The values of the parameters; those of others are left out."""
+        given = checks.by_name(parameters, "parameters")
+        missing = [p.name for p in self.parameters if p.name not in given]
+        if missing:
+            raise ArgumentError(
+                f"{', '.join(missing)} has no value. Give parameters={{{missing[0]!r}: ...}}."
+            )
+        names = [p.name for p in self.parameters]
+        return {
+            name: checks.exact_number(given[name], f"parameter {name}", ArgumentError)
+            for name in names
+        }
+
     def precisely(
-        self, values: Sequence[Real], parameters: Mapping[str, Real], bits: int
+        self, values: Sequence[Real], parameters: Mapping[Any, Real], bits: int
     ) -> list[mpmath.mpf]:
-        """Target coordinates of one point as mpmath numbers."""
+        """Target coordinates of one point as mpmath numbers of so many bits; see `__call__`."""
+        checks.count(bits, "bits", ArgumentError, 2)
+        place = checks.numbers(self._places(values), None, "coordinates", ArgumentError)
         names = [symbol.name for symbol in self.coordinates]
-        point = {name: mpf(x, bits) for name, x in zip(names, values, strict=True)}
-        numbers = {p.name: mpf(parameters[p.name], bits) for p in self.parameters}
+        point = {name: mpf(x, bits) for name, x in zip(names, place, strict=True)}
+        numbers = {name: mpf(x, bits) for name, x in self._numbers(parameters).items()}
         if self.written is not None:
             with working_precision(2 * bits):
                 found = self.written(DIGITS, list(point.values()), numbers)

@@ -37,6 +37,9 @@ def numpy_function(
     ------
     MissingValueError
         a symbol occurs that is not among the arguments.
+    ArgumentError
+        (from the function, too) a symbol comes twice; an argument is no number and no array of real
+        ones, or, if values are to be right, not finite.
     SingularPointError
         (from the function) a value is not finite, or drowns in rounding; the message names it.
 

@@ -8,7 +8,7 @@ import sympy as sp
 from sympy import exp, sin
 
 from geomtorsion import numpy_function
-from geomtorsion.errors import MissingValueError, SingularPointError
+from geomtorsion.errors import ArgumentError, MissingValueError, SingularPointError
 from geomtorsion.exact import Field
 from tests.exact.symbols import POINT, number, x, y
 from tests.exact.test_reading import CONSTRUCTS
@@ -74,3 +74,36 @@ def test_opaque_functions_without_a_form():
     element = Field([x]).read(sp.airyai(x))
     with pytest.raises(MissingValueError, match="has no NumPy form here"):
         numpy_function([element], [x])
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "1", ["1"], True, None, {}, {1.0, 2.0}, 1j, np.array([1j, 2.0]), [[1], [1, 2]], x,
+        np.array(["2020-01-01"], dtype="M8[D]"), np.array([1, None]),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("check", [True, False])
+def test_what_is_no_real_number_is_refused(given, check):
+    """None of it is read as a number, cut to its real part, or an error of NumPy."""
+    function = numpy_function([Field([x, y]).read(x + y)], [x, y], check=check)
+    with pytest.raises(ArgumentError, match="y: a number or an array of real numbers was needed"):
+        function(1.0, given)
+
+
+@pytest.mark.parametrize("given", [np.nan, np.inf, 10**400, np.ma.array([1.0, 2.0], mask=[0, 1])])
+def test_what_is_not_finite_is_refused_where_values_are_right(given):
+    """Without the check it comes as it is; what is masked is not known."""
+    read = [Field([x, y]).read(x + y)]
+    with pytest.raises(ArgumentError, match=r"y(\[1\])? = (nan|inf) is not finite"):
+        numpy_function(read, [x, y])(1.0, given)
+    assert not np.isfinite(numpy_function(read, [x, y], check=False)(1.0, given)[0, ...]).all()
+
+
+def test_arguments_that_do_not_fit():
+    """Shapes that do not go together, and a symbol that comes twice."""
+    read = [Field([x, y]).read(x + y)]
+    with pytest.raises(ArgumentError, match="numbers or arrays of one shape were needed"):
+        numpy_function(read, [x, y])([1.0, 2.0], [1.0, 2.0, 3.0])
+    with pytest.raises(ArgumentError, match=r"symbols\[2\]: x came twice"):
+        numpy_function(read, [x, y, sp.Symbol("x", positive=True)])

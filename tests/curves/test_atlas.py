@@ -2,10 +2,16 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
-from geomtorsion.curves.atlas import atlas_of
-from geomtorsion.errors import ChartEdgeError, UnknownNameError
+from geomtorsion.curves.atlas import TransitionMap, atlas_of
+from geomtorsion.errors import (
+    ArgumentError,
+    ChartEdgeError,
+    GeomtorsionError,
+    UnknownNameError,
+)
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
@@ -218,3 +224,44 @@ def test_polar_orbit_of_kerr(engine, end):
     assert np.abs(momentum).max() < 1e-7
     assert energy == pytest.approx(np.full(count, energy[0]), rel=1e-7)
     assert constant == pytest.approx(np.full(count, constant[0]), rel=1e-6)
+
+
+X, Y, K = sp.symbols("x y k")
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "parameters", "message"),
+    [
+        ([1.0], {"k": 1}, r"coordinates: 2 \(x, y\) were needed, but 1 came"),
+        ([1.0, 2.0, 3.0], {"k": 1}, r"coordinates: 2 \(x, y\) were needed, but 3 came"),
+        (3, {"k": 1}, "coordinates: a list was needed, but 3 came"),
+        (["1", 2.0], {"k": 1}, "a number.* was needed, but '1' came"),
+        ([1.0, 2j], {"k": 1}, "a number.* was needed, but 2j came"),
+        ([1.0, 2.0], None, "k has no value"),
+        ([1.0, 2.0], {"k": "1"}, "parameter k: a number was needed, but '1' came"),
+    ],
+)
+def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, message):
+    """As floats or precisely: the same is refused, in words; parameters go by symbols, too."""
+    change = TransitionMap("one", "other", (X, Y), (X + K * Y, X * Y), (K,))
+    assert change([1.0, 2.0], {K: 2}).tolist() == [5.0, 2.0]
+    assert change.precisely([1, 2], {"k": 2}, 100) == [5, 2]
+    for ask in (change, lambda *given: change.precisely(*given, 100)):
+        with pytest.raises(GeomtorsionError, match=message):
+            ask(coordinates, parameters)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((1, "b", (X, Y), (X, Y)), "source: a text was needed"),
+        (("a", "b", "xy", (X, Y)), "coordinates: a list was needed"),
+        (("a", "b", (X, "y"), (X, Y)), r"coordinates\[1\]: a Symbol was needed"),
+        (("a", "b", (X, Y), 5), "expressions: a list was needed"),
+        (("a", "b", (X, Y), (X, Y), (), (2,)), r"angles\[0\]: a whole number from 0 to 1"),
+    ],
+)
+def test_a_change_of_charts_is_written_wrongly(given, message):
+    """It is said where it is made."""
+    with pytest.raises(ArgumentError, match=message):
+        TransitionMap(*given)
