@@ -43,6 +43,7 @@ LISTED = "{subject}: a list of numbers was needed, but {value} came."
 COUNTED = "{subject}: {wanted} numbers were needed, but {came} came."
 SHAPED = "{subject}: shape {wanted} was needed, but {came} came."
 WHOLE = "{subject}: a whole number {range} was needed, but {value} came."
+FLAG = "{subject}: True or False was needed, but {value} came."
 WORD = "{subject}: one of {known} was needed, but {value} came."
 TEXT = "{subject}: a text was needed, but {value} came."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
@@ -216,6 +217,20 @@ def positive(
     return size
 
 
+def whole(value: object) -> int | None:
+    """A whole number of Python, NumPy or sympy as an int; None for all else, truth values too.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> whole(-3), whole(sp.Integer(2)), whole(2.0), whole(True)
+    (-3, 2, None, None)
+    """
+    found = plain(value)
+    is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
+    return int(found) if is_whole else None
+
+
 def count(
     value: object,
     subject: str,
@@ -236,10 +251,9 @@ def count(
     Traceback (most recent call last):
     geomtorsion.errors.TimeError: seed: a whole number from 1 to 1,000,000 was needed, but 2.5 came.
     """
-    found = plain(value)
-    is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
-    if is_whole and low <= found and (high is None or found <= high):
-        return int(found)
+    found = whole(value)
+    if found is not None and low <= found and (high is None or found <= high):
+        return found
     bounds = f"from {low:,} on" if high is None else f"from {low:,} to {high:,}"
     _fail(error, message, subject, value, range=bounds)
 
@@ -414,7 +428,9 @@ def instance(
     raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
 
 
-def flag(value: object, subject: str, error: ErrorClass = ArgumentError) -> bool:
+def flag(
+    value: object, subject: str, error: ErrorClass = ArgumentError, *, message: str = FLAG
+) -> bool:
     """True or False, and nothing that only counts as one.
 
     Examples
@@ -426,7 +442,7 @@ def flag(value: object, subject: str, error: ErrorClass = ArgumentError) -> bool
     found = plain(value)
     if isinstance(found, bool):
         return found
-    raise error(f"{subject}: True or False was needed, but {shown(value)} came.")
+    _fail(error, message, subject, value)
 
 
 def entries(

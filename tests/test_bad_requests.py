@@ -2,15 +2,19 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion.errors import (
     GeomtorsionError,
+    LoopError,
+    NetworkError,
     ShapeError,
     SingularPointError,
     TensorIndexError,
+    TimeError,
     UnknownNameError,
 )
 
@@ -38,6 +42,61 @@ def test_index_out_of_range_or_too_few():
     for index in bad:
         with pytest.raises(TensorIndexError, match="2"):
             metric[index]
+
+
+WHOLE: list[Any] = [np.int64(1), sp.Integer(1), np.array(1)]
+
+
+@pytest.mark.parametrize("one", WHOLE, ids=["numpy", "sympy", "array"])
+def test_whole_numbers_of_every_kind_are_indices(one: Any):
+    """What is a number 1 anywhere is one as an index, a coordinate, a count and an edge."""
+    frame = gt.Frame([x, y], [[1, 0], [0, x]])
+    assert frame.coframe[one, one] == x
+    if type(one).__hash__:  # an array cannot be a key
+        assert [row.value for row in frame.coframe.table(where={one: one})] == [x]
+    loop = gt.Loop.circle([1, 2], 0.5, plane=(0, one))
+    assert loop.points(8) == pytest.approx(gt.Loop.circle([1, 2], 0.5, plane=(0, 1)).points(8))
+    assert loop.times(one).name == "circle"
+    square = gt.Cochain.of_edges([[0, 1], [1, 0]], [[1], [2]])
+    if type(one).__hash__:
+        assert square.over({one: 1}).vectors.tolist() == [[2]]
+
+
+@pytest.mark.parametrize("none", [True, 1.0, "1"])
+def test_what_is_no_whole_number_is_none_anywhere(none: Any):
+    """Truth values, floats and text are not taken for one."""
+    frame = gt.Frame([x, y], [[1, 0], [0, x]])
+    with pytest.raises(TensorIndexError, match="needed are 2 whole numbers"):
+        frame.coframe[none, 1]
+    with pytest.raises(TensorIndexError, match="has no index"):
+        frame.coframe.table(where={none: 1})
+    with pytest.raises(LoopError, match="coordinate numbers or vectors"):
+        gt.Loop.circle([1, 2], 0.5, plane=(0, none))
+    with pytest.raises(LoopError, match="whole number of turns"):
+        gt.Loop.circle([1, 2], 0.5).times(none)
+
+
+MASKED = np.ma.masked_greater(np.array([0.1, 0.2]), 0.15)
+TIMES: list[Any] = ["abc", [0.1, "x"], 1j, [[1, 2], [3]], True, object(), MASKED]
+
+
+@pytest.mark.parametrize("times", TIMES, ids=range(len(TIMES)))
+def test_times_that_are_none(times: Any):
+    """Of a closed form and of the result of a scene: refused in our words, masked ones too."""
+    with pytest.raises(TimeError):
+        gt.free_top((1, 2, 3), (0.1, 1, 0.2)).omega(times)
+    body = gt.Body(mass=1.0, moments=(1, 1, 0.5))
+    result = gt.Scene(body, start=gt.State(omega=(0.1, 0, 20)), watch=["omega"], t=1).run()
+    with pytest.raises(TimeError):
+        result.at(times)
+
+
+def test_positions_that_are_none():
+    """Of a network without a graph."""
+    places: Any = [["a", 0], [1, 0]]
+    network = gt.Network(gt.Frame([x, y], UNIT), gt.EdgeList(places, np.array([[0, 1]])))
+    with pytest.raises(NetworkError, match="positions: an array of real numbers was needed"):
+        _ = network.cycle_count
 
 
 def test_contraction_that_does_not_fit():

@@ -12,6 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
 from geomtorsion.exercises.limits import MOST
@@ -77,13 +78,9 @@ def read_submission(path: str | PathLike[str]) -> Submission:
             'student = "Ada Lovelace".'
         )
     seed = data.get("seed")
-    if seed is not None and (
-        isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= MOST.seed
-    ):
-        raise FileFormatError(
-            f"{path.name}: seed: a whole number from 0 to {MOST.seed:,} was needed, but "
-            f"{str(seed)[:40]!r} came. Write seed = 7."
-        )
+    if seed is not None:
+        message = f"{checks.WHOLE} Write seed = 7."
+        checks.count(seed, f"{path.name}: seed", FileFormatError, 0, MOST.seed, message=message)
     table = data.get("answers", {})
     if not isinstance(table, dict):
         raise FileFormatError(

@@ -396,16 +396,18 @@ def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[
     """Which indices have one value only, given by number or by name."""
     coordinates = [symbol.name for symbol in tensor.frame.coordinates]
     fixed = {}
-    for place, value in checks.table(where, "where").items():
-        rank = len(tensor.slots)
-        if not isinstance(place, int) or isinstance(place, bool) or not 0 <= place < rank:
+    for key, value in checks.table(where, "where").items():
+        rank, place = len(tensor.slots), checks.whole(key)
+        if place is None or not 0 <= place < rank:
             raise TensorIndexError(
-                f"where: {tensor.label} has no index {checks.shown(place)}: it has {rank}, "
+                f"where: {tensor.label} has no index {checks.shown(key)}: it has {rank}, "
                 "counted from 0. Give {index: its value}, such as {0: 'r'}."
             )
         known = next((list_ for list_ in (names, coordinates) if value in list_), None)
-        found = known.index(value) if known is not None and isinstance(value, str) else value
-        if not isinstance(found, int) or isinstance(found, bool) or not 0 <= found < len(names):
+        found = checks.whole(value)
+        if known is not None and isinstance(value, str):
+            found = known.index(value)
+        if found is None or not 0 <= found < len(names):
             raise TensorIndexError(
                 f"where[{place}] = {checks.shown(value)}: needed is a whole number from 0 to "
                 f"{len(names) - 1}, or one of {', '.join(names)}."

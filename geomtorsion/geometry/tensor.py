@@ -112,8 +112,9 @@ class Tensor:
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
         n = self.frame.dimension
-        place = tuple([k if type(k) is int else _whole(k) for k in index])
-        if len(place) != len(self.slots) or not all(0 <= k < n for k in place):
+        found = [k if type(k) is int else checks.whole(k) for k in index]
+        place = tuple([k for k in found if k is not None and 0 <= k < n])
+        if not len(place) == len(found) == len(self.slots):
             came = ", ".join(map(checks.shown, index))
             raise TensorIndexError(
                 f"{self.label}[{came}]: needed are {len(self.slots)} whole numbers from 0 to "
@@ -267,12 +268,15 @@ class Tensor:
 
     def _place(self, k: SupportsIndex | None) -> int | None:
         """A valid position of an index, or None."""
-        if k is not None and not 0 <= _whole(k) < len(self.slots):
+        if k is None:
+            return None
+        place = checks.whole(k)
+        if place is None or not 0 <= place < len(self.slots):
             raise TensorIndexError(
                 f"{self.label} has no index {checks.shown(k)}: it has {len(self.slots)}, "
                 "counted from 0."
             )
-        return None if k is None else _whole(k)
+        return place
 
     # -- arithmetic ----------------------------------------------------------------------------
 
@@ -487,10 +491,3 @@ class Tensor:
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
     # What sympy asks for: by the name of the class it would take this for a tensor of its own.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text
-
-
-def _whole(k: object) -> int:
-    """A whole number of Python, sympy or NumPy as an index; -1, which is none, for all else."""
-    found = checks.plain(k)
-    is_whole = isinstance(found, int | sp.Integer) and not isinstance(found, bool)
-    return int(found) if is_whole else -1

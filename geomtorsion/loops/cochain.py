@@ -384,13 +384,14 @@ class Cochain:
         """Chains as a sparse matrix of whole numbers."""
         count, name = len(self.values), NAMES[self.degree]
         if isinstance(chains, Mapping):
-            for k in chains:
-                if not isinstance(k, int | np.integer) or not 0 <= k < count:
+            numbers = [checks.whole(k) for k in chains]
+            for k, number in zip(chains, numbers, strict=True):
+                if number is None or not 0 <= number < count:
                     raise NetworkError(
                         f"chain: numbers of {name}s from 0 to {count - 1} were needed, but "
                         f"{checks.shown(k)} came."
                     )
-            columns = np.array([int(k) for k in chains], dtype=np.int64)
+            columns = np.array(numbers, dtype=np.int64)
             signs = np.array(list(chains.values()))
             if not signs.size:
                 signs = np.zeros(0, dtype=np.int64)

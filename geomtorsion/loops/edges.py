@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.errors import NetworkError, SingularPointError
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.complexes import Complex
@@ -78,7 +79,7 @@ def edge_list(graph: nx.Graph[Hashable] | EdgeList, position: str, dimension: in
         There are no edges, a node has no usable position, or an edge no length.
     """
     if isinstance(graph, EdgeList):
-        positions = np.asarray(graph.positions, dtype=float)
+        positions = checks.array(graph.positions, "positions", NetworkError, infinite=None)
         pairs = np.asarray(graph.pairs)
         labels: Sequence[Hashable] = graph.labels or range(len(positions))
     else:

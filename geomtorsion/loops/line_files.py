@@ -189,8 +189,10 @@ def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
 def _name(label: Hashable) -> int | str | list[int]:
     """The name of a node, as JSON can keep it."""
     plain = checks.plain(label)
-    if isinstance(plain, str) or (isinstance(plain, int) and not isinstance(plain, bool)):
+    if isinstance(plain, str):
         return plain
+    if (number := checks.whole(plain)) is not None:
+        return number
     if isinstance(plain, tuple) and all(type(x) is int for x in plain):
         return list(plain)
     raise NetworkError(

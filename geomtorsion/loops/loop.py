@@ -304,8 +304,8 @@ class Loop:
         LoopError
             The count is not a whole number other than zero.
         """
-        turns = checks.plain(count)
-        if not isinstance(turns, int) or isinstance(turns, bool) or turns == 0:
+        turns = checks.whole(count)
+        if not turns:
             raise LoopError(f"a whole number of turns other than 0 was needed, but {count!r} came.")
         if turns < 0:
             return self.reversed().times(-turns)

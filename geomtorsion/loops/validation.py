@@ -94,12 +94,13 @@ def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _direction(side: Any, dimension: int) -> tuple[float, ...]:
     """A unit vector along a coordinate, or the vector that was given."""
-    if isinstance(side, int) and not isinstance(side, bool):
-        if not 0 <= side < dimension:
+    number = checks.whole(side)
+    if number is not None:
+        if not 0 <= number < dimension:
             raise LoopError(
-                f"plane: there is no coordinate {side}; there are {dimension}, counted from 0."
+                f"plane: there is no coordinate {number}; there are {dimension}, counted from 0."
             )
-        return tuple(float(k == side) for k in range(dimension))
+        return tuple(float(k == number) for k in range(dimension))
     if isinstance(side, str) or not hasattr(side, "__len__"):
         came = checks.shown(side)
         raise LoopError(f"plane: coordinate numbers or vectors were needed, but {came} came.")
@@ -117,9 +118,9 @@ def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.n
 def exact_rows(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """The two directions of a plane as exact vectors."""
     first, second = (
-        [sp.Integer(k == side) for k in range(dimension)]
-        if isinstance(side, int)
-        else [exact_number(x) for x in side]
+        [exact_number(x) for x in checks.rows(side)]
+        if hasattr(side, "__len__")
+        else [sp.Integer(k == checks.whole(side)) for k in range(dimension)]
         for side in plane
     )
     return first, second

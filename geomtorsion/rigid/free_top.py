@@ -13,6 +13,7 @@ import flint
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geomtorsion import checks
 from geomtorsion.errors import StartError, TimeError
 from geomtorsion.ode.numbers import checked_numbers, floats
 from geomtorsion.precision import EPS, PRINTED, ball_precision
@@ -225,9 +226,8 @@ class FreeTop:
 
     def _checked(self, times: ArrayLike) -> NDArray[Any]:
         """Times as an array of finite numbers, early enough to be told apart."""
-        t = np.asarray(times, dtype=float)
-        if not np.isfinite(t).all():
-            raise TimeError("a time of a free top is not finite. Give finite times.")
+        infinite = "a time of a free top is not finite. Give finite times."
+        t = checks.array(times, "times", TimeError, infinite=infinite)
         top = self.constants
         if top is not None and t.size and np.abs(t).max() > FLIPS * top.half.high:
             raise TimeError(

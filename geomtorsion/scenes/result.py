@@ -18,6 +18,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
+from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.style import pictured
@@ -164,7 +165,7 @@ class SceneResult:
         """
         if self.scene is None:
             raise SceneError("a result from a file has no values between its times; run the scene.")
-        asked = np.asarray(time, dtype=float)
+        asked = times_between(time)
         flat = np.atleast_1d(asked)
         if self.form is not None:
             states = self.form.states(flat)

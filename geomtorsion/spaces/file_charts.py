@@ -9,13 +9,13 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.checks import did_you_mean, shown
+from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.errors import CoordinateError, FileFormatError
 from geomtorsion.files import Decimal
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.vocabulary import Vocabulary, array, texts, vocabulary
+from geomtorsion.spaces.vocabulary import FLAG, Vocabulary, array, texts, vocabulary
 
 # Of a chart, and of the coordinates of the file.
 EDGE_KEYS = ("edge", "margin")
@@ -107,10 +107,7 @@ def _chart(
     each = range(frame.dimension)
     rows = array(words, f"{place}.coframe", table["coframe"], 2, frame.dimension)
     keeps = table.get("keeps_frame", False)
-    if not isinstance(keeps, bool):
-        raise FileFormatError(
-            f"{words.file}: {place}.keeps_frame: true or false was needed, not {shown(keeps)}."
-        )
+    flag(keeps, f"{words.file}: {place}.keeps_frame", FileFormatError, message=FLAG)
     eta = [[frame.eta[i, j] for j in each] for i in each]
     other = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
     return Chart.of(other, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))

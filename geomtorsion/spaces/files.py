@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geomtorsion.checks import did_you_mean, shown
+from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.files import Decimal, read_toml
 from geomtorsion.geometry import (
@@ -20,6 +20,7 @@ from geomtorsion.geometry import (
 )
 from geomtorsion.spaces.space import Space
 from geomtorsion.spaces.vocabulary import (
+    FLAG,
     Vocabulary,
     antisymmetric_array,
     array,
@@ -167,11 +168,7 @@ def _frame(words: Vocabulary, data: Mapping[str, object], shape: str, name: str)
     """The frame in whichever of the four ways it is given."""
     file, n = words.file, len(words.coordinates)
     signature = _signature(words, data)
-    is_complex = data.get("complex", False)
-    if not isinstance(is_complex, bool):
-        raise FileFormatError(
-            f"{file}: complex: true or false was needed, not {shown(is_complex)}."
-        )
+    is_complex = flag(data.get("complex", False), f"{file}: complex", FileFormatError, message=FLAG)
     domain = words.relations(data["domain"], "domain") if "domain" in data else None
     if shape == "structure_constants":
         _without(file, data, shape, "complex", "domain")

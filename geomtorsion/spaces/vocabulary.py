@@ -20,6 +20,9 @@ _NAME = re.compile(r"[^\W0-9]\w*")
 _COMPARISON = re.compile(r"(<=|>=|<|>)")
 _RELATIONS = {"<": sympy.Lt, ">": sympy.Gt, "<=": sympy.Le, ">=": sympy.Ge}
 
+# As TOML writes them.
+FLAG = "{subject}: true or false was needed, not {value}."
+
 
 @dataclass(frozen=True)
 class Vocabulary:

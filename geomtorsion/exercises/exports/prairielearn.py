@@ -14,6 +14,7 @@ from string import ascii_lowercase
 from typing import Any
 from uuid import NAMESPACE_URL, uuid5
 
+from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
 from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.exercise import Exercise
@@ -125,10 +126,11 @@ def generate(data: Data, number: str, seeds: Sequence[int]) -> None:
     >>> data["params"]["seed"], data["correct_answers"]
     (1, {'christoffel': '3/(sinh(3*phi2)*cosh(3*phi2))'})
     """
-    variant = data.get("variant_seed")
-    if isinstance(variant, bool) or not isinstance(variant, int):
+    variant = checks.whole(data.get("variant_seed"))
+    if variant is None:
+        came = checks.shown(data.get("variant_seed"))
         raise ArgumentError(
-            f"variant_seed: a whole number was needed, but {str(variant)[:40]!r} came. "
+            f"variant_seed: a whole number was needed, but {came} came. "
             "PrairieLearn puts it into the data of generate."
         )
     exercise = load(number, seeds[variant % len(seeds)])
