@@ -92,7 +92,7 @@ def numpy_function(
                 f"{len(symbols)} arguments are needed ({', '.join(map(str, symbols))}), "
                 f"{len(values)} came"
             )
-        given = [_argument(*pair, check) for pair in zip(names, values, strict=True)]
+        given = tuple(_argument(*pair, check) for pair in zip(names, values, strict=True))
         try:
             np.broadcast_shapes(*map(np.shape, given))
         except ValueError:

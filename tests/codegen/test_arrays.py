@@ -91,7 +91,9 @@ def test_what_is_no_real_number_is_refused(given, check):
         function(1.0, given)
 
 
-@pytest.mark.parametrize("given", [np.nan, np.inf, 10**400, np.ma.array([1.0, 2.0], mask=[0, 1])])
+@pytest.mark.parametrize(
+    "given", [np.nan, np.inf, 10**400, np.ma.array([1.0, 2.0], mask=[False, True])]
+)
 def test_what_is_not_finite_is_refused_where_values_are_right(given):
     """Without the check it comes as it is; what is masked is not known."""
     read = [Field([x, y]).read(x + y)]

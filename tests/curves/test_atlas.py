@@ -1,5 +1,7 @@
 """Charts: motions go on where coordinates end, and nothing is lost at the change."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -246,7 +248,7 @@ def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, messag
     change = TransitionMap("one", "other", (X, Y), (X + K * Y, X * Y), (K,))
     assert change([1.0, 2.0], {K: 2}).tolist() == [5.0, 2.0]
     assert change.precisely([1, 2], {"k": 2}, 100) == [5, 2]
-    for ask in (change, lambda *given: change.precisely(*given, 100)):
+    for ask in (change, partial(change.precisely, bits=100)):
         with pytest.raises(GeomtorsionError, match=message):
             ask(coordinates, parameters)
 
