@@ -48,7 +48,8 @@ WORD = "{subject}: one of {known} was needed, but {value} came."
 TEXT = "{subject}: a text was needed, but {value} came."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
 EXPRESSION = "{subject}: one expression was needed, but {value} came."
-# What sympy is told of a symbol, and what its values have to be then.
+# What sympy is told of a symbol, and what its values have to be then. Zero is where values end that
+# are positive, or not zero.
 _ALLOWED = {
     "positive": "nonnegative",
     "negative": "nonpositive",
@@ -56,12 +57,14 @@ _ALLOWED = {
     "nonpositive": "nonpositive",
     "real": "real",
     "integer": "integer",
+    "even": "even",
+    "odd": "odd",
 }
-# Numbers that have a sign and are whole or not.
-_LIKE: dict[tuple[int, bool], sp.Expr] = {
-    (sign, whole): sp.Rational(sign, 1 if whole else 2)
+# A number of each sign that is a half, odd or even.
+_LIKE: dict[tuple[int, float], sp.Expr] = {
+    (sign, rest): sp.Rational(sign) * size
     for sign in (-1, 0, 1)
-    for whole in (False, True)
+    for rest, size in ((0.5, sp.Rational(1, 2)), (1, sp.Integer(1)), (0, sp.Integer(2)))
 }
 
 _GREEK: dict[str, str] = dict(
@@ -402,8 +405,9 @@ Give another value, or declare k without it.
     if size is None:
         like = expression(found, symbol.name, CoordinateError)
     else:
-        # Sign and wholeness decide, which sympy knows of these at once, but not of a new float.
-        like = _LIKE[(size > 0) - (size < 0), size.is_integer()]
+        # Sign and rest decide, which sympy knows of these at once, but not of a new float.
+        whole = found if isinstance(found, int) else size
+        like = _LIKE[(size > 0) - (size < 0), whole % 2 if whole == whole // 1 else 0.5]
     if words := against(symbol, like):
         raise CoordinateError(
             f"{symbol} was declared {', '.join(words)}, but {found} was to be put in its place. "

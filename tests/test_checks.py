@@ -303,3 +303,31 @@ def test_values_against_what_was_declared(kind):
     with pytest.raises(CoordinateError, match="M was declared integer, but 0.5"):
         checks.check_declared(whole, 0.5)
     checks.check_declared(sp.Symbol("M"), 1j)
+
+
+@pytest.mark.parametrize("kind", [int, float, Fraction, np.int64, mpmath.mpf, sp.Integer])
+def test_even_and_odd_are_declared(kind):
+    """(-1)**n is 1 where n is even, before anybody asks; each other number is refused."""
+    for word, right, wrong in (("even", (0, 2, -4), (3, -1)), ("odd", (3, -1), (0, 2, -4))):
+        n = sp.Symbol("n", **{word: True})
+        for value in right:
+            checks.check_declared(n, kind(value))
+        for value in wrong:
+            with pytest.raises(CoordinateError, match=f"n was declared {word}, but"):
+                checks.check_declared(n, kind(value))
+        with pytest.raises(CoordinateError, match=f"n was declared integer, {word}, but 0.5"):
+            checks.check_declared(n, 0.5)
+
+
+def test_large_whole_numbers_keep_their_last_digit():
+    """Which is lost in a float, as are numbers beyond all floats."""
+    n, whole = sp.Symbol("n", even=True), sp.Symbol("k", integer=True)
+    checks.check_declared(n, 10**30)
+    checks.check_declared(whole, 10**400)
+    with pytest.raises(CoordinateError, match="n was declared even"):
+        checks.check_declared(n, 10**30 + 1)
+
+
+def test_zero_is_where_other_numbers_end():
+    """What is declared not zero may come to it, as what is declared positive may."""
+    checks.check_declared(sp.Symbol("n", nonzero=True), 0)

@@ -382,7 +382,10 @@ def candidate_points(
             value = low + (high - low) * share
             if symbol.is_integer:
                 # The next one on the side where zero is not.
-                value = Fraction(math.floor(value) + (ranges[symbol][0] is not None))
+                is_bounded = ranges[symbol][0] is not None
+                value = Fraction(math.floor(value) + is_bounded)
+                if (symbol.is_even and value % 2) or (symbol.is_odd and not value % 2):
+                    value += 1 if is_bounded else -1
             point[symbol] = sp.Rational(value.numerator, value.denominator)
         if all(relation.subs(point) == sp.true for relation in others):
             found = True

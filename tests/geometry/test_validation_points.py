@@ -30,6 +30,16 @@ def test_whole_numbers_are_sampled(sign: str) -> None:
     assert first[n].is_integer
 
 
+@pytest.mark.parametrize("sign", ["positive", "negative", "real"])
+@pytest.mark.parametrize(("kind", "rest"), [("even", 0), ("odd", 1)])
+def test_even_and_odd_numbers_are_sampled(sign: str, kind: str, rest: int) -> None:
+    """What is declared even or odd is: `at` would refuse any other."""
+    n = sp.Symbol("n", **{kind: True, sign: True})
+    frame = Frame([x, y], [[1, 0], [0, n + n * x**2]])
+    assert frame.sample_point[n] % 2 == rest
+    assert frame.metric.at(frame.sample_point)[1, 1] > 0
+
+
 @pytest.mark.parametrize(
     "domain",
     [
