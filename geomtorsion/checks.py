@@ -50,7 +50,7 @@ UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
 EXPRESSION = "{subject}: one expression was needed, but {value} came."
 # What sympy is told of a symbol, and what its values have to be then. Zero is where values end that
 # are positive, or not zero.
-_ALLOWED = {
+DECLARED = {
     "positive": "nonnegative",
     "negative": "nonpositive",
     "nonnegative": "nonnegative",
@@ -376,7 +376,7 @@ def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
     """
     return [
         word
-        for word, allowed in _ALLOWED.items()
+        for word, allowed in DECLARED.items()
         if getattr(symbol, f"is_{word}") and getattr(value, f"is_{allowed}") is False
     ]
 

@@ -87,14 +87,34 @@ def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, 
     return tuple(sorted((x for x in found if x.name in known), key=sp.srepr))
 
 
+def declarations(declared: Iterable[sp.Symbol]) -> dict[str, list[str]]:
+    """What was declared of parameters, in words: name -> words, where there are any.
+
+    Examples
+    --------
+    >>> declarations([sp.Symbol("k", integer=True), sp.Symbol("m")])
+    {'k': ['real', 'integer']}
+    """
+    found = {
+        symbol.name: [word for word in checks.DECLARED if getattr(symbol, f"is_{word}")]
+        for symbol in declared
+    }
+    return {name: words for name, words in found.items() if words}
+
+
+def declared_symbols(words: Mapping[str, Sequence[str]]) -> tuple[sp.Symbol, ...]:
+    """Parameters as `declarations` wrote them down."""
+    return tuple(sp.Symbol(name, **dict.fromkeys(said, True)) for name, said in words.items())
+
+
 def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) -> None:
     """Refuse values of parameters, numbers or arrays, against what was declared of them."""
     for symbol in declared:
         given = values.get(symbol.name)
         if isinstance(given, np.ndarray):
             # The ends show the signs: only where these are wrong all values are gone through.
-            ends = given.ravel() if symbol.is_integer else (given.min(), given.max())
-            if any(checks.against(symbol, checks.expression(x)) for x in ends):
+            ends = (given.min(), given.max())
+            if symbol.is_integer or any(checks.against(symbol, checks.expression(x)) for x in ends):
                 for value in given.ravel().tolist():
                     checks.check_declared(symbol, value)
         elif given is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.checks import cut, shown
+from geomtorsion.checks import DECLARED, cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
+from geomtorsion.ode.constructor import check_declared, declared_symbols
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import checked_times
@@ -43,6 +44,7 @@ _PROBLEM = {
     "norm_groups": [[str]],
     "normalized": [[str]],
     "name": str,
+    "declared?": {str: [frozenset(DECLARED)]},
 }
 _METADATA = {
     "format": int,
@@ -189,7 +191,7 @@ def _problem(data: Mapping[str, Any]) -> ODE:
     ]
     if data["stop"] is not None:
         events.append(When(str(data["stop"])))
-    return ODE.of(
+    problem = ODE.of(
         data["rates"],
         [_value(x) for x in data["start"]],
         parameters={name: _value(x) for name, x in data["parameters"].items()},
@@ -201,6 +203,10 @@ def _problem(data: Mapping[str, Any]) -> ODE:
         normalized=data["normalized"],
         name=str(data["name"]),
     )
+    # The text of a symbol does not tell what was declared of it.
+    declared = declared_symbols(data.get("declared", {}))
+    check_declared(declared, problem.parameters)
+    return replace(problem, rates=replace(problem.rates, declared=declared))
 
 
 def _check_times(times: np.ndarray, grid: np.ndarray) -> None:

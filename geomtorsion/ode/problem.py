@@ -550,6 +550,7 @@ class ODE:
     def described(self) -> dict[str, Any]:
         """The equations as plain text, and numbers as text, for files."""
         events = [[event.time, numbers_text(event.changes)] for event in self.events]
+        declared = constructor.declarations(self.rates.declared)
         return {
             "rates": {name: term_text(rate) for name, rate in self.rates.expressions.items()},
             "start": [number_text(x) for x in self.start],
@@ -562,6 +563,7 @@ class ODE:
             "norm_groups": [list(group) for group in self.rates.norm_groups],
             "normalized": [list(group) for group in self.normalized],
             "name": self.name,
+            **({"declared": declared} if declared else {}),
         }
 
     def columns(self, moment: Moment) -> dict[str, np.ndarray]:

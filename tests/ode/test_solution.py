@@ -3,6 +3,7 @@
 # Bad input, arrays for lists, results known to be there: more than types say.
 # pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOperatorIssue=false, reportOptionalMemberAccess=false
 
+import json
 from fractions import Fraction
 from typing import Any
 
@@ -13,13 +14,24 @@ import sympy as sp
 
 from geomtorsion.errors import (
     AccuracyError,
+    CoordinateError,
     ExpressionError,
     FileFormatError,
     StuckError,
     TimeError,
     UnknownNameError,
 )
-from geomtorsion.ode import ODE, At, RungeKutta, SavedSolution, Stiff, Taylor, When, solve
+from geomtorsion.ode import (
+    ODE,
+    At,
+    RungeKutta,
+    SavedSolution,
+    Stiff,
+    Taylor,
+    When,
+    solve,
+    solve_many,
+)
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import perturbed
 from tests.ode.engines import every_engine, needs_heyoka
@@ -412,3 +424,40 @@ def test_what_is_no_name_is_not_known(name):
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
     with pytest.raises(UnknownNameError, match="is not known of this motion. There are x"):
         solution[name]
+
+
+def test_what_was_declared_is_saved(tmp_path):
+    """sympy has written k for sqrt(k**2): what is read from the file refuses -2, too."""
+    k, n, x = sp.Symbol("k", positive=True), sp.Symbol("n", even=True), sp.Symbol("x")
+    made = ODE.of({"x": -sp.sqrt(k**2) * x + n}, [1], parameters={"k": 1, "n": 2})
+    solve(made, 1.0).save(tmp_path / "decay.npz")
+    read = SavedSolution.load(tmp_path / "decay.npz").problem
+    assert read is not None
+    assert set(read.rates.declared) >= {n}
+    for problem in (made, read):
+        for name, value in (("k", -2), ("n", 3), ("n", 1.5)):
+            with pytest.raises(CoordinateError, match=f"{name} was declared .* but {value}"):
+                problem.with_start(parameters={name: value})
+            with pytest.raises(CoordinateError, match=f"{name} was declared .* but {value}"):
+                solve_many(problem, {name: [2, value, 4]}, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("declared", "message"),
+    [
+        ({"k": ["evil"]}, r"declared\.k\[0\]: one of even, "),
+        ({"k": ["positive", "negative"]}, "metadata: problem"),
+        ({"k": ["negative"]}, "k was declared .*negative"),
+    ],
+)
+def test_what_was_not_declared_is_not_read(tmp_path, declared, message):
+    """Words that mean nothing or contradict each other or the numbers."""
+    path = tmp_path / "decay.npz"
+    solve(ODE.of({"x": "-k*x"}, [1], parameters={"k": 1}), 1.0).save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    known = json.loads(str(arrays["metadata"]))
+    known["problem"]["declared"] = declared
+    np.savez(path, **arrays | {"metadata": np.array(json.dumps(known))})
+    with pytest.raises(FileFormatError, match=message):
+        SavedSolution.load(path)
