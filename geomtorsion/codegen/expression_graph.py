@@ -85,7 +85,7 @@ def graph(
     (12.0, 4.0)
     """
     reader = Reader(arguments, constants)
-    numbers = [reader.output(entry) for entry in outputs]
+    numbers = list(map(reader.output, outputs))
     reader.sums.inline()
     if factor:
         pull_out(reader.sums)

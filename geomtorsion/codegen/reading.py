@@ -22,6 +22,7 @@ from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import ONE, Sums, Term, content, shared, without
 from geomtorsion.errors import ExpressionError, MissingValueError
 from geomtorsion.exact.element import Element, in_order, inside_out
+from geomtorsion.exact.evaluate import arguments
 from geomtorsion.exact.form import Monomial, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.lengths import short_of
@@ -184,7 +185,7 @@ class Reader:
         """A function of terms."""
         key = (kind, detail, *inner)
         if key not in self._known:
-            sums = tuple(self.sums.entered([term]) for term in inner)
+            sums = tuple(map(self.sums.entered, zip(inner)))
             constant = not any(rest for _, _, rest in inner)
             self._known[key] = self._made(Meaning(kind, detail, sums), constant=constant)
         return self._known[key]
@@ -274,10 +275,10 @@ class Reader:
         written = form(element)
         number = _fraction(written.coefficient)
         is_complex = element.field.is_complex
-        parts = [
-            self._power(self._base(base, is_complex), exponent) for base, exponent in written.powers
-        ]
-        return self._times([(number, (), ()), *parts])
+        parts: list[Term] = [(number, (), ())]
+        for base, exponent in written.powers:
+            parts.append(self._power(self._base(base, is_complex), exponent))
+        return self._times(parts)
 
     def _kept(self, element: Element) -> Term:
         """An element that is not multiplied out: a literal for each sum in it."""
@@ -298,13 +299,24 @@ class Reader:
         return self._known[element._recipe]
 
     def _base(self, base: Generator | Sum, is_complex: bool) -> Term:
-        if base not in self._known:
-            self._known[base] = (
-                self._generator(base, is_complex)
-                if isinstance(base, Generator)
-                else self._polynomial(base, is_complex)
+        """A generator or a sum, after those that it is made of."""
+        for one in inside_out(base, self._made_of, self._known.__contains__):
+            self._known[one] = (
+                self._generator(one, is_complex)
+                if isinstance(one, Generator)
+                else self._polynomial(one, is_complex)
             )
         return self._known[base]
+
+    def _made_of(self, base: Generator | Sum) -> list[Generator | Sum]:
+        """What is read before a generator or a sum."""
+        if isinstance(base, Sum):
+            return list(dict.fromkeys(g for _, monomial in base.terms for g, _ in monomial))
+        if str(base.shown) in self.arguments:
+            return []
+        return [
+            inner for part in arguments(base) if not part.is_kept for inner, _ in form(part).powers
+        ]
 
     def _polynomial(self, base: Sum, is_complex: bool) -> Term:
         terms = []
@@ -454,7 +466,7 @@ class Emitter:
             return 1, builder.argument(int(meaning.detail), constant=constant)
         if meaning.kind in ("digits", "imaginary"):
             return 1, builder.add(meaning.kind, detail=meaning.detail, constant=True)
-        inner = tuple(self._unsigned(number) for number in meaning.sums)
+        inner = tuple(map(self._unsigned, meaning.sums))
         if meaning.kind == "power":
             return 1, builder.power(inner[0], int(meaning.detail))
         return 1, builder.add(meaning.kind, inner, meaning.detail)

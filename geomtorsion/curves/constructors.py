@@ -279,7 +279,7 @@ def _posed(
     problem = CurveProblem(
         name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, written
     )
-    problem.check_parameters()
+    problem.check_parameters(problem.charts[0])
     return problem
 
 

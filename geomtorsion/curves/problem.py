@@ -216,9 +216,9 @@ class CurveProblem:
     def __repr__(self) -> str:
         return str(self)
 
-    def check_parameters(self) -> None:
-        """Refuse to start without a value for each parameter that occurs."""
-        equations = self.equations(self.charts[0])
+    def check_parameters(self, chart: str) -> None:
+        """Refuse to start without a value for each parameter that occurs in a chart."""
+        equations = self.equations(chart)
         needed = [
             name
             for name in equations.parameters
@@ -234,12 +234,12 @@ class CurveProblem:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse a start beyond an edge that the frame itself tells."""
-        chart = self.atlas.chart(self.atlas.home)
-        if self.start is None or chart.edge is not None or not chart.edges:
+        """Refuse a start beyond an edge that the frame itself tells, and find the first chart."""
+        if self.start is None:
             return
-        point = self.floats()
-        for edge, value in zip(chart.edges, chart.at_edges(point).tolist(), strict=True):
+        chart, point = self.atlas.chart(self.atlas.home), self.floats()
+        told = chart.edges if chart.edge is None else ()
+        for edge, value in zip(told, chart.at_edges(point).tolist() if told else (), strict=True):
             if not value > 0:
                 place = ", ".join(f"{name} = {point[name]:.6g}" for name in self.coordinates)
                 raise StartError(
@@ -247,19 +247,20 @@ class CurveProblem:
                     "Start inside, or state a domain (and with it the branches of roots) around "
                     "the start."
                 )
+        self._beginning(53)
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from its start on; perturbation: the part by which this is changed."""
         key = precision, perturbation
         if key not in self._stages:
-            if precision not in self._beginnings:
-                self._beginnings[precision] = self._beginning(precision)
-            label, point = self._beginnings[precision]
+            label, point = self._beginning(precision)
             self._stages[key] = self._stage(label, point, 0.0, precision, perturbation)
         return self._stages[key]
 
     def _beginning(self, precision: int) -> tuple[str, MovingPoint]:
-        """The chart in which to begin, and the point there."""
+        """The chart in which to begin, and the point there, worked out once."""
+        if precision in self._beginnings:
+            return self._beginnings[precision]
         velocities = [divided(u, self.time_unit) for u in self._starting_velocity(precision)]
         carried: list[Real] = []
         if self.carried is not None:
@@ -267,15 +268,16 @@ class CurveProblem:
                 divided(x, self.time_unit) if power else x
                 for x, power in zip(self.carried.start, self.carried.speed_powers, strict=True)
             ]
-        if self.start is None:
-            return "", MovingPoint([], velocities, carried)
-        home, point = self.atlas.home, MovingPoint(list(self.start), velocities, carried)
-        name = self.atlas.best_chart(
-            self.charts, home, point, self.parameters, precision, starting=True
-        )
-        if name is None or name == home:
-            return home, point
-        return name, self.atlas.moved(home, name, point, self.parameters, precision)
+        name, point = "", MovingPoint(list(self.start or ()), velocities, carried)
+        if self.start is not None:
+            home, numbers = self.atlas.home, self.parameters
+            best = self.atlas.best_chart(
+                self.charts, home, point, numbers, precision, starting=True
+            )
+            name = best or home
+            point = self.atlas.moved(home, name, point, numbers, precision)
+        self._beginnings[precision] = name, point
+        return name, point
 
     def _starting_velocity(self, precision: int) -> Sequence[Real]:
         """u^i at the start, worked out from q'^mu where more digits are needed."""

@@ -349,7 +349,7 @@ class Element:
         >>> element.sympy, element.short
         (x**2 + 2*x*y + y**2 + z, z + (x + y)**2)
         """
-        return self._field.written(self, names=())
+        return self._field.collected(self)
 
     def written_as(self, expression: sympy.Expr) -> Element:
         """The same element, written in another way, such as a series by its powers."""
@@ -455,7 +455,7 @@ def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[E
         # The last one first: what is derived on the way keeps its place in the field.
         return [part for part in recipe.parts if part.is_kept][::-1]
 
-    return inside_out(element, parts, is_done) if element.is_kept else iter(())
+    return iter(()) if element._recipe is None else inside_out(element, parts, is_done)
 
 
 def leaves(element: Element) -> Iterator[Element]:

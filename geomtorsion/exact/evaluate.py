@@ -6,6 +6,8 @@ The generic point is one of the domain, the same at every run, at which signs ar
 from __future__ import annotations
 
 import zlib
+from functools import partial
+from itertools import repeat
 from numbers import Rational
 from typing import TYPE_CHECKING, Any
 
@@ -53,16 +55,13 @@ def evaluate(
 
     at: what is known there from other elements, by working precision.
     """
-    levels: AtPoint = {} if at is None else at
-
-    def given(generator: Generator) -> mpmath.mpf:
-        return _given(point, generator)
-
+    given = partial(_given, point)
     value = settled_value(
-        lambda: _written_value(element, given, levels.setdefault(mpmath.mp.prec, {})),
+        partial(_written_value, element, given),
+        {} if at is None else at,
         precision,
         LARGEST_BITS,
-        lambda: _bits_before_the_point(element, levels[mpmath.mp.prec]),
+        partial(_bits_before_the_point, element),
     )
     if not element.field.is_complex and mpmath.im(value):
         raise SingularPointError(
@@ -89,12 +88,15 @@ def _bits_before_the_point(element: Element, known: Known) -> int:
 
 
 def settled_value(
-    compute: Callable[[], mpmath.mpf],
+    compute: Callable[[Known], mpmath.mpf],
+    levels: AtPoint,
     precision: int,
     largest: int,
-    more: Callable[[], int] = lambda: 0,
+    more: Callable[[Known], int] = lambda known: 0,
 ) -> mpmath.mpf:
     """The value on which two working precisions agree to the precision asked for.
+
+    levels: what is known at the point, by working precision; each is handed to `compute`.
 
     Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.  `more`
     tells how many bits numbers have before the point: with twice as many on top two runs see them.
@@ -108,16 +110,17 @@ def settled_value(
     bits, before = precision + _GUARD, None
     while True:
         with working_precision(bits):
+            known = levels.setdefault(mpmath.mp.prec, {})
             try:
-                value = compute()
+                value = compute(known)
             except (SingularPointError, ZeroDivisionError):
-                if bits > largest + 2 * min(more(), _MOST_BEFORE_THE_POINT):
+                if bits > largest + 2 * min(more(known), _MOST_BEFORE_THE_POINT):
                     raise
                 value = None
             if before is not None and value is not None and mpmath.isfinite(value):
                 if value and abs(value - before) <= mpmath.ldexp(abs(value), -precision - 3):
                     return value
-                before_the_point = more() if bits > largest else 0
+                before_the_point = more(known) if bits > largest else 0
                 is_seen = before_the_point <= _MOST_BEFORE_THE_POINT
                 if bits > largest and (not is_seen or bits > largest + 2 * before_the_point):
                     if is_seen and abs(value) < mpmath.ldexp(1, -largest // 4):
@@ -157,6 +160,9 @@ def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
     """The value from the values of generators; `given` answers for symbols and jets."""
     if element.is_kept:
         return _kept_value(element, given, known, values)
+    for generator in element.field.generators_of(element):
+        if generator.name not in known:
+            _generator(generator, given, known)
     return _quotient(element, element.field.lift(element), element._den, {}, given, known)
 
 
@@ -228,7 +234,10 @@ def _total(
             for generator, exponent in monomial:
                 power = known.get((generator.name, exponent))
                 if power is None:
-                    power = _ball(_generator(generator, given, known)) ** exponent
+                    value = known.get(generator.name)
+                    if value is None:
+                        value = _generator(generator, given, known)
+                    power = _ball(value) ** exponent
                     known[generator.name, exponent] = power
                 term = term * power
             total = total + term
@@ -257,7 +266,7 @@ def _generator(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
     return known[generator.name]
 
 
-def _arguments(generator: Generator) -> tuple[Element, ...]:
+def arguments(generator: Generator) -> tuple[Element, ...]:
     """The elements of which a generator is a function."""
     kind, argument = generator.kind, generator.argument
     if kind in ("cos", "sin", "cosh", "sinh", "chebyshev"):
@@ -271,7 +280,10 @@ def _arguments(generator: Generator) -> tuple[Element, ...]:
 
 def _made_of(generator: Generator) -> list[Generator]:
     """The generators whose values that of one needs."""
-    return [inner for part in _arguments(generator) for inner in part.field.generators_of(part)]
+    made_of: list[Generator] = []
+    for part in arguments(generator):
+        made_of += part.field.generators_of(part)
+    return made_of
 
 
 def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
@@ -283,14 +295,14 @@ def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
         return mpmath.mpc(0, 1)
     if kind in ("opaque", "constant"):
         return _by_sympy(generator, given)
-    arguments = [values(part, given, known) for part in _arguments(generator)]
-    if kind == "log" and not arguments[0]:
+    numbers = list(map(values, arguments(generator), repeat(given), repeat(known)))
+    if kind == "log" and not numbers[0]:
         raise SingularPointError(f"{generator.shown} has no finite value here")
     if kind == "root":
-        return mpmath.root(arguments[0], generator.degree)
+        return mpmath.root(numbers[0], generator.degree)
     if kind == "primitive":
         kind = type(generator.shown).__name__
-    return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(*arguments)
+    return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(*numbers)
 
 
 def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:
@@ -352,12 +364,9 @@ class GenericPoint:
         SingularPointError
             the element is singular there, or its value drowns in cancellation.
         """
-
-        def at_working_precision() -> mpmath.mpf:
-            return values(element, self._value_of, self._known.setdefault(mpmath.mp.prec, {}))
-
+        compute = partial(values, element, self._value_of)
         # Zero is accepted at half of the bits that evaluation tries at most.
-        return settled_value(at_working_precision, EXACT_BITS, LARGEST_BITS // 2)
+        return settled_value(compute, self._known, EXACT_BITS, LARGEST_BITS // 2)
 
     def place_in_words(self) -> str:
         """The point, for stating where a branch was chosen."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -10,10 +11,10 @@ from flint import fmpq
 from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept, polynomials
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.element import PROVED, Certainty, Element
-from geomtorsion.exact.evaluate import GenericPoint, evaluate
+from geomtorsion.exact.element import PROVED, Certainty, Element, inside_out
+from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
-from geomtorsion.exact.generators import Generator, Generators, Names
+from geomtorsion.exact.generators import Generator, Generators
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.modular import point_of
 from geomtorsion.exact.reading import Reader, counted_as
@@ -33,6 +34,159 @@ if TYPE_CHECKING:
 
     # The derivative of a generator with respect to a symbol.
     Rule = Callable[[Tower, Generator, sympy.Symbol], Element]
+
+
+def derivative(field: Tower, element: Element, symbol: sympy.Symbol, /) -> Element:
+    """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
+    if symbol not in field._symbol_elements:
+        symbol = counted_as([symbol], field.symbols).get(symbol, symbol)
+    if element._level is None:
+        return kept.derivative(field, element, symbol)
+    num = field.lift(element)
+    den = element._den
+    # Everything goes into one sum, which is normalised once.
+    terms: list[tuple[Any, ...]] = []
+    for part, inner in _parts(field, num, symbol):
+        terms.append((1, Element(field, part, den, field.level), inner))
+    for index, exponent in den:
+        inner = _factor_derivative(field, index, symbol)
+        if inner.is_kept or inner._num:
+            # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
+            once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
+            terms.append((-exponent, element, inner, once))
+    return field.sum(terms) if terms else field.zero
+
+
+def _parts(
+    field: Tower, poly: fmpq_mpoly, symbol: sympy.Symbol
+) -> list[tuple[fmpq_mpoly, Element]]:
+    """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
+    found = []
+    pairs = zip(field.generators, poly.degrees(), strict=True)
+    names = [generator for generator, degree in pairs if degree > 0 and symbol in generator.depends]
+    if not names:
+        return []
+    # A derivative may add generators (jets): all of them first, then one common ring.
+    inners, slopes = [], field.generator_slopes
+    is_known = partial(_has_slope, field, symbol)
+    for generator in names:
+        for one in inside_out(generator, partial(_made_of, symbol), is_known):
+            slopes[one.name, symbol] = _RULES[one.kind](field, one, symbol)
+        inners.append(slopes[generator.name, symbol])
+    if poly.context() is not field.ctx:
+        grown = field.ctx.nvars() - poly.context().nvars()
+        poly = polynomials.lifted(field.ctx, poly, grown)
+    for generator, inner in zip(names, inners, strict=True):
+        if inner.is_kept or inner._num:
+            found.append((poly.derivative(field.generators.index(generator)), inner))
+    return found
+
+
+def _has_slope(field: Tower, symbol: sympy.Symbol, generator: Generator) -> bool:
+    """Whether the derivative of a generator is known."""
+    return (generator.name, symbol) in field.generator_slopes
+
+
+def _made_of(symbol: sympy.Symbol, generator: Generator) -> list[Generator]:
+    """The generators whose derivatives that of one needs."""
+    return [
+        inner
+        for part in arguments(generator)
+        for inner in part.field.generators_of(part)
+        if symbol in inner.depends
+    ]
+
+
+def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Element:
+    """The derivative of a registered factor."""
+    key = (index, symbol)
+    known = field.factor_slopes.get(key)
+    if known is None:
+        parts = _parts(field, field.factors[index], symbol)
+        known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
+        field.factor_slopes[key] = known
+    return known
+
+
+def _constant(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.zero
+
+
+def _symbol(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.one if generator.shown == symbol else field.zero
+
+
+def _partnered(sign: int) -> Rule:
+    """Rule for cos, sin, cosh, sinh: argument = (angle, name of the partner)."""
+
+    def rule(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+        angle, partner = generator.argument
+        other = field.generator_element(field.by_name[partner])
+        return field.sum(((sign, other, angle.diff(symbol)),))
+
+    return rule
+
+
+def _exp(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.generator_element(generator) * generator.argument.diff(symbol)
+
+
+def _log(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return generator.argument.diff(symbol) / generator.argument
+
+
+def _root(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """w**n = P: w' = w P' / (n P)."""
+    tail = generator.tail
+    assert tail is not None
+    slope = tail.diff(symbol) / tail
+    return field.sum(((fmpq(1, generator.degree), field.generator_element(generator), slope),))
+
+
+def _chebyshev(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """cos of a part of an angle: argument = (angle, function that gives its sine)."""
+    angle, sine = generator.argument
+    return field.sum(((-1, sine(), angle.diff(symbol)),))
+
+
+def _primitive(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """argument = (inner element, derivative with respect to it, arguments)."""
+    inner, slope, _ = generator.argument
+    return field.sum(((1, slope, inner.diff(symbol)),))
+
+
+def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    """The chain rule over the arguments of an unknown function."""
+    name, orders, arguments = generator.argument
+    terms = []
+    for k, argument in enumerate(arguments):
+        inner = argument.diff(symbol)
+        if inner.is_kept or inner._num:
+            up = tuple(n + (j == k) for j, n in enumerate(orders))
+            terms.append((1, jet(field, name, up, arguments), inner))
+    return field.sum(terms)
+
+
+def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
+    return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
+
+
+_RULES: dict[str, Rule] = {
+    "symbol": _symbol,
+    "cos": _partnered(-1),
+    "sin": _partnered(1),
+    "cosh": _partnered(1),
+    "sinh": _partnered(1),
+    "exp": _exp,
+    "log": _log,
+    "root": _root,
+    "chebyshev": _chebyshev,
+    "primitive": _primitive,
+    "jet": _jet,
+    "opaque": _opaque,
+    "constant": _constant,
+    "imaginary": _constant,
+}
 
 
 class Field(Tower):
@@ -131,9 +285,10 @@ class Field(Tower):
         """
         return self._reader.read_all([(where, expr)])[0]
 
-    def read_all(self, entries: Iterable[tuple[str, Any]]) -> list[Element]:
+    @property
+    def read_all(self) -> Callable[[Iterable[tuple[str, Any]]], list[Element]]:
         """Reads expressions together, so that angles and exponents get one common basis."""
-        return self._reader.read_all(list(entries))
+        return self._reader.read_all
 
     def from_json(self, data: Mapping[str, Any], functions: Iterable[str] = ()) -> Element:
         """The element that `Element.to_json` wrote, read through the whitelist parser."""
@@ -182,13 +337,9 @@ class Field(Tower):
         """An element multiplied out, if that takes little."""
         return kept.multiplied_out(self, element, briefly=True)
 
-    def root(self, element: Element, order: int, radical: sympy.Expr | None = None, /) -> Element:
-        """The root of an order, positive at the sample point; adds a generator if it must."""
-        return root(self, element, order, radical)
-
-    def derivative(self, element: Element, symbol: sympy.Symbol, /) -> Element:
-        """The partial derivative of an element."""
-        return derivative(self, element, symbol)
+    # The functions that do it are the methods themselves.
+    root = root
+    derivative = derivative
 
     def conjugate(self, element: Element) -> Element:
         """The element with I replaced by -I, also inside roots, logs and exponents."""
@@ -259,9 +410,9 @@ class Field(Tower):
             return PROVED
         return Certainty(proved=False, error=point_of(self).chance(element))
 
-    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
-        """The element as a short sympy expression; with its sums collected if there are names."""
-        return to_sympy(element) if names is None else shortest(element, names)
+    # Elements as sympy expressions: short ones, and such with their sums collected.
+    written = staticmethod(to_sympy)
+    collected = staticmethod(shortest)
 
     def value(
         self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None
@@ -282,141 +433,3 @@ def _made_again(
 ) -> Field:
     """A field from the plain data that `Field.__reduce__` gives."""
     return Field(symbols, complex=complex_, sample=sample, branches=branches)
-
-
-def derivative(field: Tower, element: Element, symbol: sympy.Symbol, /) -> Element:
-    """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
-    if symbol not in field._symbol_elements:
-        symbol = counted_as([symbol], field.symbols).get(symbol, symbol)
-    if element._level is None:
-        return kept.derivative(field, element, symbol)
-    num = field.lift(element)
-    den = element._den
-    # Everything goes into one sum, which is normalised once.
-    terms: list[tuple[Any, ...]] = []
-    for part, inner in _parts(field, num, symbol):
-        terms.append((1, Element(field, part, den, field.level), inner))
-    for index, exponent in den:
-        inner = _factor_derivative(field, index, symbol)
-        if inner.is_kept or inner._num:
-            # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
-            once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
-            terms.append((-exponent, element, inner, once))
-    return field.sum(terms) if terms else field.zero
-
-
-def _parts(
-    field: Tower, poly: fmpq_mpoly, symbol: sympy.Symbol
-) -> list[tuple[fmpq_mpoly, Element]]:
-    """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
-    found = []
-    pairs = zip(field.generators, poly.degrees(), strict=True)
-    names = [generator for generator, degree in pairs if degree > 0 and symbol in generator.depends]
-    if not names:
-        return []
-    # A derivative may add generators (jets): all of them first, then one common ring.
-    inners, slopes = [], field.generator_slopes
-    for generator in names:
-        key = (generator.name, symbol)
-        if key not in slopes:
-            slopes[key] = _RULES[generator.kind](field, generator, symbol)
-        inners.append(slopes[key])
-    if poly.context() is not field.ctx:
-        grown = field.ctx.nvars() - poly.context().nvars()
-        poly = polynomials.lifted(field.ctx, poly, grown)
-    for generator, inner in zip(names, inners, strict=True):
-        if inner.is_kept or inner._num:
-            found.append((poly.derivative(field.generators.index(generator)), inner))
-    return found
-
-
-def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Element:
-    """The derivative of a registered factor."""
-    key = (index, symbol)
-    known = field.factor_slopes.get(key)
-    if known is None:
-        parts = _parts(field, field.factors[index], symbol)
-        known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
-        field.factor_slopes[key] = known
-    return known
-
-
-def _constant(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.zero
-
-
-def _symbol(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.one if generator.shown == symbol else field.zero
-
-
-def _partnered(sign: int) -> Rule:
-    """Rule for cos, sin, cosh, sinh: argument = (angle, name of the partner)."""
-
-    def rule(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-        angle, partner = generator.argument
-        other = field.generator_element(field.by_name[partner])
-        return field.sum(((sign, other, angle.diff(symbol)),))
-
-    return rule
-
-
-def _exp(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.generator_element(generator) * generator.argument.diff(symbol)
-
-
-def _log(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return generator.argument.diff(symbol) / generator.argument
-
-
-def _root(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    """w**n = P: w' = w P' / (n P)."""
-    tail = generator.tail
-    assert tail is not None
-    slope = tail.diff(symbol) / tail
-    return field.sum(((fmpq(1, generator.degree), field.generator_element(generator), slope),))
-
-
-def _chebyshev(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    """cos of a part of an angle: argument = (angle, function that gives its sine)."""
-    angle, sine = generator.argument
-    return field.sum(((-1, sine(), angle.diff(symbol)),))
-
-
-def _primitive(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    """argument = (inner element, derivative with respect to it, arguments)."""
-    inner, slope, _ = generator.argument
-    return field.sum(((1, slope, inner.diff(symbol)),))
-
-
-def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    """The chain rule over the arguments of an unknown function."""
-    name, orders, arguments = generator.argument
-    terms = []
-    for k, argument in enumerate(arguments):
-        inner = argument.diff(symbol)
-        if inner.is_kept or inner._num:
-            up = tuple(n + (j == k) for j, n in enumerate(orders))
-            terms.append((1, jet(field, name, up, arguments), inner))
-    return field.sum(terms)
-
-
-def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
-
-
-_RULES: dict[str, Rule] = {
-    "symbol": _symbol,
-    "cos": _partnered(-1),
-    "sin": _partnered(1),
-    "cosh": _partnered(1),
-    "sinh": _partnered(1),
-    "exp": _exp,
-    "log": _log,
-    "root": _root,
-    "chebyshev": _chebyshev,
-    "primitive": _primitive,
-    "jet": _jet,
-    "opaque": _opaque,
-    "constant": _constant,
-    "imaginary": _constant,
-}

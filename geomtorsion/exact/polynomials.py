@@ -17,6 +17,7 @@ import subprocess
 import sys
 import threading
 from fractions import Fraction
+from functools import partial
 from itertools import compress
 from math import gcd, lcm
 from pathlib import Path
@@ -60,16 +61,15 @@ def occurring(poly: fmpq_mpoly) -> int:
 
 def powers(variables: Sequence[T], monomial: Sequence[SupportsInt]) -> tuple[tuple[T, int], ...]:
     """The variables that occur in a monomial, each with its exponent."""
-    places = compress(range(len(monomial)), monomial)
-    return tuple([(variables[k], int(monomial[k])) for k in places])
+    exponents = map(int, compress(monomial, monomial))
+    return tuple(zip(compress(variables, monomial), exponents, strict=True))
 
 
 def terms(
     variables: Sequence[T], poly: fmpq_mpoly
 ) -> Iterator[tuple[fmpq, tuple[tuple[T, int], ...]]]:
     """The terms of a polynomial: coefficient and powers of variables."""
-    for value, monomial in zip(poly.coeffs(), poly.monoms(), strict=True):
-        yield value, powers(variables, monomial)
+    return zip(poly.coeffs(), map(partial(powers, variables), poly.monoms()), strict=True)
 
 
 def split(poly: fmpq_mpoly, position: int) -> tuple[fmpq_mpoly, fmpq_mpoly]:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cached_property
+from itertools import repeat
+from operator import truediv
 from typing import TYPE_CHECKING
 
 import mpmath
@@ -165,7 +167,7 @@ class Primitives:
                     return generator.argument
                 if generator.kind == "root" and generator.tail is not None:
                     return self.log(generator.tail) * fmpq(1, generator.degree)
-        slopes = tuple(base.diff(s) / base for s in field.symbols)
+        slopes = tuple(map(truediv, map(base.diff, field.symbols), repeat(base)))
         value = self._added("log", sympy.log(base.sympy), (base,), slopes, base)
         self._by_argument["log", (base,)] = value
         return value

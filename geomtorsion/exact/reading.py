@@ -280,7 +280,7 @@ class Reader:
     def _arguments(self) -> list[Element]:
         return [*self.angles.basis.elements, *self.exponents.basis.elements]
 
-    def read_all(self, entries: list[tuple[str, Any]]) -> list[Element]:
+    def read_all(self, entries: Iterable[tuple[str, Any]]) -> list[Element]:
         """Reads all entries, on one common basis of angles and exponents."""
         own = self.field.symbols
         exprs = [(where, checked(where, value, own)) for where, value in entries]

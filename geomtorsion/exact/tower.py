@@ -152,9 +152,15 @@ class Tower(ABC):
     def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Tower:
         """A field over one more symbol, into which nothing is read yet."""
 
+    @staticmethod
     @abstractmethod
-    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
-        """The element as a short sympy expression; with its sums collected if there are names."""
+    def written(element: Element) -> sympy.Expr:
+        """The element as a short sympy expression."""
+
+    @staticmethod
+    @abstractmethod
+    def collected(element: Element, names: Names = ()) -> sympy.Expr:
+        """The same with its sums collected, some of them by names, where that is shorter."""
 
     @abstractmethod
     def value(
@@ -291,7 +297,9 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        bits, newest = occurring(self, element), len(self.generators) - 1
+        bits, newest = element._bits, len(self.generators) - 1
+        if bits is None:
+            bits = occurring(self, element)
         return [g for k, g in enumerate(self.generators) if bits >> (newest - k) & 1]
 
     def lift(self, element: Element) -> fmpq_mpoly:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from bisect import insort
 from dataclasses import dataclass
 from functools import cmp_to_key
+from itertools import starmap
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import sympy
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 # Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
 _PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
 _ORDER = cmp_to_key(sympy.Basic.compare)
+_SHOWN = attrgetter("shown")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,6 +61,8 @@ class Parts:
 
     def __init__(self, collector: Collector | None = None) -> None:
         self.collector: Collector | None = collector
+        # Whether a part of a product may be a product itself, as sums with names are.
+        self.has_names: bool = collector is not None and bool(collector.names)
         # Kept elements that are written, by their identity, with the elements.
         self.built: dict[int, tuple[Element, sympy.Expr]] = {}
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
@@ -102,11 +107,6 @@ class Parts:
             found = Part(plain if exponent == 1 else plain**exponent)
             self._powers[base, exponent] = found
         return found
-
-    @property
-    def has_names(self) -> bool:
-        """Whether a part of a product may be a product itself, as sums with names are."""
-        return self.collector is not None and bool(self.collector.names)
 
     def _root(self, base: Generator) -> sympy.Expr:
         """A generator as it is shown; the radicand of a root by names, if there are any."""
@@ -357,8 +357,8 @@ def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> lis
     """base**exponent of each; exponentials of numbers and functions are joined in one."""
     exponents = [exponent * base.shown.args[0] for base, exponent in powers if _is_exp(base)]
     if len(exponents) < 2:
-        return [known.power(base, exponent) for base, exponent in powers]
-    rest = [known.power(base, exponent) for base, exponent in powers if not _is_exp(base)]
+        return list(starmap(known.power, powers))
+    rest = starmap(known.power, (power for power in powers if not _is_exp(power[0])))
     return [*rest, Part(sympy.exp(sympy.Add(*exponents)))]
 
 
@@ -379,7 +379,7 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
         return sympy.Add(
             *(_product(known, x, _factors(known, powers), flag) for (x, powers), flag in terms)
         )
-    split = [(known.number(x), [known.power(g, e) for g, e in ps]) for x, ps in base.terms]
+    split = [(known.number(x), list(starmap(known.power, ps))) for x, ps in base.terms]
     # sympy's order of all that occurs gives that of every product, and that of the products.
     place = known.order(part for number, factors in split for part in (number, *factors))
     terms = [_plain_product(number, factors, place) for number, factors in split]
@@ -411,7 +411,7 @@ def _plain_product(
 
 def _in_order(number: Part, factors: list[Part]) -> sympy.Expr:
     """number * factors, which stand in sympy's order."""
-    shown = [part.shown for part in factors]
+    shown = list(map(_SHOWN, factors))
     if number.shown is not sympy.S.One:
         shown.insert(0, number.shown)
     return sympy.Mul._from_args(shown, is_commutative=True)

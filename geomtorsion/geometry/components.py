@@ -13,6 +13,7 @@ from itertools import combinations, product
 from typing import Any
 
 from geomtorsion.exact import Element, Field
+from geomtorsion.exact.element import inside_out
 
 Index = tuple[int, ...]
 Generator = tuple[tuple[int, ...], int]
@@ -187,6 +188,7 @@ class Components:
 
     rule: index -> Element, asked once for each representative index and only when needed.
     bulk: all representatives at once, where that is cheaper than one by one.
+    source: the array that bulk takes whole.
     """
 
     def __init__(
@@ -196,12 +198,14 @@ class Components:
         rule: Rule,
         symmetry: Symmetry = (),
         bulk: Callable[[], Mapping[Index, Element]] | None = None,
+        source: Components | None = None,
     ) -> None:
         self.rank = rank
         self.dimension = dimension
         self.symmetry = symmetry
         self._rule = rule
         self._bulk = bulk
+        self._source = source
         self._orbits = orbits(rank, dimension, symmetry)
         self._canonical = self._orbits.canonical
         self._known: dict[Index, Element | None] = {}
@@ -280,6 +284,9 @@ class Components:
     def independent(self) -> dict[Index, Element]:
         """The non-vanishing components at representative indices."""
         if self._bulk is not None:
+            for one in inside_out(self, _sources, _is_filled):
+                if one is not self:
+                    _ = one.nonzero
             # What was asked for before is not computed again.
             found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
             for index, value in self._bulk().items():
@@ -393,8 +400,20 @@ def change_slot(
                 collected[(*head, new, *tail)].append((1, factor, value))
         return _summed(field, collected, result)
 
-    result = Components(components.rank, components.dimension, rule, symmetry, bulk)
+    result = Components(
+        components.rank, components.dimension, rule, symmetry, bulk, source=components
+    )
     return result
+
+
+def _sources(components: Components) -> tuple[Components, ...]:
+    """The array that is filled before another."""
+    source = components._source
+    return () if source is None else (source,)
+
+
+def _is_filled(components: Components) -> bool:
+    return "nonzero" in components.__dict__
 
 
 def joined(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -49,14 +50,14 @@ def kerr(frame: Frame) -> Atlas:
     """
     mass, a = frame.parameters
     makers = {
-        "kerr": lambda: Chart.of(frame, edge=_home_edge(frame), margin=AXIS / 2),
-        "ingoing": lambda: _radial(mass, a, INGOING, 1, "ingoing"),
-        "ingoing_north": lambda: _stereographic(mass, a, NORTH, 1, "ingoing_north"),
-        "ingoing_south": lambda: _stereographic(mass, a, SOUTH, -1, "ingoing_south"),
-        "outgoing": lambda: _radial(mass, a, OUTGOING, -1, "outgoing"),
-        "outgoing_north": lambda: _stereographic(mass, a, NORTH_OUT, 1, "outgoing_north", -1),
-        "outgoing_south": lambda: _stereographic(mass, a, SOUTH_OUT, -1, "outgoing_south", -1),
-        "kerr_schild": lambda: _kerr_schild(mass, a),
+        "kerr": partial(Chart.of, frame, edge=_home_edge(frame), margin=AXIS / 2),
+        "ingoing": partial(_radial, mass, a, INGOING, 1, "ingoing"),
+        "ingoing_north": partial(_stereographic, mass, a, NORTH, 1, "ingoing_north"),
+        "ingoing_south": partial(_stereographic, mass, a, SOUTH, -1, "ingoing_south"),
+        "outgoing": partial(_radial, mass, a, OUTGOING, -1, "outgoing"),
+        "outgoing_north": partial(_stereographic, mass, a, NORTH_OUT, 1, "outgoing_north", -1),
+        "outgoing_south": partial(_stereographic, mass, a, SOUTH_OUT, -1, "outgoing_south", -1),
+        "kerr_schild": partial(_kerr_schild, mass, a),
     }
 
     def maps() -> tuple[TransitionMap, ...]:
