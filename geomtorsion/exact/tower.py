@@ -103,7 +103,6 @@ class Tower(ABC):
         self.factor_slopes: dict[tuple[int, sympy.Symbol], Element] = {}
 
     # What files made for it answer.
-
     @abstractmethod
     def read(self, expr: sympy.Expr | Fraction | int, where: str = "expression") -> Element:
         """Read one sympy expression, int or Fraction."""
@@ -297,9 +296,8 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        bits, newest = element._bits, len(self.generators) - 1
-        if bits is None:
-            bits = occurring(self, element)
+        known, newest = element._bits, len(self.generators) - 1
+        bits = occurring(self, element) if known is None else known
         return [g for k, g in enumerate(self.generators) if bits >> (newest - k) & 1]
 
     def lift(self, element: Element) -> fmpq_mpoly:
