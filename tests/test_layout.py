@@ -80,6 +80,8 @@ CEILINGS = {
     "percent of Any": 3.6,
     "tuned constants": 121,
     "tests of no module": 34,
+    "files of a first motion": 39,
+    "frames of a first motion": 24,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 
@@ -206,6 +208,17 @@ def test_what_is_measured_would_be_found():
         True,
         True,
     ]
+
+
+def test_a_first_motion_can_be_followed():
+    """Few files and few frames lie between a geodesic of Kerr that is asked for and its end."""
+    walked = [sys.executable, "-m", "tests.walked"]
+    done = subprocess.run(walked, cwd=ROOT, capture_output=True, text=True, check=True)
+    files, frames = map(int, done.stdout.split())
+    # The package is the one that is tested, and something was counted.
+    assert files > 20
+    assert files <= CEILINGS["files of a first motion"]
+    assert frames <= CEILINGS["frames of a first motion"]
 
 
 def test_importing_is_light():
