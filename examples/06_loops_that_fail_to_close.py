@@ -21,7 +21,7 @@ def show(name: str, loop: Loop, **parameters: float):
     """Compute one loop, print what came and how it was checked."""
     b = burgers_vector(spaces.load(name).frame, loop, parameters=parameters)
     print(f"{name}, {loop.name}: b = {b.vector.round(12)}, error {b.error:.0e}")
-    print(f"    {b.why}")
+    print(f"    {b.reason}")
     print(f"    {b.check}")
     return b
 

@@ -20,11 +20,11 @@ def crystal_page(report: Json, title: str) -> str:
     """
     curves = [Curve(side, EDGE, thin=True) for side in _sides(report)]
     families = sorted({line["family"] for line in report["lines"]})
-    told: set[str] = set()
+    labelled: set[str] = set()
     for line in report["lines"]:
         look = LOOKS[families.index(line["family"]) % len(LOOKS)]
-        label = "" if line["family"] in told else f"b = {line['family']}"
-        told.add(line["family"])
+        label = "" if line["family"] in labelled else f"b = {line['family']}"
+        labelled.add(line["family"])
         tip = f"({', '.join(line['burgers_lattice'])})"
         curves.append(Curve(line["path"], look, label, tip))
     count = len(report["lines"])

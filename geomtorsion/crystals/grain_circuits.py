@@ -62,16 +62,17 @@ class GrainCircuits:
         inside = sorted(number for number in found if number >= 0)
         if len(inside) > 1:
             one, other = inside[:2]
+            how = self.grains.wall(one, other).description
             raise CrystalError(
                 f"a circuit within one grain was needed, but atom {found[one]} lies in grain {one} "
-                f"and atom {found[other]} in grain {other}, {self.grains.wall(one, other).told}: "
+                f"and atom {found[other]} in grain {other}, {how}: "
                 "circuits end at the wall between them. Lead it through one of them."
             )
         if len(inside) < len(found):
             code = max(number for number in found if number < 0)
             where = "a region without a lattice"
             if code == Nowhere.wall:
-                where = self._told(found[code])
+                where = self._where(found[code])
             raise CrystalError(
                 f"a circuit within one grain was needed, but atom {found[code]} lies in {where}. "
                 "Lead it through a grain."
@@ -80,12 +81,12 @@ class GrainCircuits:
             raise CrystalError("atoms: three different ones or more were needed, but none came.")
         return inside[0]
 
-    def _told(self, atom: int) -> str:
+    def _where(self, atom: int) -> str:
         """The wall in which an atom lies, in words."""
         for wall in self.grains.walls:
             if (wall.atoms == atom).any():
                 one, other = wall.grains
-                return f"the wall between grains {one} and {other}, {wall.told}"
+                return f"the wall between grains {one} and {other}, {wall.description}"
         return "a wall"
 
     def _named(self, number: int, circuit: AtomCircuit) -> AtomCircuit:

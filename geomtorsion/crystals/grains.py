@@ -64,7 +64,7 @@ class Wall:
         return None if self.angle is None else float(np.degrees(self.angle))
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """The misorientation in words."""
         if self.angle is None or self.axis is None:
             return "of different lattices"
@@ -72,7 +72,7 @@ class Wall:
         return f"misoriented by {self.degrees:.2f} degrees about [{axis}]"
 
     def __repr__(self) -> str:
-        return f"Wall(grains {self.grains[0]} and {self.grains[1]}, {self.told})"
+        return f"Wall(grains {self.grains[0]} and {self.grains[1]}, {self.description})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

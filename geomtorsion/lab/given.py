@@ -137,10 +137,10 @@ class GivenFrame:
         rest = [float(axis[len(axis) // 2]) for axis in found.axes[2:]]
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
-        told = "" if found.sigma is not None else "Nothing is known of the noise of this map."
+        remark = "" if found.sigma is not None else "Nothing is known of the noise of this map."
         other = b.interpolation_error + b.quadrature_error
         heads = [f"b{raised(k)}" for k in range(found.rows)]
-        return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, told, side)
+        return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True)
@@ -193,12 +193,12 @@ class GivenOrientations:
             )
         b = self.map.burgers(Circuit.square((row, column), side))
         noise = np.sqrt(np.diagonal(b.rotation.T @ b.covariance @ b.rotation).clip(0))
-        told = (
+        remark = (
             f"Grain {b.grain}, {b.phase.name}; components along the axes of the crystal. The error "
             "of interpolation is far below the noise."
         )
         heads = [f"b{raised(k)}" for k in range(3)]
-        return _answer(b.vector, noise, heads, None, b.unit, b.significance, told, side)
+        return _answer(b.vector, noise, heads, None, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,13 +324,13 @@ def _answer(
     interpolation: float | None,
     unit: str,
     significance: float,
-    told: str,
+    remark: str,
     side: int,
 ) -> Json:
     """A Burgers vector with its errors, component by component, in words and as a table.
 
     interpolation: of the largest component, None where it is far below the noise. significance:
-    |b| against its errors. told: what else is to be said.
+    |b| against its errors. remark: what else is to be said.
     """
     behind = f" {unit}" if unit else ""
     size, most = float(np.linalg.norm(vector)), float(np.max(noise))
@@ -350,7 +350,7 @@ def _answer(
     ]
     caption = f"Burgers vector of the circuit{f' in {unit}' if unit else ''}"
     return {
-        "sentence": f"{said}. {told}".rstrip(),
+        "sentence": f"{said}. {remark}".rstrip(),
         "table": table(("", "b", "noise", "interpolation"), rows, caption),
         "b": vector.tolist(),
         "noise": noise.tolist(),

@@ -174,7 +174,7 @@ def burgers_vector(
         size=loop.size,
         power=power,
         route=" and ".join(sorted({_name(route) for route in picked}, reverse=True)),
-        why="; ".join(dict.fromkeys(why for _, _, why in chosen)),
+        reason="; ".join(dict.fromkeys(why for _, _, why in chosen)),
         check=check,
         accuracy=accuracy,
         evaluations=sum(route.points for pair in pairs for route in pair if route is not None),

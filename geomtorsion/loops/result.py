@@ -58,7 +58,7 @@ class BurgersVector(Signed):
     reduced_error: bound on the error of its largest component, in the same unit.
     size, power: the unit: the size of the loop, and 1 or 2.
     route: "line", "flux", or "line and flux" where the parts of the loop needed different ones.
-    why: why that route, in words.
+    reason: why that route, in words.
     check: the other route, and whether both agree.
     accuracy: the relative error that was asked for.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
@@ -72,7 +72,7 @@ class BurgersVector(Signed):
     size: float
     power: int
     route: str
-    why: str
+    reason: str
     check: Check
     accuracy: float
     evaluations: int
@@ -195,7 +195,7 @@ class BurgersVector(Signed):
             "reduced": _plain(self.reduced),
             "unit": {"size": self.size, "power": self.power},
             "route": self.route,
-            "why": self.why,
+            "reason": self.reason,
             "check": {
                 "agrees": self.check.agrees,
                 "text": self.check.text,

@@ -130,7 +130,7 @@ def _facts(pair: Pair, name: str, solution: Solution) -> Data:
         "law": solution.problem.law.text,
         "equations": solution.problem.text,
         "engine": solution.engine,
-        "why": solution.reason,
+        "reason": solution.reason,
         "charts": list(solution.charts),
         "error": solution.error,
         "drift": {key: float(value) for key, value in solution.drift.items()},

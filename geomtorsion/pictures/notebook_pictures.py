@@ -32,7 +32,7 @@ def _components(b: BurgersVector) -> str:
     """One component a line, with the error of all and the check."""
     lines = [f"b[{i}] = {value:.12g}" for i, value in enumerate(b.vector.tolist())]
     inside = [f"enclosed: {one}" for one in b.enclosed]
-    route = f"error below {b.error:.1e}, by the {b.route} route: {b.why}"
+    route = f"error below {b.error:.1e}, by the {b.route} route: {b.reason}"
     return "\n".join([*lines, route, b.check.text, *inside])
 
 

@@ -44,13 +44,13 @@ def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
     return figure
 
 
-def album(result: SceneResult) -> dict[str, tuple[Draw, str]]:
+def drawings(result: SceneResult) -> dict[str, tuple[Draw, str]]:
     """Which pictures a result has: name -> (how to draw it, what it shows).
 
     Examples
     --------
     >>> from geomtorsion.scenes import load
-    >>> list(album(load("lagrange_cusp").run()))
+    >>> list(drawings(load("lagrange_cusp").run()))
     ['watched', 'axis', 'trust', 'plan']
     """
     shown: dict[str, tuple[Draw, str]] = {
@@ -182,5 +182,5 @@ def trust(result: SceneResult) -> Figure:
 
 def plan(result: SceneResult) -> Figure:
     """What is in and what was left out."""
-    # A result that was loaded has a text for its selection; `album` offers it no picture of one.
+    # A result that was loaded has a text for its selection; `drawings` offers it no picture of one.
     return selection_figure(result.selection)  # type: ignore[arg-type]

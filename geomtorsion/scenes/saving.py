@@ -20,7 +20,7 @@ from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
 from geomtorsion.scenes.files import START_UNITS
 from geomtorsion.scenes.observables import FINE
-from geomtorsion.scenes.plotting import album
+from geomtorsion.scenes.plotting import drawings
 from geomtorsion.scenes.result import write_csv
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
@@ -63,7 +63,7 @@ def write_run(
         raise SceneError("a result from a file has no scene; run the scene and write that.")
     figures: dict[str, Any] = {}
     if pictures.can_draw():
-        for name, (draw, _) in album(result).items():
+        for name, (draw, _) in drawings(result).items():
             progress(f"drawing {name}")
             figures[f"{name}.{form}"] = draw(result)
     directory.mkdir(parents=True, exist_ok=True)

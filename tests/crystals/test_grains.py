@@ -216,7 +216,7 @@ def test_phases_are_told_with_their_shares(lattice, constant):
     assert grains.shares[lattice] == pytest.approx(len(ball) / len(places), rel=0.15)
     assert np.abs(grains[1].centre).max() < 0.3
     (wall,) = grains.walls
-    assert (wall.angle, wall.told) == (None, "of different lattices")
+    assert (wall.angle, wall.description) == (None, "of different lattices")
 
 
 def test_a_region_without_a_lattice_is_told():

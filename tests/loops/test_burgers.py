@@ -73,7 +73,7 @@ def test_screw_has_b_for_every_turn(loop: Loop) -> None:
         assert b.vector == pytest.approx([0, 0, 0.7 * turns], abs=SAME)
         assert b.route == "line"
         assert b.check.agrees is False
-        assert "defect is enclosed" in b.why
+        assert "defect is enclosed" in b.reason
         assert b.check.difference == pytest.approx(b.vector)
 
 
@@ -251,7 +251,7 @@ def test_the_flux_counts_for_tiny_loops(so3: Frame) -> None:
     """The result says which route was taken, and why."""
     tiny = burgers_vector(so3, Loop.circle([0.3, 1, 0.2], 1e-9))
     assert tiny.route == "flux"
-    assert "so small" in tiny.why
+    assert "so small" in tiny.reason
     assert tiny.check.agrees
     assert tiny.check.line_error > 1e6 * tiny.error
     assert abs(tiny.check.difference).max() <= tiny.check.line_error  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ from matplotlib.image import imread
 from geomtorsion.errors import SceneError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.scenes import Body, Scene, SceneResult, State, load
-from geomtorsion.scenes.plotting import album, finely, plot
+from geomtorsion.scenes.plotting import drawings, finely, plot
 from geomtorsion.scenes.saving import write_run
 from geomtorsion.scenes.solve import scene_accuracy
 
@@ -25,10 +25,10 @@ ALBUMS = {
 
 
 @pytest.mark.parametrize("name", ALBUMS)
-def test_albums_fit_the_scene(name):
+def test_drawings_fit_the_scene(name):
     """Each picture can be drawn, and says how good the numbers are."""
     result = load(name).with_values(samples=41).run()
-    pictures = album(result)
+    pictures = drawings(result)
     assert list(pictures) == ALBUMS[name]
     for key, (draw, about) in pictures.items():
         figure = draw(result)
@@ -41,7 +41,7 @@ def test_albums_fit_the_scene(name):
 def test_the_right_law_is_drawn_beside_the_naive_one():
     """Momentum in space moves in the one, not in the other; energy in neither."""
     result = load("naive_top").with_values(samples=41).run()
-    figure = album(result)["laws"][0](result)
+    figure = drawings(result)["laws"][0](result)
     energy, momentum = figure.axes
     change = {line.get_label(): np.max(np.asarray(line.get_ydata())) for line in momentum.lines}
     assert change["naive"] > 0.5
@@ -89,11 +89,11 @@ def test_everything_about_a_run_in_one_place(tmp_path):
     assert [path.name for path in written[:4]] == [
         "table.csv", "result.npz", "run.json", "scene.toml",
     ]  # fmt: skip
-    assert steps == [f"drawing {name}" for name in album(result)]
+    assert steps == [f"drawing {name}" for name in drawings(result)]
     facts = json.loads((tmp_path / "run.json").read_text("utf-8"))
-    assert facts["pictures"] == [f"{name}.svg" for name in album(result)]
+    assert facts["pictures"] == [f"{name}.svg" for name in drawings(result)]
     loaded = SceneResult.load(tmp_path / "result.npz")
-    assert list(album(loaded)) == ["watched", "axis"]
+    assert list(drawings(loaded)) == ["watched", "axis"]
     assert plot(loaded, tmp_path / "again.png").axes
     with pytest.raises(SceneError, match="has no scene"):
         write_run(loaded, tmp_path)
@@ -123,4 +123,4 @@ def test_accuracy_costs_what_it_costs():
 def test_cones_of_what_turns(tilt, shown):
     """An angular velocity that changes its direction by less than 1e-6 draws no cones."""
     body, start = Body(moments=(1, 1, 2)), State(omega=(tilt, 0, 1))
-    assert ("cones" in album(Scene(body, (), start, ["omega"], t=10).run())) == shown
+    assert ("cones" in drawings(Scene(body, (), start, ["omega"], t=10).run())) == shown

@@ -329,7 +329,7 @@ def _explain(result: dict[str, Any]) -> None:
         typer.secho(
             f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW
         )
-    typer.echo(f"  {result['why']}")
+    typer.echo(f"  {result['reason']}")
     typer.echo(f"  checked: {result['check']['text']}")
     typer.echo(f"  {result['evaluations']} evaluations, {result['seconds'] * 1e3:.2f} ms")
 

@@ -28,7 +28,7 @@ def make(draw: Random, seed: int) -> Variant:
     flat = place in ("above", "below")
     given, asked = (0, 2) if flat else (1, 3)
     larger = 10 * counts[given]
-    told = ", ".join(f"${n}$ steps {way}" for n, way in zip(counts, WAYS, strict=True))
+    sides = ", ".join(f"${n}$ steps {way}" for n, way in zip(counts, WAYS, strict=True))
 
     @cache
     def closure() -> tuple[int, ...]:
@@ -41,7 +41,7 @@ def make(draw: Random, seed: int) -> Variant:
     return Variant(
         statement=(
             "A picture of a square lattice, seen along an edge dislocation: $x$ to the right, $y$ "
-            f"up. A circuit from atom to atom takes {told}, and is back at the atom from which it "
+            f"up. A circuit from atom to atom takes {sides}, and is back at the atom from which it "
             "started; the line lies inside."
         ),
         questions=(

@@ -21,7 +21,7 @@ from geomtorsion.exercises.exports.maxima import (
     maxima_name,
     maxima_text,
 )
-from geomtorsion.exercises.exports.tasks import can_be_rounded, largest, told
+from geomtorsion.exercises.exports.tasks import can_be_rounded, feedback, largest
 from geomtorsion.exercises.question import Mistake, Question, deviation, how_to_answer
 
 # Stands for a mistake that another variant has; no answer is equal to it.
@@ -269,7 +269,7 @@ class Part:
         for letters, key in zip(_letters(), keys, strict=False):
             mistakes = tuple(table.get(key) for table in tables)
             messages = tuple(
-                "" if mistake is None else told(question, mistake)
+                "" if mistake is None else feedback(question, mistake)
                 for question, mistake in zip(self.questions, mistakes, strict=True)
             )
             code, number = key

@@ -18,7 +18,7 @@ from geomtorsion.exercises.answers import answer_text
 from geomtorsion.exercises.checking import ROUNDED
 from geomtorsion.exercises.compare import Value
 from geomtorsion.exercises.exercise import Exercise
-from geomtorsion.exercises.exports.tasks import Task, can_be_rounded, largest, told
+from geomtorsion.exercises.exports.tasks import Task, can_be_rounded, feedback, largest
 from geomtorsion.exercises.prose import html_of
 from geomtorsion.exercises.question import Question, how_to_answer
 from geomtorsion.exercises.verdict import MESSAGES
@@ -110,7 +110,7 @@ class _Asked:
         """Identifier of what is said, the value it is said about, and what is said."""
         yield f"RIGHT_{self.key}", self.question.solution, "Right."
         for place, mistake in enumerate(self.question.mistakes, 1):
-            said = told(self.question, mistake)
+            said = feedback(self.question, mistake)
             yield f"MISTAKE_{self.key}_{place}", mistake.value, said
 
     @property

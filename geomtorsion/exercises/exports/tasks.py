@@ -78,13 +78,13 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
     return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in wanted)
 
 
-def told(question: Question, mistake: Mistake) -> str:
+def feedback(question: Question, mistake: Mistake) -> str:
     """What is said about a mistake: Markdown with LaTeX.
 
     Examples
     --------
     >>> question = load("3.2").questions[0]
-    >>> told(question, Mistake("sign", 0))[:19]
+    >>> feedback(question, Mistake("sign", 0))[:19]
     'The sign is wrong.'
     """
     return mistake.message or message_of(mistake.code, question.remarks)

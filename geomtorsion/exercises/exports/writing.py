@@ -65,12 +65,14 @@ def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
 
 
 def _otter(found: Sequence[Task]) -> tuple[Files, str]:
+    files: Files = {**assign_files(found)}
+    first = next(iter(files)).removesuffix(".ipynb")
     note = (
-        "otter assign chapter1.ipynb chapter1 makes of a notebook what students get, in "
-        "chapter1/student, and in chapter1/autograder the ZIP file that grades it: for Gradescope, "
+        f"otter assign {first}.ipynb {first} makes of a notebook what students get, in "
+        f"{first}/student, and in {first}/autograder the ZIP file that grades it: for Gradescope, "
         "otter grade or otter run. Where it grades, geomtorsion has to be installed."
     )
-    return {**assign_files(found)}, note
+    return files, note
 
 
 def _qti(found: Sequence[Task]) -> tuple[Files, str]:

@@ -111,7 +111,7 @@ def loops(asked: Asked, runner: Runner) -> Shown:
     return Shown(
         row([space, plane, radius, *centre.values()]),
         space.value,
-        {"result": _told(reply, "loop-said")},
+        {"result": _result(reply, "loop-said")},
         {
             "loop": (space.value, controls.FIRST_LOOP),
             "radius form": (radius.value, facts["radius"]),
@@ -134,7 +134,7 @@ def paths(asked: Asked, runner: Runner) -> Shown:
     return Shown(
         row([space]),
         "",
-        {"result": _told(reply, "paths-said")},
+        {"result": _result(reply, "paths-said")},
         {"path": (space.value, controls.FIRST_PATH)},
     )
 
@@ -157,7 +157,7 @@ def top(asked: Asked, runner: Runner) -> Shown:
     return Shown(
         row([space, principle, parameters]) + str(action),
         space.value,
-        {"result": _told(reply, "top-said")},
+        {"result": _result(reply, "top-said")},
         {
             "over": (space.value, "so3"),
             "L": (action.value, usual),
@@ -210,7 +210,7 @@ def exercises(asked: Asked, runner: Runner) -> Shown:
     )
 
 
-def _told(reply: Json, name: str) -> str:
+def _result(reply: Json, name: str) -> str:
     """A sentence and what it is about, or why there is none."""
     if reply.get("problem"):
         return views.wrapped(views.problem(reply))

@@ -174,8 +174,8 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> np.nd
         times = [_near(rest, seed) * o for rest, o in zip(bent, open_, strict=True)]
         left_open = sum(count for count, _ in _open_cells([x[None] for x in times], grid))
         if left_open < sum(np.count_nonzero(x) for x in times):
-            told = [(x * s)[:, x != 0] for x, s in zip(times, sharp, strict=True)]
-            vectors.append(np.nanmedian(np.concatenate(told, axis=1), axis=1))
+            jumps = [(x * s)[:, x != 0] for x, s in zip(times, sharp, strict=True)]
+            vectors.append(np.nanmedian(np.concatenate(jumps, axis=1), axis=1))
         else:
             least = max(least, float(away[k][place]) / 2)
         open_ = [o & (x == 0) for o, x in zip(open_, times, strict=True)]

@@ -67,3 +67,10 @@ def test_no_such_format(tmp_path):
         ArgumentError, match="to: one of stack, prairielearn, nbgrader, otter, qti was"
     ):
         exercises.export("moodle", tmp_path)
+
+
+def test_the_note_names_a_file_that_is_there(tmp_path):
+    """What is to be called for Otter is one of the notebooks that were written."""
+    done = exercises.export("otter", tmp_path, ["3.2"])
+    assert "otter assign chapter3.ipynb chapter3 makes" in done.notes[0]
+    assert (tmp_path / "chapter3.ipynb").exists()
