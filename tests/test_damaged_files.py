@@ -195,12 +195,12 @@ def check(kind, folder, seeds):
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_spoilt(kind, tmp_path):
-    """Twenty copies of each kind of file."""
-    check(kind, tmp_path, range(20))
+    """Ten copies of each kind of file."""
+    check(kind, tmp_path, range(10))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
 def test_spoilt_often(kind, tmp_path):
-    """Another 440 of each kind: 3,520 files."""
-    check(kind, tmp_path, [*range(20, 60), *range(1000, 1400)])
+    """Another 450 of each kind: 3,600 files."""
+    check(kind, tmp_path, [*range(10, 60), *range(1000, 1400)])

@@ -16,11 +16,16 @@ EXAMPLES = sorted(FOLDER.glob("*.py"))
 SCENES = sorted((FOLDER / "scenes").glob("*.py"))
 ALL = [*EXAMPLES, *SCENES]
 EXPECTED = 17
+# They take a third of a second and more; `.ci/run` runs all of them as scripts.
+LONG = {"dzhanibekov", "18_lines_between_atoms", "04_what_accuracy_costs", "16_dislocation_network",
+        "13_paper_equations", "07_tiny_loops", "rolling_disc"}  # fmt: skip
+RUN = [pytest.param(x, marks=pytest.mark.slow) if x.stem in LONG else x for x in ALL]
 
 
 def test_examples_are_found_and_numbered():
     """None is lost: numbers run from 01 without a gap."""
     assert len(EXAMPLES) >= EXPECTED
+    assert {path.stem for path in ALL} >= LONG
     assert [path.name[:3] for path in EXAMPLES] == [f"{n + 1:02}_" for n in range(len(EXAMPLES))]
 
 
@@ -52,7 +57,7 @@ def test_an_example_runs_as_a_script():
     assert not done.stderr
 
 
-@pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_example_runs(path, monkeypatch, capfd, tmp_path):
     """It prints something, warns of nothing and its assertions hold; modules are loaded already."""
     monkeypatch.setattr(sys, "argv", [path.name])

@@ -29,6 +29,7 @@ class Step:
     value: object = None
 
 
+@lru_cache(maxsize=1024)
 def tidy(expr: sp.Expr) -> sp.Expr:
     """An expression as short as sympy makes it."""
     return sp.simplify(sp.expand(expr)) if expr else sp.S.Zero

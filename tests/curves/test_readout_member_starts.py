@@ -11,7 +11,8 @@ from geomtorsion.errors import AccuracyError, TimeError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, Solution, Taylor, batch, solve, solve_many
 from geomtorsion.spaces import load
-from tests.ode.engines import every_engine, needs_heyoka
+from tests.chosen import one_in
+from tests.ode.engines import ENGINES, every_engine, needs_heyoka
 
 RANDOM = np.random.default_rng(7)
 
@@ -155,9 +156,9 @@ def alone(name: str, k: int, times: tuple[float, ...]) -> Solution:
     return solve(member, list(times), 1e-11, RungeKutta())
 
 
-@every_engine
-@pytest.mark.parametrize("name", ["s2", "so3"])
-@pytest.mark.parametrize("t", [2.0, [0.5, 1.0, 2.0]], ids=["the end alone", "samples"])
+@pytest.mark.parametrize(
+    ("engine", "name", "t"), one_in(2, ENGINES, ["s2", "so3"], [2.0, [0.5, 1.0, 2.0]])
+)
 def test_charts_are_changed_on_the_way(engine, name, t):
     """Each member agrees with its own solution, also where no sample lies near the edge."""
     problem, given = ensembles()[name]

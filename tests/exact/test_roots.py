@@ -26,7 +26,7 @@ def test_a_root_of_a_sum_of_ten_roots() -> None:
     assert (root - field.read(inner)).is_zero is False
 
 
-@pytest.mark.parametrize("count", [2, 5])
+@pytest.mark.parametrize("count", [2, 4, pytest.param(5, marks=pytest.mark.slow)])
 def test_a_square_of_a_sum_of_roots(count: int) -> None:
     """It is known as one, and no generator is added; and never as none."""
     field, inner = Field([x, y]), sum_of_roots(count)

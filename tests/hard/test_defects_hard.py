@@ -43,7 +43,7 @@ def test_polygon_side_beside_a_line(screw):
     assert turn.error < 1e-6
 
 
-@pytest.mark.parametrize("waves", [30, 1000])
+@pytest.mark.parametrize("waves", [30, 200, pytest.param(1000, marks=pytest.mark.slow)])
 def test_wild_curve_on_the_sphere_turns_by_its_area(sphere, waves):
     """A circle with many wiggles: the angle is the exact area all the same."""
     s = sp.Symbol("s", real=True)

@@ -139,6 +139,7 @@ def test_resolution_is_one_spacing_and_grows_with_noise():
     assert gt.LatticeImage(image.values).phases(resolution=5).resolution == 5
 
 
+@pytest.mark.slow
 def test_a_megapixel():
     """Spots, phases, coframe and a circuit; what it costs stands in the benchmarks."""
     image = made(512, "square")
@@ -190,7 +191,7 @@ def test_sigma_of_a_sampled_frame_is_the_scatter_of_its_values(lengths):
     waves = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * (y / 7 + x / 60))
     spots = np.array([[1 / 8, 0], [1 / 60, 1 / 7]]) / 0.1
     every, told, sums, noise = [], [], [], []
-    for seed in range(40):
+    for seed in range(20):
         grey = waves + 0.4 * np.random.default_rng(seed).normal(size=x.shape)
         frame = gt.LatticeImage(grey, 0.1, "nm").phases(spots, 0.6).sampled(lengths=lengths)
         every.append(frame.coframe)

@@ -50,20 +50,22 @@ def test_every_order_of_moments_and_signs(labelling, rates):
     ("moments", "omega", "end"),
     [
         ((1, 2, 3), (1e-12, 1, 0), 60.0),  # past its first flip at 50.26
-        ((1, 2, 3), (1e-12, 1, 1e-12), 30.0),
+        pytest.param((1, 2, 3), (1e-12, 1, 1e-12), 30.0, marks=pytest.mark.slow),
         ((1, 2, 3), (math.sqrt(3), 1, 1), 10.0),  # 1 - k^2 = 2e-16, by the rounding of sqrt(3)
-        ((4, 5, 9), (3, 0.5, 1), 8.0),  # on the separatrix, exactly
+        pytest.param(
+            (4, 5, 9), (3, 0.5, 1), 8.0, marks=pytest.mark.slow
+        ),  # on the separatrix, exactly
         ((4, 5, 9), (3, -0.5, -1), 8.0),
-        ((9, 5, 4), (1, 0.5, -3), -8.0),
-        ((1, 1, 1 + 1e-12), (0.7, 0.3, 0.5), 10.0),
+        pytest.param((9, 5, 4), (1, 0.5, -3), -8.0, marks=pytest.mark.slow),
+        pytest.param((1, 1, 1 + 1e-12), (0.7, 0.3, 0.5), 10.0, marks=pytest.mark.slow),
         ((1, 1 + 1e-12, 1), (0.7, 0.3, 0.5), 10.0),
         ((1e-6, 1, 1), (0.7, 0.3, 0.5), 10.0),
-        ((1, 1e-6, 1 + 1e-9), (0.7, 0.3, 0.5), 10.0),
+        pytest.param((1, 1e-6, 1 + 1e-9), (0.7, 0.3, 0.5), 10.0, marks=pytest.mark.slow),
         ((1, 1, 2), (0.7, 0.3, 1e-13), 10.0),
         ((1 - 2e-15, 1 - 2e-15, 1 + 4e-15), (4e-13, 0.7, 4e-14), 10.0),  # half a period is 1e25
         ((1, 1, 2), (1e-170, 0, 1), 10.0),  # a cone that is closed to rounding
         ((1, 2, 3), (1e-9, 1e-9, 1), 10.0),
-        ((1, 2, 3), (1, 1e-9, 1e-9), 10.0),
+        pytest.param((1, 2, 3), (1, 1e-9, 1e-9), 10.0, marks=pytest.mark.slow),
         ((2, 2, 2), (0.7, 0.3, 0.5), 10.0),
         ((1, 2, 3), (0, 1.25, 0), 10.0),
         ((1, 2, 3), (0, 0, 0), 1.0),
@@ -123,7 +125,7 @@ def test_tops_that_start_on_the_way_go_the_same_way():
         assert (abs(later - top.states(first + second)) / size).max() < 1e-13
 
 
-@pytest.mark.parametrize("time", [3.5, 1e6])
+@pytest.mark.parametrize("time", [pytest.param(3.5, marks=pytest.mark.slow), 1e6])
 def test_no_error_builds_up_with_time(time):
     """At t = 1e6, after 114141 periods and 3e5 turns, errors are still rounding."""
     moments, omega = (1, 2, 3), (0.3, 0.5, 0.7)

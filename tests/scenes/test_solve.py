@@ -9,7 +9,8 @@ import pytest
 import geomtorsion as gt
 from geomtorsion.scenes import effects as E
 from geomtorsion.scenes.solve import ClosedForm
-from tests.ode.engines import every_engine
+from tests.chosen import one_in
+from tests.ode.engines import ENGINES
 
 SKEW = np.array([[0.12, 0.01, -0.015], [0.01, 0.16, 0.02], [-0.015, 0.02, 0.2]])
 
@@ -155,9 +156,8 @@ def test_estimates_of_closed_forms_are_close():
     assert result.error < 3e-9
 
 
-@every_engine
 @pytest.mark.parametrize(
-    "moments", [(1, 1, 1.3), (2, 2, 1), pytest.param((1, 1, 1.5), marks=pytest.mark.slow)]
+    ("engine", "moments"), one_in(2, ENGINES, [(1, 1, 1.3), (2, 2, 1), (1, 1, 1.5)])
 )
 def test_a_long_free_symmetric_top(engine, moments):
     """To t = 1000 at 1e-12, against the product of two rotations with 40 digits.

@@ -16,7 +16,7 @@ from geomtorsion.errors import ChartEdgeError, SingularPointError
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
 from tests.chosen import one_in
-from tests.ode.engines import every_engine
+from tests.ode.engines import ENGINES
 
 SPINS = (1e-6, 0.6, 1 - 1e-9, 1 - 2.0**-53)
 RADII = (1e-3, 0.3, 1.05, 3.0, 10.0, 1e4)
@@ -104,7 +104,7 @@ def test_maps_have_limits(pair, q, a, beside):
 
 
 @pytest.mark.parametrize(
-    ("chart", "a"), one_in(3, atlas_of(load("kerr").frame).names, (0.0, *SPINS, 1.0))
+    ("chart", "a"), one_in(6, atlas_of(load("kerr").frame).names, (0.0, *SPINS, 1.0))
 )
 def test_rates_lose_no_digits(chart, a):
     """Rates of a geodesic, relative to the largest of their kind, against 60 digits."""
@@ -154,8 +154,13 @@ def finest_polar_orbit():
     return solve(without_momentum(12.0, np.pi / 2, 0.0, 0.35, 0.6), [100.0, 300.0], 1e-13)
 
 
-@every_engine
-@pytest.mark.parametrize("accuracy", [1e-9, pytest.param(1e-12, marks=pytest.mark.slow)])
+# Other engines go over the poles in the normal run, too: test_polar_orbit_of_kerr of the curves.
+POLAR = [pytest.param(engine, accuracy, marks=() if (engine, accuracy) == (ENGINES[-1], 1e-9)
+                      else pytest.mark.slow)
+         for engine, accuracy in product(ENGINES, (1e-9, 1e-12))]  # fmt: skip
+
+
+@pytest.mark.parametrize(("engine", "accuracy"), POLAR)
 def test_a_polar_orbit(engine, accuracy):
     """From r = 12 over both poles, at each accuracy to the same place."""
     sol = solve(without_momentum(12.0, np.pi / 2, 0.0, 0.35, 0.6), [100.0, 300.0], accuracy, engine)
@@ -166,7 +171,9 @@ def test_a_polar_orbit(engine, accuracy):
     assert np.abs(places[0] - places[1]).max() < 2 * accuracy * np.abs(places[1]).max()
 
 
-@pytest.mark.parametrize("accuracy", [1e-7, 1e-9, 1e-11])
+@pytest.mark.parametrize(
+    "accuracy", [1e-7, *(pytest.param(x, marks=pytest.mark.slow) for x in (1e-9, 1e-11))]
+)
 def test_a_polar_plunge_says_why_it_ends(accuracy):
     """Turned round inside, it comes back to the inner horizon, where ingoing v is infinite."""
     problem = without_momentum(6.0, 1.5, -0.3, 0.1, 0.9)

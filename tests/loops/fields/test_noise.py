@@ -25,11 +25,11 @@ LOOPS = {
 }
 
 
-# The others are less than these: once round, and with straight sides.
+# The others are less than this one: once round, with straight sides, or bent elsewhere.
 @pytest.mark.parametrize(
     "loop",
     [
-        pytest.param(loop, id=name, marks=[] if name in ("twice", "bent") else pytest.mark.slow)
+        pytest.param(loop, id=name, marks=[] if name == "twice" else pytest.mark.slow)
         for name, loop in LOOPS.items()
     ],
 )
