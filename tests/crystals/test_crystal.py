@@ -356,7 +356,7 @@ def test_a_crystal_may_turn_in_time_out_of_the_axes_that_it_began_with():
     assert seen == [seen[0]] * 5
 
 
-@pytest.mark.parametrize("quarters", [0, 1])
+@pytest.mark.parametrize("quarters", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_a_net_of_screws_is_the_same_along_any_axes(quarters):
     """A twist wall is a square net of b = a/2 [1 1 0] and a/2 [1 -1 0]: no line of it parts."""
     places, cell = twisted(8, 3)

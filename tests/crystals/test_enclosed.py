@@ -8,7 +8,7 @@ from geomtorsion.crystals.reports import inserted_atoms, inserted_error
 from tests.crystals.synthetic import interstitial_loop, vacancy_disc
 
 OPEN = (False, False, False)
-LOOPS = ((0, 3), (0, 4), (4, 4))
+LOOPS = ((0, 3), (0, 4), (4, 4), (0, 5))
 
 
 def counted(crystal, partials=False):
@@ -21,7 +21,7 @@ def counted(crystal, partials=False):
 # Without noise a small loop in an open box stands in test_reports.py.
 @pytest.mark.parametrize(
     ("percent", "radius"),
-    [(4, 3), (0, 5), (4, 5), *(pytest.param(*x, marks=pytest.mark.slow) for x in LOOPS)],
+    [(4, 3), (4, 5), *(pytest.param(*x, marks=pytest.mark.slow) for x in LOOPS)],
 )
 def test_interstitials_in_an_open_box(percent, radius):
     """As many as were put in, though bonds across the line flip a good way inside of it."""

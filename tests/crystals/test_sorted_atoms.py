@@ -26,7 +26,7 @@ def expected(cell, places, target, distance):
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.floats(0.8, 9), width=st.floats(0.1, 5))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_blocks_and_layers_are_what_a_search_finds(tmp_path_factory, seed, size, width):
     """Each atom is in one block; a layer holds all that lie as near to an atom as it is wide."""
     rng = np.random.default_rng(seed)

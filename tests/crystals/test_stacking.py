@@ -28,12 +28,11 @@ def noisy(places, percent, seed=0):
     return places + percent / 100 * np.random.default_rng(seed).normal(size=places.shape)
 
 
-# In percent of the neighbour distance: none and the most, and between them where it is slow.
-NOISE = [0, pytest.param(4, marks=pytest.mark.slow), 8]
+# In percent of the neighbour distance: the most, and less in the long run.
+NOISE = [*(pytest.param(x, marks=pytest.mark.slow) for x in (0, 4)), 8]
 
 
-@pytest.mark.parametrize("ratio", [IDEAL, pytest.param(1.623, marks=pytest.mark.slow), 1.58])
-@pytest.mark.parametrize("line", ["edge", "screw"])
+@pytest.mark.parametrize(("line", "ratio"), one_in(3, ["edge", "screw"], [IDEAL, 1.623, 1.58]))
 def test_a_basal_dislocation_is_two_partials(line, ratio):
     """1/3<1 -1 0 0> each, where it was put, with its b; their sum is the one line without."""
     places, period, put_in = basal_partials(line, ratio=ratio)
@@ -91,8 +90,7 @@ def test_an_extrinsic_fault_is_no_line_and_no_grain(percent):
         assert crystal.dislocations(partials).lines == ()
 
 
-@pytest.mark.parametrize("percent", [0, 6])
-@pytest.mark.parametrize("line", ["edge", "screw"])
+@pytest.mark.parametrize(("line", "percent"), one_in(2, ["edge", "screw"], [0, 6]))
 def test_a_layer_less_is_two_frank_partials(line, percent):
     """1/6<2 0 -2 3> at both ends of a fault of type I1; no whole line."""
     places, period, ((_, b), _) = frank_partials(line)
@@ -121,7 +119,7 @@ def test_what_is_not_split_stays_one_line(burgers, percent):
 @given(
     noise=st.floats(0, 8), seed=st.integers(0, 2**32 - 1), line=st.sampled_from(["edge", "screw"])
 )
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=2, deadline=None)
 def test_partials_are_the_same_however_the_specimen_lies(noise, seed, line):
     """Rotated, moved, permuted, wrapped: both lines, and nothing left over at the nodes."""
     places, period, put_in = basal_partials(line)

@@ -279,7 +279,7 @@ def test_agrees_with_sympys_own_reader(text):
     assert value == expected
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.text(max_size=30))
 def test_any_text_is_read_or_refused(text):
     """Whatever comes, the only errors are ours."""

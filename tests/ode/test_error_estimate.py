@@ -23,6 +23,7 @@ from geomtorsion.geometry import Frame, blend, cartan, levi_civita
 from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, When, solve
 from geomtorsion.ode.engines.taylor import order_of, tolerance_of
 from geomtorsion.spaces import load
+from tests.chosen import one_in
 from tests.ode.engines import every_engine, needs_heyoka
 
 X, Y = sp.symbols("x y", real=True)
@@ -117,8 +118,7 @@ def test_ladders_end(engine):
 
 
 @needs_heyoka
-@pytest.mark.parametrize("accuracy", [1e-5, 1e-8, 1e-11])
-@pytest.mark.parametrize("away", [1e-1, 2e-4, 1e-6])
+@pytest.mark.parametrize(("away", "accuracy"), one_in(3, [1e-1, 2e-4, 1e-6], [1e-5, 1e-8, 1e-11]))
 def test_rounding_on_the_way_is_seen(away, accuracy):
     """Near the axis of the middle moment each turn over amplifies what was rounded on the way."""
     problem = top([0.5, away, 0.8 * away], (Fraction(3, 2), 1, 2))
@@ -284,7 +284,9 @@ def test_roundings_of_what_has_grown(end):
 
 
 @needs_heyoka
-@pytest.mark.parametrize("end", [0.0021, 0.00215, 0.0022, 0.0023])
+@pytest.mark.parametrize(
+    "end", [0.0021, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.00215, 0.0022)), 0.0023]
+)
 def test_roundings_beside_a_pole(end):
     """A millionth from the pole of s2, where theta is rounded as everywhere: phi takes it all."""
     sphere = load("s2").frame

@@ -29,7 +29,7 @@ def pair_of(name, **options):
 # ax_plus_b has the pictures of s2.
 @pytest.mark.parametrize(
     "name",
-    ["s2", "r3xso3", pytest.param("ax_plus_b", marks=pytest.mark.slow), "goedel"],
+    ["s2", "r3xso3", *(pytest.param(x, marks=pytest.mark.slow) for x in ("ax_plus_b", "goedel"))],
 )
 def test_every_picture_is_written_and_shows_something(name, tmp_path):
     """Not blank: ink in every picture, in more than one colour."""
