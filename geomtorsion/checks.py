@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from decimal import Decimal
 from difflib import get_close_matches
 from fractions import Fraction
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import sympy as sp
@@ -430,6 +432,23 @@ def instance(
         return value
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
     raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
+
+
+def file_name(value: object, subject: str = "path", error: ErrorClass = ArgumentError) -> Path:
+    """The name of a file or a folder.
+
+    Examples
+    --------
+    >>> file_name("a.npz").name
+    'a.npz'
+    >>> file_name(None)
+    Traceback (most recent call last):
+    geomtorsion.errors.ArgumentError: path: the name of a file was needed, but None came.
+    """
+    found = value.__fspath__() if isinstance(value, PathLike) else value
+    if isinstance(found, str):
+        return Path(found)
+    raise error(f"{subject}: the name of a file was needed, but {shown(value)} came.")
 
 
 def flag(

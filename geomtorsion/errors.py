@@ -128,7 +128,7 @@ class UndecidedError(GeomtorsionError, ArithmeticError):
 
 
 class FileFormatError(GeomtorsionError, ValueError):
-    """A file cannot be read: the message names the file, the key and the reason."""
+    """A file cannot be read or written: the message names the file, the key and the reason."""
 
 
 class UnknownNameError(GeomtorsionError, KeyError):

@@ -10,15 +10,17 @@ import json
 import math
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
 from typing import Any, NoReturn
 
+from geomtorsion import checks
 from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
-from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 
 LARGEST_TEXT = 10_000_000
 Key = tuple[str | int, ...]
@@ -63,7 +65,7 @@ def read_text(
     LimitError
         It is longer.
     """
-    path = Path(path)
+    path = checks.file_name(path)
     try:
         # A pipe or a device would never end.
         if not S_ISREG(path.stat().st_mode):
@@ -88,6 +90,41 @@ def read_text(
     if len(content) > largest:
         raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
     return text
+
+
+@contextmanager
+def written(path: object, *, is_folder: bool = False) -> Iterator[Path]:
+    """The path of a file, or of a folder that is made, while it is written.
+
+    Raises
+    ------
+    ArgumentError
+        It is no name.
+    FileFormatError
+        The system does not let it be written there: the message says why.
+
+    Examples
+    --------
+    >>> with written("/nowhere/a.txt") as file:
+    ...     _ = file.write_text("a")
+    Traceback (most recent call last):
+    geomtorsion.errors.FileFormatError: /nowhere/a.txt: it cannot be written: No such file or \
+directory. Name a file in a folder that is there.
+    """
+    found = checks.file_name(path)
+    if "\0" in str(found) or not (found.name or is_folder):
+        raise FileFormatError(f"{shown(str(path))}: this is no name of a file.")
+    try:
+        if is_folder:
+            found.mkdir(parents=True, exist_ok=True)
+        yield found
+    except OSError as error:
+        if isinstance(error, GeomtorsionError):
+            raise
+        remedy = "another folder" if is_folder else "a file in a folder that is there"
+        raise FileFormatError(
+            f"{cut(str(found))}: it cannot be written: {error.strerror or error}. Name {remedy}."
+        ) from None
 
 
 # -- TOML -----------------------------------------------------------------------------------------

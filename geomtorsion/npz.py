@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from io import DEFAULT_BUFFER_SIZE
 from math import prod
 from os import PathLike
-from pathlib import Path
 from stat import S_ISREG
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.checks import LARGEST_ARRAYS, ErrorClass, cut
+from geomtorsion.checks import LARGEST_ARRAYS, ErrorClass, cut, file_name
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.files import LARGEST_TEXT, conforming, read_json_text
 
@@ -79,7 +78,7 @@ def read_npz(
     ...     sorted(read_npz(file, forms))
     ['states', 'times']
     """
-    path = Path(path)
+    path = file_name(path)
     lengths: dict[str, int] = {}
     arrays: dict[str, np.ndarray] = {}
     try:

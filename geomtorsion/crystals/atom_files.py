@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
-from geomtorsion.errors import ArgumentError, FileFormatError, MissingExtraError
+from geomtorsion.checks import LARGEST_ARRAYS, cut, file_name, shown
+from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.files import finite_number, read_text
 
 if TYPE_CHECKING:
@@ -85,9 +85,7 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
     MissingExtraError
         ase is not installed.
     """
-    if not isinstance(path, str | PathLike):
-        raise ArgumentError(f"path: the name of a file was needed, but {shown(path)} came.")
-    file = Path(path)
+    file = file_name(path)
     _regular(file)
     kind = _form_of(file, form)
     count = 0

@@ -68,7 +68,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     ...     read_submission(file)
     Submission(student='ada', seed=7, answers={'3.2': '1/tan(phi2)'}, unknown=(), outside=())
     """
-    path = Path(path)
+    path = checks.file_name(path)
     data = loaded(path)
     # Some write name; it costs nobody marks.
     student = data.get("student", data.get("name", path.stem))

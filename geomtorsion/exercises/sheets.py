@@ -19,6 +19,7 @@ from geomtorsion.exercises.question import Question, how_to_answer
 from geomtorsion.exercises.registry import CHAPTERS, load, names
 from geomtorsion.exercises.verdict import TITLES, message_of
 from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.files import written
 from geomtorsion.pictures.formula import FONT_SOURCE, mathml
 from geomtorsion.pictures.latex import latex_name, latex_text
 from geomtorsion.pictures.report import stylesheet
@@ -123,8 +124,10 @@ def write_sheet(
         raise UnknownNameError(f"there is no chapter {checks.shown(chapter)}. There are {known}.")
     title = titles[chapter]
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
-    folder, teacher = Path(directory), Path(directory, "teacher")
-    teacher.mkdir(parents=True, exist_ok=True)
+    # Refused before everything is solved.
+    with written(directory, is_folder=True) as folder:
+        teacher = folder / "teacher"
+        teacher.mkdir(exist_ok=True)
     stem = f"chapter{chapter}" + (f"-seed{seed}" if seed else "")
     heading = f"{chapter}. {title}"
     progress("sheet")
@@ -140,7 +143,8 @@ def write_sheet(
         teacher / f"{stem}-solutions.html": page_of(f"{heading}: solutions", seed, solved),
     }
     for path, text in files.items():
-        path.write_text(text, "utf-8")
+        with written(path) as file:
+            file.write_text(text, "utf-8")
     return tuple(files)
 
 

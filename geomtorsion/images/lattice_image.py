@@ -115,14 +115,13 @@ class LatticeImage:
         MissingExtraError
             The extra `images` is not installed.
         """
-        if not isinstance(path, str | Path):
-            raise ImageError(f"path: a file name was needed, but {checks.shown(path)} came.")
-        values = read_pixels(Path(path), page)
+        path = checks.file_name(path, error=ImageError)
+        values = read_pixels(path, page)
         try:
             return cls(values, step, unit)
         except ImageError as error:
             # What is wrong with the pixels is wrong with the file.
-            named = f"{Path(path).name}: {error}"
+            named = f"{path.name}: {error}"
             raise ImageError(named if "image" in str(error)[:10] else str(error)) from None
 
     @classmethod

@@ -8,7 +8,9 @@ from html import escape
 from os import PathLike
 from pathlib import Path
 
+from geomtorsion import checks
 from geomtorsion.exercises.worker_pool import Json
+from geomtorsion.files import written
 from geomtorsion.lab import views
 from geomtorsion.lab.controls import path_case
 from geomtorsion.lab.space_info import space_info
@@ -66,13 +68,13 @@ def write_pages(
     Everything is inside the pages: style, pictures, mathematics (MathML) and the scripts that turn
     pictures and move sliders. Nothing is written before everything is computed.
     """
+    directory = checks.file_name(directory, "directory")
     made = pages(progress)
-    target = Path(directory)
-    target.mkdir(parents=True, exist_ok=True)
     paths = []
-    for name, html in made.items():
-        paths.append(target / name)
-        paths[-1].write_text(html, "utf-8")
+    with written(directory, is_folder=True) as target:
+        for name, html in made.items():
+            paths.append(target / name)
+            paths[-1].write_text(html, "utf-8")
     return tuple(paths)
 
 

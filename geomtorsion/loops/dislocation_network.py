@@ -7,13 +7,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
+from geomtorsion.files import written
 from geomtorsion.loops.arcs import Number
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.circuit import CircuitBurgers, circuit_burgers
@@ -90,8 +90,7 @@ class DislocationNetwork:
             if "burgers" not in data:
                 raise NetworkError(f"{where} has no attribute 'burgers'. Every line needs its b.")
             data["burgers"] = exact_vector(data["burgers"], where, length)
-            length = len(data["burgers"])
-            strength = size(data["burgers"])
+            length, strength = len(data["burgers"]), size(data["burgers"])
             if not strength:
                 raise NetworkError(f"{where} (key {key!r}) has b = 0: it is no dislocation.")
             largest = max(largest, strength)
@@ -204,7 +203,8 @@ class DislocationNetwork:
         """
         grains = clusters_of(self.graph.graph, self.lines, self.owners, self.polylines)
         text = lines_text(path, self.arrays, self.polylines, self._vectors, grains)
-        Path(path).write_text(text, "utf-8")
+        with written(path) as file:
+            file.write_text(text, "utf-8")
 
     @classmethod
     def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.checks import file_name
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import conforming, read_json_text, read_text
 from geomtorsion.loops.arcs import Number
@@ -23,7 +24,7 @@ from geomtorsion.loops.crystal_analysis import (
     read_crystal_analysis,
 )
 from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.paradis import a_path, paradis_text, read_paradis
+from geomtorsion.loops.paradis import paradis_text, read_paradis
 from geomtorsion.loops.polylines import Polyline
 from geomtorsion.loops.reactions import Vector
 
@@ -39,7 +40,7 @@ def suffix_of(path: str | PathLike[str]) -> str:
     ArgumentError
         It is no name of a file.
     """
-    return Path(a_path(path)).suffix.lower()
+    return file_name(path).suffix.lower()
 
 
 def read_lines(

@@ -196,7 +196,7 @@ def read_loops(frame: Frame, path: str | Path) -> LoopFile:
     LimitError
         The file is too large.
     """
-    path = Path(path)
+    path = checks.file_name(path)
     reader = loops_from_csv if path.suffix.lower() == ".csv" else loops_from_json
     # A million circles take no more bytes.
     return reader(frame, read_text(path, largest=50_000_000), path.name)

@@ -12,7 +12,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown
-from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError, NetworkError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import finite_number, read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
@@ -92,7 +92,7 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
         message names the line of the file.
     """
     checks.flag(periodic, "periodic")
-    text = read_text(a_path(path), checks.LARGEST_ARRAYS)
+    text = read_text(checks.file_name(path), checks.LARGEST_ARRAYS)
     reader = _Reader(Path(path).name, text)
     header = _header(reader)
     if "numFileSegments" in header and (parts := _single(reader, header, "numFileSegments")) != 1:
@@ -186,19 +186,6 @@ def _all_at_once(text: str, count: int) -> Table | None:
     labels = [(a, b) for a, b in names[:count].tolist()]
     kinds = nodes[:, 6].astype(np.int64)
     return labels, places, kinds, pairs, burgers[there], planes[there]
-
-
-def a_path(path: object) -> str | PathLike[str]:
-    """A name of a file, as it came.
-
-    Raises
-    ------
-    ArgumentError
-        It is none.
-    """
-    if not isinstance(path, str | PathLike):
-        raise ArgumentError(f"path: the name of a file was needed, but {shown(path)} came.")
-    return path
 
 
 def _header(reader: _Reader) -> dict[str, Row]:

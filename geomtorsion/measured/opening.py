@@ -13,7 +13,6 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import shown
 from geomtorsion.errors import (
-    ArgumentError,
     FileFormatError,
     GridError,
     ImageError,
@@ -125,9 +124,7 @@ def open_measured(
     GridError, OrientationError, ImageError
         An option does not belong to this kind of file, or has no such value.
     """
-    if not isinstance(path, str | Path):
-        raise ArgumentError(f"path: the name of a file was needed, but {shown(path)} came.")
-    path = Path(path)
+    path = checks.file_name(path)
     suffix, ends = path.suffix.lower(), _ends(path)
     if ends and suffix not in ends:
         raise FileFormatError(

@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import MissingExtraError
+from geomtorsion.files import written
 from geomtorsion.ode.engines import Engine, Stiff, Taylor
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real
@@ -49,9 +50,10 @@ def write_solution(
     }
     times = times.astype(float)
     grid = times if times[0] == 0 else np.concatenate(([0.0], times))
-    np.savez_compressed(
-        path, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
-    )
+    with written(path) as file:
+        np.savez_compressed(
+            file, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
+        )
 
 
 def _engine_text(engine: Engine) -> str:

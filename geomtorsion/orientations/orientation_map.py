@@ -11,7 +11,6 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import (
-    ArgumentError,
     FileFormatError,
     GeomtorsionError,
     OrientationError,
@@ -182,15 +181,12 @@ class OrientationMap:
             The file is truncated, has wrong columns, mixed steps or an unknown phase; the message
             names file, line and remedy.
         """
-        if not isinstance(path, str | Path):
-            raise ArgumentError(
-                f"path: the name of a file was needed, but {checks.shown(path)} came."
-            )
-        is_orix = Path(path).suffix.lower() in SUFFIXES
-        file = read_orix(Path(path), laue) if is_orix else read_map_file(path, laue)
+        path = checks.file_name(path)
+        is_orix = path.suffix.lower() in SUFFIXES
+        file = read_orix(path, laue) if is_orix else read_map_file(path, laue)
         if not (file.phase > 0).any():
             raise FileFormatError(
-                f"{Path(path).name}: no pixel is indexed: the phase of each is 0, so that nothing "
+                f"{path.name}: no pixel is indexed: the phase of each is 0, so that nothing "
                 "is known. Export a map with orientations."
             )
         return cls._from_file(file, axes, threshold, sigma)

@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING
 import sympy as sp
 from sympy.core.relational import Relational
 
+from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, StartError
+from geomtorsion.files import written
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
@@ -322,6 +324,7 @@ def write_report(
     ...     write_report(load("s2"), folder, pictures=False).name
     'index.html'
     """
+    directory = checks.file_name(directory, "directory")
     quantities = chosen_quantities(space, (), basis, progress)
     checked = verdicts(space, progress)
     seen = {}
@@ -335,8 +338,7 @@ def write_report(
         for title, found in checked.items()
     }
     # From here on nothing can fail but the disk.
-    target = Path(directory)
-    target.mkdir(parents=True, exist_ok=True)
-    (target / "geometry.json").write_text(json.dumps(data, indent=2) + "\n", "utf-8")
-    (target / "index.html").write_text(html, "utf-8")
+    with written(directory, is_folder=True) as target:
+        (target / "geometry.json").write_text(json.dumps(data, indent=2) + "\n", "utf-8")
+        (target / "index.html").write_text(html, "utf-8")
     return target / "index.html"

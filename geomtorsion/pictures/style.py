@@ -8,7 +8,6 @@ from html import escape
 from importlib.util import find_spec
 from io import StringIO
 from os import PathLike
-from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,8 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError, MissingExtraError
+from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
+from geomtorsion.files import written
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.precision import EPS, PRINTED
 
@@ -156,16 +156,15 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
     from matplotlib.figure import Figure
 
     checks.instance(figure, Figure, "figure")
-    if not isinstance(path, str | PathLike):
-        raise ArgumentError(f"path: a name of a file was needed, but {checks.shown(path)} came.")
-    path = Path(path)
+    path = checks.file_name(path)
 
     blank = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
     kind = path.suffix.removeprefix(".").lower()
     metadata = blank.get(kind, {"CreationDate": None, "Producer": None, "Creator": None})
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
         try:
-            figure.savefig(path, dpi=dpi, metadata=metadata)
+            with written(path) as file:
+                figure.savefig(file, dpi=dpi, metadata=metadata)
         except ValueError as error:
             raise FileFormatError(
                 f"{path.name}: {error}. A picture is a .png, .svg or .pdf: name it like that."

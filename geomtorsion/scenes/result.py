@@ -16,6 +16,7 @@ import numpy as np
 from geomtorsion.checks import did_you_mean, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
+from geomtorsion.files import written
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import times_between
@@ -291,7 +292,7 @@ class SceneResult:
             "watch": list(self.values),
         }
         arrays: dict[str, Any] = {f"value {name}": value for name, value in self.values.items()}
-        with Path(path).open("wb") as file:
+        with written(path) as target, target.open("wb") as file:
             np.savez_compressed(file, times=self.times, about=json.dumps(about), **arrays)
 
     @classmethod

@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import FileFormatError, SceneError
+from geomtorsion.files import written
 from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
@@ -147,7 +148,9 @@ def write_file(scene: Scene, path: str | PathLike[str], story: str = "") -> None
     FileFormatError
         Something in the scene cannot be written down: an expression that is no text, a function.
     """
-    Path(path).write_text(to_toml(scene, story), "utf-8")
+    text = to_toml(scene, story)
+    with written(path) as file:
+        file.write_text(text, "utf-8")
 
 
 def to_toml(scene: Scene, story: str = "") -> str:

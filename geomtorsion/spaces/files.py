@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
+from geomtorsion import checks
 from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.errors import ArgumentError, FileFormatError
 from geomtorsion.files import Decimal, read_toml
@@ -102,7 +102,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     ...     read_file(file).frame.metric[1, 1]
     r**2
     """
-    path = Path(path)
+    path = checks.file_name(path)
     data = read_toml(path, advice=ADVICE, decimals=True).data
     file = path.name
     _check_keys(file, data)

@@ -137,7 +137,7 @@ def test_a_missing_file_and_a_missing_library_are_named(tmp_path, monkeypatch):
 @pytest.mark.parametrize("path", [3, None, b"image.tif"])
 def test_what_is_no_name_of_a_file_is_refused(path):
     """In our own words."""
-    with pytest.raises(ImageError, match="path: a file name was needed"):
+    with pytest.raises(ImageError, match="path: the name of a file was needed"):
         gt.LatticeImage.read(path)
 
 

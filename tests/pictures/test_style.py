@@ -47,5 +47,5 @@ def test_a_plane_is_two_coordinates(plane: Any):
 def test_a_path_is_no_number():
     """Numbers are handles of open files to Python."""
     figure = gt.pictures.draw_plan(gt.spaces.load("s2").frame.plan("metric"))
-    with pytest.raises(ArgumentError, match="path: a name of a file"):
+    with pytest.raises(ArgumentError, match="path: the name of a file"):
         gt.pictures.save(figure, 3)  # pyright: ignore[reportArgumentType]

@@ -18,6 +18,7 @@ from geomtorsion.exercises.exports.prairielearn import question_files
 from geomtorsion.exercises.exports.qti import DECIDED, item_files
 from geomtorsion.exercises.exports.stack import stack_quiz
 from geomtorsion.exercises.exports.tasks import Task, tasks
+from geomtorsion.files import written
 
 Files = dict[str, str | bytes]
 Progress = Callable[[str], object]
@@ -162,6 +163,7 @@ def export(
     ...     [path.name for path in found.files]
     ['nbgrader_config.py', 'chapter3.ipynb']
     """
+    directory = checks.file_name(directory, "directory")
     chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
     found = tasks(numbers, chosen.seeds if seeds is None else seeds)
     for task in found:
@@ -171,9 +173,10 @@ def export(
             _ = exercise.solution(), exercise.worked if chosen.worked else ()
     files, note = chosen.make(found)
     paths = []
-    for name, content in files.items():
-        path = Path(directory, name)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
-        paths.append(path)
+    with written(directory, is_folder=True) as folder:
+        for name, content in files.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content.encode() if isinstance(content, str) else content)
+            paths.append(path)
     return Export(tuple(paths), (note,))

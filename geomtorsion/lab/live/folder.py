@@ -11,6 +11,8 @@ from io import BytesIO
 from os import PathLike
 from pathlib import Path
 
+from geomtorsion import checks
+from geomtorsion.files import written
 from geomtorsion.lab import views
 from geomtorsion.lab.live import packages
 from geomtorsion.lab.live.guides import LIVE, UNAVAILABLE, note
@@ -61,15 +63,16 @@ def write_live(
     PackageError
         A package is not in the cache, and cannot be fetched.
     """
-    kept = packages.default_cache() if cache is None else Path(cache)
+    directory = checks.file_name(directory, "directory")
+    kept = packages.default_cache() if cache is None else checks.file_name(cache, "cache")
     made = files(packages.fetched(kept, progress))
-    target = Path(directory)
     paths = []
-    for name, content in made.items():
-        path = target / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-        paths.append(path)
+    with written(directory, is_folder=True) as target:
+        for name, content in made.items():
+            path = target / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+            paths.append(path)
     return tuple(paths)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.files import written
 from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.contents import TEXTS, Contents
@@ -256,7 +257,7 @@ class Samples:
             The order is none.
         """
         check_order(order)
-        found = read_grid(Path(path))
+        found = read_grid(checks.file_name(path))
         make = cls.from_distortion if found.is_distortion else cls
         try:
             return make(found.axes, found.values, order, found.names, **found.options)
@@ -276,15 +277,17 @@ class Samples:
         MissingExtraError
             The library for the format is not installed.
         """
+        file = checks.file_name(path)
         options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
-        if isinstance(self.covariance, np.ndarray) and holds_covariance(Path(path)):
+        if isinstance(self.covariance, np.ndarray) and holds_covariance(file):
             options["covariance"] = self.covariance
         elif isinstance(self.sigma, np.ndarray):
             options["sigma"] = self.sigma
         if any(self.periodic):
             options["periodic"] = np.array(self.periodic)
         contents = Contents(list(self.axes), self.coframe, tuple(self.names), False, options)
-        save_grid(Path(path), contents)
+        with written(file) as target:
+            save_grid(target, contents)
 
     # -- what it is -------------------------------------------------------------------------------
 
