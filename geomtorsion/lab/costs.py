@@ -16,10 +16,10 @@ from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import is_round_the_axis, space_of
 from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
-from geomtorsion.pictures.pair import pair_problems
 from geomtorsion.pictures.style import number
 from geomtorsion.scenes.solve import scene_accuracy
 from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.pair import pair_problems
 
 if TYPE_CHECKING:
     from geomtorsion.accuracy import CostTable

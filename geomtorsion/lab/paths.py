@@ -13,12 +13,12 @@ from geomtorsion.lab.plot import LOOKS, Look, Plot
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import space_of
 from geomtorsion.lab.turning import Curve, Film, thinned, turnable
-from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.spaces.pair import solve_pair
 
 if TYPE_CHECKING:
-    from geomtorsion.pictures.pair import Pair
+    from geomtorsion.spaces.pair import Pair
 
 STRAIGHT, SHORT, APART = LOOKS[0], LOOKS[1], LOOKS[3]
 LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}

@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.loops import draw_closure, draw_map
     from geomtorsion.pictures.network import draw_dislocations, draw_lines, draw_network
     from geomtorsion.pictures.notebook_pictures import draw_plan
-    from geomtorsion.pictures.pair import solve_pair
     from geomtorsion.pictures.report import write_report
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.style import can_draw, save
@@ -41,7 +40,6 @@ _HOMES = {
     "draw_plan": "notebook_pictures",
     "draw_solution": "solutions",
     "save": "style",
-    "solve_pair": "pair",
     "work_precision_picture": "costs",
     "write_report": "report",
 }
@@ -59,7 +57,6 @@ __all__ = [
     "draw_plan",
     "draw_solution",
     "save",
-    "solve_pair",
     "work_precision_picture",
     "write_report",
 ]

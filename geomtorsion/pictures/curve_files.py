@@ -19,9 +19,9 @@ from geomtorsion.pictures.curves import (
     paths_picture,
     quality_picture,
 )
-from geomtorsion.pictures.pair import Pair
 from geomtorsion.pictures.quantities import Data
 from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.spaces.pair import Pair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
     Examples
     --------
     >>> from geomtorsion.ode import RungeKutta
-    >>> from geomtorsion.pictures.pair import solve_pair
+    >>> from geomtorsion.spaces.pair import solve_pair
     >>> from geomtorsion.spaces import load
     >>> list(curve_pictures(solve_pair(load("so3"), engine=RungeKutta())))
     ['paths', 'attitude', 'coordinates', 'distance', 'quality']
@@ -69,7 +69,7 @@ def write_curves(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from geomtorsion.ode import RungeKutta
-    >>> from geomtorsion.pictures.pair import solve_pair
+    >>> from geomtorsion.spaces.pair import solve_pair
     >>> from geomtorsion.spaces import load
     >>> pair = solve_pair(load("s2"), engine=RungeKutta(), samples=5)
     >>> with TemporaryDirectory() as folder:

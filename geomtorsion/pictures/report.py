@@ -25,13 +25,13 @@ from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.formula import FONT_SOURCE, expression_mathml, font_face, mathml
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.loops import draw_closure
-from geomtorsion.pictures.pair import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities, geometry_data
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words
 from geomtorsion.pictures.verdicts import Verdict, verdicts
 from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.pair import Pair, refuse_unknown_functions, solve_pair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

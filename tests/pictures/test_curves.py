@@ -7,11 +7,11 @@ from geomtorsion.errors import FileFormatError
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import curve_pictures
 from geomtorsion.pictures.curves import caption, continued
-from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.pictures.sphere import parted, towards
 from geomtorsion.pictures.style import SERIES, STROKES, mathematics, new_figure, number, save
 from geomtorsion.spaces import load, names
 from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.pair import solve_pair
 
 SHOWN = {
     "s2": ["paths", "coordinates", "distance", "quality"],

@@ -30,10 +30,10 @@ from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import engine_of, numbers, start_lines, start_options
 from geomtorsion.errors import StartError
 from geomtorsion.ode import Engine
-from geomtorsion.pictures.pair import pair_problems
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
 from geomtorsion.scenes.solve import scene_accuracy
+from geomtorsion.spaces.pair import pair_problems
 
 
 class Curve(StrEnum):

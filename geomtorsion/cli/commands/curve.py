@@ -27,9 +27,9 @@ from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of, start_lines, start_options
 from geomtorsion.pictures.curve_files import write_curves
-from geomtorsion.pictures.pair import Pair, solve_pair
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
+from geomtorsion.spaces.pair import Pair, solve_pair
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4

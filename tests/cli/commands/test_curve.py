@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from geomtorsion.ode import RungeKutta
-from geomtorsion.pictures.pair import solve_pair
 from geomtorsion.spaces import load
+from geomtorsion.spaces.pair import solve_pair
 from tests.cli.running import run
 
 DATA = Path(__file__).parent.parent.parent / "data"

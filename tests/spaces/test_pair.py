@@ -9,8 +9,8 @@ from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta, solve
 from geomtorsion.pictures.curve_files import metadata
 from geomtorsion.pictures.curves import error_over_time
-from geomtorsion.pictures.pair import Pair, solve_pair
 from geomtorsion.spaces import load, read_file
+from geomtorsion.spaces.pair import Pair, solve_pair
 
 ENGINE = RungeKutta()
 

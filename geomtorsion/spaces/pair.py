@@ -1,4 +1,4 @@
-"""pair: autoparallel and geodesic from one start, as solved, ready to be drawn or tabulated."""
+"""Pair: autoparallel and geodesic from one start, as solved, ready to be drawn or tabulated."""
 
 from __future__ import annotations
 
