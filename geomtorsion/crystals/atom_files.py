@@ -39,6 +39,8 @@ FORMATS = {
     "proteindatabank": "PDB",
     "xsf": "XSF",
 }
+# Those that are tables of numbers below a title, which are looked at before ase reads them.
+TABLES = frozenset(("lammps-data", "vasp", "vasp-xdatcar", "cfg", "dlp4", "eon", "gromacs", "xsf"))
 # Ends of names that ase knows under other names, or not at all.
 ENDS = {
     ".xyz": "extxyz",
@@ -150,12 +152,21 @@ def _read(file: Path, kind: str) -> Iterator[tuple[Atoms, str]]:
         with file.open(encoding="utf-8-sig", errors="replace") as stream:
             for number, (line, rows) in enumerate(blocks(file.name, stream)):
                 where = f": frame {number}"
+                # The second row of XYZ is a comment.
+                skipped = 2 if blocks is _xyz_blocks else 0
+                _check_numbers(file.name, line + skipped, rows[skipped:])
                 yield _one(file.name, kind, line, rows), where
         return
     ase_io = _ase("ase.io")
     length = _length_of_cfg(file) if kind == "cfg" else 1.0
-    if kind == "gromacs":
-        _check_count_of_gro(file)
+    if kind in TABLES:
+        rows = read_text(file, LARGEST_ARRAYS, otherwise="latin-1").rstrip().split("\n")
+        # The first row is a title.
+        _check_numbers(file.name, 2, rows[1:])
+        if kind == "gromacs":
+            _check_count_of_gro(file.name, rows)
+        elif kind == "lammps-data":
+            _check_count_of_data(file.name, rows)
     try:
         frames = ase_io.iread(str(file), index=":", format=kind)
         for number, atoms in enumerate(frames):
@@ -187,13 +198,49 @@ def _length_of_cfg(file: Path) -> float:
     return 1.0
 
 
-def _check_count_of_gro(file: Path) -> None:
+def _check_numbers(name: str, line: int, rows: list[str]) -> None:
+    """Refuse what Python takes for a number and nobody else: 1_8 is 18 to it.
+
+    line: the number of the first row in the file.
+    """
+    text = "".join(rows)
+    if text.isascii() and "_" not in text:
+        return
+    for number, row in enumerate(rows, line):
+        for word in row.partition("#")[0].split():
+            if (not word.isascii() or "_" in word) and _is_number(word):
+                raise FileFormatError(
+                    f"{name}: line {number}: {shown(word)} is no number as programs write it, but "
+                    f"would be read as {float(word):g}. Correct it, or export the file again."
+                )
+
+
+def _check_count_of_data(name: str, rows: list[str]) -> None:
+    """Refuse a LAMMPS data file with more or fewer atoms than it says: ase drops the others."""
+    told = [row.partition("#")[0].split() for row in rows]
+    said = next((words for words in told[1:] if words[1:] == ["atoms"]), ["none"])
+    start = next((k for k, words in enumerate(told) if words == ["Atoms"]), None)
+    if start is None or not said[0].isdecimal():
+        raise FileFormatError(
+            f"{name}: the number of atoms and a section Atoms were needed, but one of them is "
+            "missing. Is the file complete?"
+        )
+    # Rows of atoms begin with a number, other sections with a word.
+    after = (k for k, words in enumerate(told) if k > start and words and words[0][0].isalpha())
+    count = sum(bool(words) for words in told[start + 1 : next(after, len(told))])
+    if count != int(said[0]):
+        raise FileFormatError(
+            f"{name}: line {start + 1}: {said[0]} atoms were said to come, but {count:,} rows "
+            "follow. Correct the number, or export the file again."
+        )
+
+
+def _check_count_of_gro(name: str, rows: list[str]) -> None:
     """Refuse a GRO file that has not as many rows as it says: ase takes the last for the cell."""
-    rows = read_text(file, LARGEST_ARRAYS, otherwise="latin-1").rstrip().split("\n")
     said = rows[1].strip() if len(rows) > 1 else ""
     if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
         raise FileFormatError(
-            f"{file.name}: line 2: the number of atoms, so many rows, and one with the cell were "
+            f"{name}: line 2: the number of atoms, so many rows, and one with the cell were "
             f"needed, but {shown(said)} and {max(len(rows) - 2, 0):,} rows came. Is it complete, "
             "and of one frame?"
         )

@@ -226,3 +226,43 @@ def test_a_gro_file_that_is_cut_is_refused(tmp_path: Path):
         path.write_text("\n".join(some) + "\n")
         with pytest.raises(FileFormatError, match=r"a\.gro: line 2: the number of atoms"):
             read(path)
+
+
+@pytest.mark.parametrize("odd", ["1_8", "1_8.5", "1_0e-1", "\N{FULLWIDTH DIGIT ONE}.8"])
+@pytest.mark.parametrize("name", ["a.xyz", "a.dump", "POSCAR", "a.xsf", "b.lmp"])
+def test_what_only_python_takes_for_a_number_is_refused(tmp_path: Path, name: str, odd: str):
+    """1_8 is 18 to it, and to ase; the title and the comments may hold what they like."""
+    path = tmp_path / name
+    if name == "a.dump":
+        path.write_text(dump(copper()))
+    else:
+        ase_io.write(path, copper(), format={"b.lmp": "lammps-data"}.get(name))
+    rows = path.read_text().split("\n")
+    if name in ("POSCAR", "b.lmp"):
+        rows[0] = f"Cu {odd}"
+        path.write_text("\n".join(rows))
+        assert len(read(path).positions) == 256
+    # The last number of the last row is a coordinate.
+    last = max(k for k, row in enumerate(rows) if row.strip())
+    rows[last] = rows[last].rstrip().rpartition(" ")[0] + f" {odd}"
+    path.write_text("\n".join(rows))
+    with pytest.raises(FileFormatError, match=f"line {last + 1}: '{odd}' is no number as programs"):
+        read(path)
+
+
+def test_a_lammps_data_file_counts_its_atoms(tmp_path: Path):
+    """ase drops those that come beyond the number, and what it says of too few helps nobody."""
+    path = tmp_path / "a.lmp"
+    ase_io.write(path, copper(), format="lammps-data")
+    text = path.read_text()
+    assert "256 atoms" in text
+    for said in (255, 257):
+        path.write_text(text.replace("256 atoms", f"{said} atoms"))
+        with pytest.raises(FileFormatError, match=f"{said} atoms were said to come, but 256 rows"):
+            read(path)
+    path.write_text(text.replace("256 atoms", ""))
+    with pytest.raises(FileFormatError, match="the number of atoms and a section Atoms"):
+        read(path)
+    more = "".join(f"{k} 0.0 0.0 0.0\n" for k in range(1, 257))
+    path.write_text(f"{text.rstrip()}\n\nVelocities # metal\n\n{more}")
+    assert len(read(path).positions) == 256
