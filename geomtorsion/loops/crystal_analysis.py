@@ -319,7 +319,7 @@ class _Contents:
     def __init__(self) -> None:
         self.origin = np.zeros(3)
         self.vectors: np.ndarray | None = None
-        self.periodic = [True] * 3
+        self.periodic: list[bool] = []
         self.cluster = self.structure = 0
         self.names: dict[int, str] = {}
         self.lattices: dict[int, int] = {}
@@ -354,7 +354,9 @@ class _Contents:
         self.vectors = rows.matrix(words[0]).T
 
     def _flags(self, rows: _Rows, words: list[str]) -> None:
-        self.periodic = [bool(x) for x in rows.numbers(words[1:], 3, words[0])]
+        if len(words) != 4 or not {"0", "1"}.issuperset(words[1:]):
+            rows.fail(f"{words[0]}: 0 or 1 for each edge was needed, but {shown(words[1:])} came.")
+        self.periodic = [word == "1" for word in words[1:]]
 
     def _structure(self, rows: _Rows, words: list[str]) -> None:
         self.structure = rows.whole(words, words[0], 10**18)
@@ -417,6 +419,9 @@ class _Contents:
         """All of it: ends that belong to one ring are one node."""
         if self.vectors is None:
             raise FileFormatError("SIMULATION_CELL_MATRIX is missing. Is the file complete?")
+        if not self.periodic:
+            advice = "Write PBC_FLAGS and 1 (it repeats) or 0 for each edge below the cell."
+            raise FileFormatError(f"PBC_FLAGS is missing: does the cell repeat? {advice}")
         box = Box(self.vectors, self.origin, self.periodic)
         places: list[np.ndarray] = []
         pairs: list[tuple[int, int]] = []

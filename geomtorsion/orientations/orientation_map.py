@@ -163,6 +163,11 @@ class OrientationMap:
     ) -> OrientationMap:
         """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
 
+        Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
+        Small ones in the other unit look like grains that hardly turn: if a map of your own program
+        shows one grain, or noise, where several were expected, look there. More than two turns are
+        refused. `from_euler` takes angles in degrees from anywhere.
+
         Parameters
         ----------
         laue

@@ -78,6 +78,9 @@ def test_three_lines_at_a_node_and_an_end_at_a_surface(tmp_path: Path):
         ("DISLOCATIONS", "# ", "DISLOCATIONS was needed"),
         ("DISLOCATION_JUNCTIONS", "1 2 3\nDISLOCATION_JUNCTIONS", "a keyword was needed behind 2"),
         ("SIMULATION_CELL_MATRIX", "# ", "SIMULATION_CELL_MATRIX is missing"),
+        ("PBC_FLAGS", "# ", "PBC_FLAGS is missing: does the cell repeat"),
+        ("PBC_FLAGS 0 0 1", "PBC_FLAGS 0 0 0.5", "PBC_FLAGS: 0 or 1 for each edge was needed"),
+        ("PBC_FLAGS 0 0 1", "PBC_FLAGS 0 1", "line 14.: PBC_FLAGS: 0 or 1 for each edge"),
     ],
 )  # fmt: skip
 def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str):
