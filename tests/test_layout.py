@@ -61,7 +61,7 @@ LONG: dict[str, str] = {
     # Each stands for several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
-    "curves/problem.py": "a curve from its start through charts, as solvers ask for it",
+    "curves/problem.py": "a curve from its start, which is checked, through charts; for solvers",
     "curves/reductions.py": "both smaller systems; optional, and only the problem knows them",
     "exact/arguments.py": "angles and exponents, over one kind of basis",
     "exact/reading.py": "what may be read, and how it is",

@@ -10,17 +10,16 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.codegen import rational
-from geomtorsion.curves.atlas import (
-    Atlas,
-    atlas_of,
+from geomtorsion.curves.atlas import Atlas, atlas_of
+from geomtorsion.curves.atlas_check import check_atlas
+from geomtorsion.curves.equations import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
+from geomtorsion.curves.problem import (
+    CurveProblem,
     check_causal,
     checked_parameters,
     checked_start,
     frame_velocities,
 )
-from geomtorsion.curves.atlas_check import check_atlas
-from geomtorsion.curves.equations import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
-from geomtorsion.curves.problem import CurveProblem
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita

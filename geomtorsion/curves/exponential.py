@@ -9,9 +9,8 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.curves.atlas import checked_parameters
 from geomtorsion.curves.constructors import autoparallel, parallel_transport
-from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.problem import CurveProblem, checked_parameters
 from geomtorsion.errors import ChartEdgeError, ShapeError, StartError, StuckError, TimeError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.numbers import Numbers

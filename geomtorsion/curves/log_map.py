@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.curves.atlas import checked_start
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.edges import full_turn
-from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.problem import CurveProblem, checked_start
 from geomtorsion.curves.readout import converted
 from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
 from geomtorsion.geometry import Connection

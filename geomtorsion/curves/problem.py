@@ -1,4 +1,4 @@
-"""CurveProblem: a law of motion in a space, with a start, followed from chart to chart."""
+"""CurveProblem: a law of motion in a space, with a checked start, followed from chart to chart."""
 
 from __future__ import annotations
 
@@ -11,22 +11,41 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.codegen import graph
+from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout
-from geomtorsion.curves.atlas import Atlas, MovingPoint, checked_start, frame_velocities
+from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.reductions import Reduction, Reductions
 from geomtorsion.curves.transported import Carried, carrying
-from geomtorsion.errors import ChartEdgeError, StartError
+from geomtorsion.errors import (
+    BranchError,
+    ChartEdgeError,
+    GeomtorsionError,
+    MissingValueError,
+    SingularPointError,
+    StartError,
+)
+from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Numbers, Real, divided, floats, perturbed, precision_of
+from geomtorsion.ode.numbers import (
+    Numbers,
+    Real,
+    checked_numbers,
+    divided,
+    floats,
+    perturbed,
+    precision_of,
+)
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
+from geomtorsion.precision import CALCULATED
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -526,3 +545,120 @@ def _number(value: Real) -> str:
 def _lifted(smaller: Reduction, numbers: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Full states of the states of one motion, shape (m, size)."""
     return smaller.lifted(numbers, states[None])[0]
+
+
+CAUSAL = ("timelike", "null", "spacelike")
+
+
+def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
+    """Parameters by name, each one known to the frame, finite and as it was declared."""
+    known = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
+    found: dict[str, Real] = {}
+    for name, value in checks.by_name(parameters, "parameters", StartError).items():
+        if name not in known:
+            listed = ", ".join(sorted(known)) or "none"
+            raise StartError(
+                f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
+            )
+        checked_numbers([value], 1, f"parameter {name}")
+        checks.check_declared(known[name], value)
+        found[name] = value
+    return found
+
+
+def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -> tuple[Real, ...]:
+    """Coordinates at which the frame is regular."""
+    names = ", ".join(symbol.name for symbol in frame.coordinates)
+    found = checked_numbers(start, frame.dimension, f"start ({names})")
+    point = {s.name: float(x) for s, x in zip(frame.coordinates, found, strict=True)}
+    where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
+    point |= {name: float(value) for name, value in parameters.items()}
+    try:
+        size = abs(complex(frame.determinant.element().evaluate(point)))
+        if not _has_legs(frame, point):
+            frame.legs.at(point)
+    except MissingValueError as error:
+        raise StartError(f"{error} Give parameters={{...}}.") from None
+    except BranchError as error:
+        # The frame may be regular there, but was read for the other side.
+        raise StartError(f"start {where}: {error}") from None
+    except (SingularPointError, ZeroDivisionError):
+        size = 0.0
+    if size == 0.0 or not math.isfinite(size):
+        raise StartError(
+            f"the frame {frame.name or 'of this problem'} is singular at the start {where}: "
+            f"its determinant vanishes or has no value. {_advice(frame, point)}"
+        )
+    return found
+
+
+def _advice(frame: Frame, point: Mapping[str, float]) -> str:
+    """Where to start instead of at a point where the frame is singular."""
+    symbols = (*frame.coordinates, *frame.parameters)
+    values = {symbol: point[symbol.name] for symbol in symbols}
+    outside = broken_relations(frame.domain, values)
+    if not outside:
+        return "Start beside the edge of the chart, or in another chart."
+    return f"The domain is {', '.join(map(str, outside))}. Start inside."
+
+
+def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
+    """Whether doubles give all legs at a point, on the right branches; exact work takes longer."""
+    atlas = atlas_of(frame)
+    try:
+        values = atlas.chart(atlas.home).frame_vectors.values(point)
+    except (KeyError, GeomtorsionError):
+        # What is missing, exact work says by name.
+        return False
+    branches = branch_check([frame.field], list(point))
+    kept = branches is None or not branches.broken(*point.values()).any()
+    return kept and not frame.complex and bool(np.isfinite(values).all())
+
+
+def frame_velocities(
+    frame: Frame,
+    start: Sequence[Real] | None,
+    velocity: object,
+    frame_velocity: object,
+    parameters: Mapping[str, Real],
+) -> tuple[tuple[Real, ...], tuple[Real, ...] | None]:
+    """u^i, as given or from the coordinate velocity, and that velocity if it was given."""
+    if (velocity is None) == (frame_velocity is None):
+        came = "none" if velocity is None else "both"
+        raise StartError(
+            f"exactly one of velocity (q'^mu) and frame_velocity (u^i) was needed, {came} came."
+        )
+    if velocity is None:
+        return checked_numbers(frame_velocity, frame.dimension, "frame_velocity"), None
+    rates = checked_numbers(velocity, frame.dimension, "velocity")
+    if start is None:
+        raise StartError("velocity needs a start; without one, give frame_velocity (u^i).")
+    point = {s.name: float(x) for s, x in zip(frame.coordinates, start, strict=True)}
+    point |= {name: float(value) for name, value in parameters.items()}
+    coframe = frame.coframe.at(point)
+    found = np.real(coframe) @ np.array(floats(rates))
+    return tuple(found.tolist()), rates
+
+
+def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> None:
+    """Refuse a velocity that has not the causal character asked for."""
+    if causal is None:
+        return
+    if causal not in CAUSAL:
+        raise StartError(f"causal={causal!r}: one of {', '.join(CAUSAL)} was needed.")
+    eta = np.real(frame.eta.at({}))
+    squares = np.linalg.eigvalsh(eta)
+    if squares.min() > 0:
+        raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
+    u = np.array([float(x) for x in velocity])
+    norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
+    # Null as far as rounding can tell: the norm is nothing against its terms.
+    is_null = abs(norm) <= CALCULATED * size
+    # Time is the one direction whose square has the other sign; in two dimensions the negative one.
+    time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1
+    found = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
+    if found != causal:
+        raise StartError(
+            f"the velocity is {found}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "
+            "Give another velocity, or causal=None."
+        )
