@@ -71,6 +71,7 @@ def test_example_runs(path, monkeypatch, capfd, tmp_path):
 @pytest.mark.parametrize(
     ("name", "arguments"),
     [("scenes/rolling_disc.py", ["--turning", "-2"]), ("scenes/missile.py", ["--spin", "0"]),
+     ("scenes/thrown_body.py", ["--t", "20"]),
      ("08_development_and_defects.py", ["--step=-0.2"])],
 )  # fmt: skip
 def test_other_values_are_as_good(name, arguments, monkeypatch, capfd):
