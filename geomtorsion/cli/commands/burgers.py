@@ -149,17 +149,13 @@ def burgers(
         "plaquette": plaquette, "curve": curve, "spline": spline,
     }  # fmt: skip
     refuse_interval(interval, curve, any_kind)
-    wanted: list[Loop] = []
-    parameters: Values = {}
-    for path in loops:
-        read = _read(frame, path)
+    files = [(path, _read(frame, path)) for path in loops]
+    for path, read in files:
         if measured:
             named = {f"--loops {path}: {key}": getattr(read, key) for key in ONLY_FORMULAS}
             refuse_options(named, measured)
-        wanted += read.loops
-        parameters |= read.parameters
-        accuracy = read.accuracy if accuracy is None else accuracy
-    parameters |= exact_assignments(values)
+    wanted = [loop for _, read in files for loop in read.loops]
+    accuracy, parameters = _shared(files, accuracy, exact_assignments(values))
     if exact and accuracy is not None:
         raise LoopError(
             f"accuracy {accuracy}: a closed form has none to ask for. Drop it, or --exact."
@@ -226,6 +222,31 @@ def _read(frame: Frame, path: Path) -> LoopFile:
     if str(path) == "-":
         return loops_from_json(frame, sys.stdin.read(), "standard input")
     return read_loops(frame, path)
+
+
+def _shared(
+    files: Sequence[tuple[Path, LoopFile]], accuracy: float | None, values: Values
+) -> tuple[float | None, Values]:
+    """Accuracy and parameters of all files, which have to agree where no option says them."""
+    asked: dict[str, Any] = {f"--set {name}": value for name, value in values.items()}
+    if accuracy is not None:
+        asked["--accuracy"] = accuracy
+    found: dict[str, tuple[Path, Any]] = {}
+    for path, read in files:
+        said: dict[str, Any] = {f"--set {name}": x for name, x in read.parameters.items()}
+        if read.accuracy is not None:
+            said["--accuracy"] = read.accuracy
+        for switch, value in said.items():
+            first, known = found.setdefault(switch, (path, value))
+            if known != value and switch not in asked:
+                name = switch.removeprefix("--accuracy").removeprefix("--set ") or "accuracy"
+                raise LoopError(
+                    f"--loops {path}: {name} is {value} there, but {known} in {first}. Say which "
+                    f"by {switch}, or compute the files apart."
+                )
+    shared = {switch: value for switch, (_, value) in found.items()} | asked
+    accuracy = shared.pop("--accuracy", None)
+    return accuracy, {switch.removeprefix("--set "): value for switch, value in shared.items()}
 
 
 def _described(frame: Frame, given: Mapping[str, Texts], interval: str | None) -> Iterator[Loop]:

@@ -98,6 +98,25 @@ def test_a_pipeline(tmp_path: Path) -> None:
     assert pictures == ["loop-1.svg", "loop-2.svg", "loop-3.svg"]
 
 
+def test_files_of_loops_have_to_agree(tmp_path: Path) -> None:
+    """Which accuracy and which parameters count is said by an option where files differ."""
+    loop = {"circle": {"centre": [0, 0, 0], "radius": 1}}
+    one, other, third = (tmp_path / name for name in ("one.json", "other.json", "third.json"))
+    one.write_text(json.dumps({"loops": [loop], "parameters": {"b": 2}, "accuracy": 1e-9}))
+    other.write_text(json.dumps({"loops": [loop], "parameters": {"b": 2}, "accuracy": 1e-3}))
+    third.write_text(json.dumps({"loops": [loop], "parameters": {"b": 3}}))
+    name, files = "screw_dislocation", ("--loops", str(one), "--loops", str(other))
+    said = run(name, *files, code=2).stderr
+    assert "other.json: accuracy is 0.001 there, but 1e-09 in" in said
+    assert "Say which by --accuracy" in said
+    found = data(name, *files, "--accuracy", "1e-6")["results"]
+    assert [result["accuracy"] for result in found] == [1e-6, 1e-6]
+    files = ("--loops", str(one), "--loops", str(third))
+    assert "third.json: b is 3 there, but 2 in" in run(name, *files, code=2).stderr
+    found = data(name, *files, "--set", "b=5")["results"]
+    assert [round(result["vector"][2], 9) for result in found] == [5, 5]
+
+
 def test_a_crowd_of_loops_has_twelve_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
