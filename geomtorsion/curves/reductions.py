@@ -640,9 +640,9 @@ class Reductions:
     --------
     >>> from geomtorsion.curves import geodesic
     >>> from geomtorsion.spaces import load
-    >>> polar = geodesic(load("flat_polar").frame, [2, 0], [0.1, 0.3])
-    >>> Reductions(polar.equations("flat_polar")).offered[0].system.states
-    ('r', 'phi', 'p_r')
+    >>> sphere = geodesic(load("s2").frame, [1, 0], [0.1, 0.3], parameters={"R": 1})
+    >>> Reductions(sphere.equations("s2")).offered[0].system.states
+    ('cos_theta', 'phi', 'x_theta')
     """
 
     equations: Equations
