@@ -52,7 +52,13 @@ def atoms_of(name):
     return found.get_positions(), found.cell.array, found.pbc.tolist()
 
 
-@pytest.mark.parametrize("name", NAMES)
+# What was relaxed stands for what it was relaxed from, the most noise for less.
+SLOW_NAMES = ("w_perfect", "w_noise05", "w_screw111", "cu_edge110", "w_vac1pct")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=pytest.mark.slow) if x in SLOW_NAMES else x for x in NAMES]
+)
 def test_shared_files_give_their_lines(name):
     """Number, family, length and sum of the lines are those that were put in."""
     truth = json.loads(real(TRUTH).read_text())[name]
@@ -130,6 +136,8 @@ LINES = (
     ("diamond", (0.5, 0.5, 0), "1/2<1 1 0>"),
 )
 SIZES = {"hcp": (14, 8, 4), "diamond": (9, 9, 3)}
+# An edge or a mixed line and a screw of each lattice; the others lie along other axes of it.
+SHARP_LINES = (0, 3, 5, 8, 9, 10)
 
 
 def line_of(lattice, burgers):
@@ -138,7 +146,11 @@ def line_of(lattice, burgers):
     return with_line(lattice, burgers, SIZES.get(lattice, (12, 12, 4)), margin)
 
 
-@pytest.mark.parametrize(("lattice", "burgers", "family"), LINES, ids=range(len(LINES)))
+@pytest.mark.parametrize(
+    ("lattice", "burgers", "family"),
+    [pytest.param(*x, marks=() if k in SHARP_LINES else pytest.mark.slow, id=str(k))
+     for k, x in enumerate(LINES)],
+)  # fmt: skip
 def test_synthetic_lines_come_out_as_they_were_put_in(lattice, burgers, family):
     """Edges, screws and mixed lines in four lattices: b exact, sign minus that of du."""
     places, cell = line_of(lattice, burgers)
