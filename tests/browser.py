@@ -127,7 +127,7 @@ def context(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield made
 
 
-def _opened(context: Any) -> Watched:
+def opened(context: Any) -> Watched:
     """An empty page that is watched."""
     page = context.new_page()
     page.set_default_timeout(PATIENCE)
@@ -138,7 +138,7 @@ def _opened(context: Any) -> Watched:
     return seen
 
 
-def _loaded(seen: Watched, address: str) -> Watched:
+def loaded(seen: Watched, address: str) -> Watched:
     """The page, with its first tab ready."""
     seen.page.goto(address)
     seen.page.wait_for_selector("#torsion math")
@@ -148,7 +148,7 @@ def _loaded(seen: Watched, address: str) -> Watched:
 @pytest.fixture
 def watched(context: Any) -> Iterator[Watched]:
     """An empty page; what it logs as an error fails the test."""
-    seen = _opened(context)
+    seen = opened(context)
     yield seen
     seen.page.close()
     assert seen.errors == []
@@ -157,7 +157,7 @@ def watched(context: Any) -> Iterator[Watched]:
 @pytest.fixture
 def lab(watched: Watched, address: str) -> Watched:
     """The page, loaded."""
-    return _loaded(watched, address)
+    return loaded(watched, address)
 
 
 @pytest.fixture(scope="session")
@@ -175,7 +175,7 @@ def standing(context: Any, address: str, standing_pages: list[Watched]) -> Itera
     if not (standing_pages and _is_untouched(standing_pages[0])):
         for seen in standing_pages:
             seen.page.close()
-        standing_pages[:] = [_loaded(_opened(context), address)]
+        standing_pages[:] = [loaded(opened(context), address)]
     [seen] = standing_pages
     seen.page.set_viewport_size(WINDOW)
     seen.tab(FIRST_TAB).wait_for_selector("#torsion math")

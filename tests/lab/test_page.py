@@ -443,12 +443,12 @@ def test_names_and_values_for_readers(standing: Watched):
     assert [name for name in names if "<" in name] == []
 
 
-def test_dark_and_narrow(watched: Watched, address: str):
+def test_dark_and_narrow(standing: Watched):
     """By night everything is dark; on a phone the picture comes before what moves it."""
-    page = watched.page
+    page = standing.page
     page.set_viewport_size({"width": 400, "height": 800})
     page.emulate_media(color_scheme="dark")
-    page.goto(f"{address}?tab=The+top")
+    standing.tab("The top")
     page.wait_for_selector(READY["The top"])
     dark = """(e) => { while (e) {
         const c = getComputedStyle(e).backgroundColor.match(/[0-9.]+/g).map(Number);
@@ -464,6 +464,7 @@ def test_dark_and_narrow(watched: Watched, address: str):
     assert film["y"] < 800
     assert film["y"] < sliders["y"] < plan["y"]
     assert too_wide(page) == []
+    page.emulate_media(color_scheme="light")
 
 
 def test_what_is_watched_is_drawn(standing: Watched):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import io
 import pickle
+from collections.abc import Iterator
 from math import radians, sin
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.uploads import kind_of, read_map
 from geomtorsion.measured import LatticeField
 from geomtorsion.orientations import OrientationMap
-from tests.browser import Watched
+from tests.browser import Watched, loaded, opened
 from tests.lab.maps import STEP, TILT, TWIST, atoms, bomb, saved, twisted, wall_ctf
 from tests.lab.session import Session, run
 from tests.real import real
@@ -231,70 +232,79 @@ def test_measured_maps_are_read(name: str):
     assert isinstance(read_map(real(f"ebsd/{name}").read_bytes(), "given"), OrientationMap)
 
 
-def test_a_picture_of_a_lattice_in_a_browser(lab: Watched, tmp_path: Path):
+@pytest.fixture(scope="module")
+def file_page(context: Any, address: str) -> Iterator[Watched]:
+    """A page of its own for files, loaded once: whatever is given takes the place of the last."""
+    seen = loaded(opened(context), address)
+    seen.page.set_viewport_size({"width": NARROW, "height": 900})
+    seen.tab("Loops")
+    seen.page.wait_for_selector("#loop svg")
+    yield seen
+    seen.page.close()
+
+
+@pytest.fixture
+def loops_tab(file_page: Watched) -> Iterator[Watched]:
+    """The same; what it logs as an error fails the test."""
+    yield file_page
+    assert file_page.errors == []
+
+
+def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path):
     """The file chosen, the circuit moved off the core: other whole numbers."""
-    page: Any = lab.page
-    page.set_viewport_size({"width": NARROW, "height": 900})
-    lab.tab("Loops")
-    page.wait_for_selector("#loop svg")
+    page: Any = loops_tab.page
     file = tmp_path / "atoms.png"
     file.write_bytes(atoms(".png"))
     page.locator("input[type=file]").set_input_files(str(file))
-    lab.says("#map-facts", "atoms.png is a picture of 256 × 256 pixels of a lattice")
-    lab.says("#map-said", "b = (−1, 0) in lattice vectors, exactly")
+    loops_tab.says("#map-facts", "atoms.png is a picture of 256 × 256 pixels of a lattice")
+    loops_tab.says("#map-said", "b = (−1, 0) in lattice vectors, exactly")
     assert page.locator("#map svg image").first.evaluate(WIDTH) > 150
     assert page.locator("#map svg polyline").count() == 2
     slider = page.get_by_role("slider", name="middle x in pixels")
     slider.focus()
     page.keyboard.press("Home")
-    lab.says("#map-said", "leaves the image")
+    loops_tab.says("#map-said", "leaves the image")
     assert fits(page)
 
 
-def test_grains_and_symmetry_are_chosen_in_a_browser(lab: Watched, tmp_path: Path):
+def test_grains_and_symmetry_are_chosen_in_a_browser(loops_tab: Watched, tmp_path: Path):
     """A finer threshold splits the wall; another Laue group does too; the circuit stays."""
-    page: Any = lab.page
-    page.set_viewport_size({"width": NARROW, "height": 900})
-    lab.tab("Loops")
-    page.wait_for_selector("#loop svg")
+    page: Any = loops_tab.page
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
     page.locator("input[type=file]").set_input_files(str(file))
-    lab.says("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
+    loops_tab.says("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
     slider = page.get_by_role("slider", name="grains differ by, in degrees")
     slider.focus()
     page.keyboard.press("Home")
-    lab.says("#map-facts", "2 grains at 0.5°")
-    lab.says("#map-said", "crosses a boundary")
+    loops_tab.says("#map-facts", "2 grains at 0.5°")
+    loops_tab.says("#map-said", "crosses a boundary")
     page.keyboard.press("End")
-    lab.says("#map-facts", "1 grain at 20°")
+    loops_tab.says("#map-facts", "1 grain at 20°")
     page.get_by_label("its Laue group").select_option("mmm")
-    lab.says("#map-facts", "(Nickel: mmm), 2 grains at 20°")
+    loops_tab.says("#map-facts", "(Nickel: mmm), 2 grains at 20°")
     page.get_by_label("phase", exact=True).select_option("1: Nickel")
     page.get_by_label("its Laue group").select_option("4/m")
-    lab.says("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
-    lab.says("#map-said", "Circuit of 2 × 2 cells: |b| =")
+    loops_tab.says("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
+    loops_tab.says("#map-said", "Circuit of 2 × 2 cells: |b| =")
     assert fits(page)
 
 
-def test_a_map_in_a_browser(lab: Watched, tmp_path: Path):
+def test_a_map_in_a_browser(loops_tab: Watched, tmp_path: Path):
     """The file chosen, the circuit moved: numbers, picture, and nothing wider than the window."""
-    page: Any = lab.page
-    page.set_viewport_size({"width": NARROW, "height": 900})
-    lab.tab("Loops")
-    page.wait_for_selector("#loop svg")
+    page: Any = loops_tab.page
     file = tmp_path / "wall.ctf"
     file.write_bytes(wall_ctf())
     page.locator("input[type=file]").set_input_files(str(file))
-    lab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
+    loops_tab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
     b = 2 * 2 * sin(radians(TILT) / 2)
-    lab.says("#map-said", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
+    loops_tab.says("#map-said", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
     image = page.locator("#map svg image").first
     assert image.evaluate(WIDTH) > 150
     slider = page.get_by_role("slider", name="side in pixels")
     slider.focus()
     page.keyboard.press("ArrowRight")
-    lab.says("#map-said", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
+    loops_tab.says("#map-said", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
     assert fits(page)
     page.get_by_label("unit of the map").click()
     page.get_by_role("slider", name="side in um").wait_for()

@@ -237,7 +237,7 @@ def test_every_letter_and_sign_is_in_it(watched: Watched):
     assert fonts_of(watched.page, LEAVES) == {("STIX Two Math", True)}
 
 
-@pytest.mark.parametrize("name", ["so3", "schwarzschild"])
+@pytest.mark.parametrize("name", [pytest.param("so3", marks=pytest.mark.slow), "schwarzschild"])
 def test_a_report_brings_its_font(name: str, watched: Watched, tmp_path: Path):
     """Brackets are as high as their matrix; no index above a bar is cut off."""
     page = watched.page
