@@ -5,14 +5,11 @@ import sympy as sp
 
 from geomtorsion.curves import (
     autoparallel,
-    exponential_map,
     geodesic,
     geodesic_deviation,
-    holonomy,
-    log_map,
     parallel_transport,
 )
-from geomtorsion.errors import CoordinateError, MetricError, ShapeError, StartError
+from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import solve_many
 from geomtorsion.spaces import load
@@ -148,26 +145,3 @@ def test_legs_that_doubles_do_not_give():
     assert geodesic(frame, [1.0], [1.0]).start == (1.0,)
     with pytest.raises(StartError, match="singular at the start"):
         geodesic(frame, [0.0], [1.0])
-
-
-S = sp.Symbol("s", real=True)
-DOORS = {
-    "geodesic": lambda f, p: geodesic(f, [1, 0], [0, 1], parameters=p),
-    "autoparallel": lambda f, p: autoparallel(cartan(f), [1, 0], [0, 1], parameters=p),
-    "exponential": lambda f, p: exponential_map(cartan(f), [1, 0], [0, 1], parameters=p),
-    "logarithm": lambda f, p: log_map(cartan(f), [1, 0], [1.1, 0], parameters=p),
-    "holonomy": lambda f, p: holonomy(cartan(f), [S, S], parameters=p),
-}
-
-
-@pytest.mark.parametrize("door", DOORS.values(), ids=DOORS)
-def test_values_against_what_was_declared(door):
-    """Every door refuses them in the same words: sympy has written M for sqrt(M**2)."""
-    M = sp.Symbol("M", positive=True)
-    x, y = sp.symbols("x y", real=True)
-    frame = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]])
-    said = "M was declared positive, nonnegative, but -1 was to be put in its place"
-    for key in (M, "M"):
-        with pytest.raises(CoordinateError, match=said):
-            door(frame, {key: -1})
-    door(frame, {"M": 1})

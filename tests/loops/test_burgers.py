@@ -14,16 +14,10 @@ from geomtorsion.errors import (
     SingularPointError,
     UnknownNameError,
 )
-from geomtorsion.geometry import Frame, cartan, levi_civita
+from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import (
     Loop,
-    burgers_map,
     burgers_vector,
-    burgers_vectors,
-    develop,
-    develop_path,
-    enclosed_defects,
-    exact_burgers_vector,
 )
 from geomtorsion.spaces import load, names
 
@@ -360,32 +354,6 @@ def test_a_loop_through_the_defect_is_refused(loop: Loop) -> None:
         SingularPointError, match=r"passes through .* where x\*\*2 \+ y\*\*2 vanish"
     ):
         burgers_vector(load("screw_dislocation").frame, loop, parameters={"b": 1})
-
-
-ABOUT = Loop.circle([1, 0], 0.5)
-ROUTES = {
-    "burgers_vector": lambda f, p: burgers_vector(f, ABOUT, parameters=p),
-    "exact": lambda f, p: exact_burgers_vector(f, ABOUT, parameters=p),
-    "many": lambda f, p: burgers_vectors(f, [[1, 0], [2, 0]], 0.1, parameters=p),
-    "map": lambda f, p: burgers_map(f, ([1, 2, 3], [0, 1, 2]), parameters=p),
-    "development": lambda f, p: develop(levi_civita(f), ABOUT, parameters=p),
-    "flat development": lambda f, p: develop(cartan(f), ABOUT, parameters=p),
-    "path": lambda f, p: develop_path(levi_civita(f), [[1, 0], [2, 0]], parameters=p),
-    "defects": lambda f, p: enclosed_defects(f, ABOUT, p),
-}
-
-
-@pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
-def test_values_against_what_was_declared(route):
-    """Every route refuses them in the same words: sympy has written M for sqrt(M**2)."""
-    M = sp.Symbol("M", positive=True)
-    x, y = sp.symbols("x y", real=True)
-    frame = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]])
-    said = "M was declared positive, nonnegative, but -1 was to be put in its place"
-    for key in (M, "M"):
-        with pytest.raises(CoordinateError, match=said):
-            route(frame, {key: -1})
-    route(frame, {"M": 1})
 
 
 def test_values_of_a_loop_against_what_was_declared():
