@@ -14,12 +14,15 @@ from geomtorsion.crystals.triangulation import Cell
 from tests.crystals.synthetic import block
 
 
-@pytest.mark.parametrize(("vacant", "seed"), [(0.05, 0), (0.12, 10), (0.2, 1)])
-def test_a_block_sees_all_on_which_its_atoms_depend(tmp_path, vacant, seed):
+@pytest.mark.parametrize(
+    ("vacant", "seed", "height"), [(0.05, 0, 16), (0.12, 10, 16), (0.2, 1, 16), (0.04, 455, 40)]
+)
+def test_a_block_sees_all_on_which_its_atoms_depend(tmp_path, vacant, seed, height):
     """In a bar of bcc with many vacancies: which atoms need tetrahedra depends on vacancies beside
-    vacancies on the other side of the face of a block. In the last two bars holes of vacancies lie
-    at a face of the cell, which are no surface, on either side of it."""
-    places, edges = block("bcc", (4, 4, 16))
+    vacancies on the other side of the face of a block. In the second and third bar holes of
+    vacancies lie at a face of the cell, which are no surface, on either side of it. In the long one
+    an atom depends on another more than three times as far away as neighbours are."""
+    places, edges = block("bcc", (4, 4, height))
     places = places[np.random.default_rng(seed).random(len(places)) > vacant]
     cell = Cell(np.diag(edges.astype(float)), np.array([False, False, True]))
     frame = Frame(LATTICES["bcc"], np.eye(3), 1.0)
@@ -28,7 +31,7 @@ def test_a_block_sees_all_on_which_its_atoms_depend(tmp_path, vacant, seed):
     atoms = SortedAtoms.sized(tmp_path, cell, 4.5)
     atoms.sort(AtomSlabs(places))
     made = BlockShells(str(tmp_path), atoms, frame)
-    assert len(atoms.blocks) == 4
+    assert len(atoms.blocks) == {16: 4, 40: 9}[height]
     for one in atoms.blocks:
         made.compute(one)
         assert np.array_equal(made.wanted(one), wanted[atoms.inside(one).numbers])

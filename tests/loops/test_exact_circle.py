@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.errors import LoopError, UndecidedError
-from geomtorsion.loops import Loop, exact_burgers_vector
+from geomtorsion.loops import Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.spaces import load
 
@@ -14,7 +14,7 @@ R = sp.Symbol("R", positive=True)
 @pytest.mark.parametrize(
     ("space", "centre"),
     [("heisenberg", (0, 0, 0)), ("so3", (0, 1, 0)), ("s2", (1, 0)), ("flat_polar", (2, 0)),
-     ("screw_core", (0, 0, 0)), ("bianchi_vii_h", (0, 0, 0))],
+     ("screw_core", (0, 0, 0)), ("bianchi_vii_h", (0, 0, 0)), ("bianchi_viii", (0, 0, 0))],
 )  # fmt: skip
 def test_as_any_loop(space, centre):
     """The vector of `exact_burgers_vector`, which checks poles by numbers."""
@@ -30,6 +30,17 @@ def test_a_line_keeps_its_vector():
     [b] = frame.parameters
     assert exact_circle(frame, (0, 0, 0), R) == (0, 0, b)
     assert exact_circle(frame, (0, 0, 0), sp.Rational(1, 7)) == (0, 0, b)
+
+
+def test_a_denominator_may_change_if_it_has_no_zero():
+    """exp(x2 + x3) below, round a place that is like no other, against the numbers."""
+    half = sp.Rational(1, 2)
+    centre = (1, half, half)
+    for plane in ((0, 1), (1, 2)):
+        found = exact_circle(load("bianchi_viii").frame, centre, half, plane)
+        loop = Loop.circle([float(x) for x in centre], 0.5, plane)
+        right = burgers_vector(load("bianchi_viii").frame, loop)
+        assert [float(x) for x in found] == pytest.approx(right.vector.tolist(), abs=1e-12)
 
 
 def test_what_only_numbers_decide_is_refused():

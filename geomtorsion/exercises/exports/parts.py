@@ -232,6 +232,7 @@ class Part:
 
     def _completed(self) -> str:
         """With what follows from a component by exchanging its first two indices, if it is zero."""
+        # Zeros stand in all boxes from the beginning: one that was typed cannot be told from them.
         # Of names of one letter, i is the imaginary unit in STACK.
         n, given, sign = self.shape[0], f"given{self.place}", self._sign.strip()
         if not self._stacked:
