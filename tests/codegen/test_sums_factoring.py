@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geomtorsion.codegen import graph
-from geomtorsion.codegen.reading import SPELT_OUT
 from geomtorsion.codegen.steps import MANY_QUOTIENTS
 from geomtorsion.codegen.sums import MOST_COMPARED
 from geomtorsion.exact import Field
@@ -131,7 +130,14 @@ def test_the_limit_of_factoring(terms, left):
     assert costly(made) == left
 
 
-@pytest.mark.parametrize("exponent", [SPELT_OUT, SPELT_OUT + 1, -SPELT_OUT - 1, 10**4])
+@pytest.mark.parametrize(("exponent", "shared"), [(24, True), (25, False)])
+def test_how_high_powers_share_factors(exponent, shared):
+    """Of x^n, x^n y + x^(n-1) z nothing is shared from n = 25 on: the power is one value there."""
+    rows = [x**exponent * y + x ** (exponent - 1) * z, x**exponent]
+    assert (costly(graph(["x", "y", "z"], rows)) <= 10) is shared
+
+
+@pytest.mark.parametrize("exponent", [24, 25, -25, 10**4])
 def test_high_powers(exponent):
     """Powers that are too high to be spelt out are squares and products all the same."""
     made = graph(["x", "y"], [x**exponent * y + x**2])

@@ -75,6 +75,13 @@ def test_slopes_are_used_again_where_they_lead_closer_quickly(monkeypatch):
     assert ends(PLANE, [-3.0, 0.1], monkeypatch)[1] is None
 
 
+def test_how_quickly_is_quickly(monkeypatch):
+    """Slopes that are kept four times as long miss this end, those kept a quarter cost more."""
+    followed, found = ends(SPHERE, [0.3, -1.0], monkeypatch)
+    assert found is not None
+    assert followed < 43
+
+
 def test_what_counts_modulo_a_full_turn():
     """A coordinate whose domain is a full turn, wherever that begins; not one that ends at 2 pi."""
     x, y = sp.symbols("x y", real=True)
