@@ -72,7 +72,7 @@ def test_a_closed_pipe_ends_quietly():
 
 
 @pytest.mark.parametrize(
-    ("option", "said"), [(("--seconds", "1"), "1 s"), (("--megabytes", "50"), "50 MB")]
+    ("option", "said"), [(("--seconds", "0.3"), "0.3 s"), (("--megabytes", "50"), "50 MB")]
 )
 def test_limits_end_a_command(option, said, tmp_path):
     """A limit of time or memory ends it with code 2 and one line that names what took so long."""

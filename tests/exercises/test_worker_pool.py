@@ -29,12 +29,14 @@ def sleepy(request):
     return {"pid": os.getpid(), "bytes": len(taken)}
 
 
-@pytest.fixture
-def pool(monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    with WorkerPool(f"{__name__}:sleepy", patience=0.2) as made:
-        made.ask({}, 60)
-        yield made
+@pytest.fixture(scope="module")
+def pool():
+    """One for all tests, whatever one of them does to its worker."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(ROOT))
+        with WorkerPool(f"{__name__}:sleepy", patience=0.2) as made:
+            made.ask({}, 60)
+            yield made
 
 
 def test_one_process_answers_all(pool):
