@@ -254,10 +254,24 @@ def sources(folder, places):
 
 
 def test_atoms_come_from_files_lists_and_functions(tmp_path):
-    """Every source gives the lines of the array."""
+    """Every source gives the atoms of the array, in their order."""
+    places, _ = line()
+    for name, source in sources(tmp_path, places).items():
+        read = np.concatenate(list(atom_slabs.AtomSlabs(source)))
+        assert np.array_equal(read, places), name
+
+
+FEW_AND_ALL = [("packed", "slabs"), pytest.param((), marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("names", FEW_AND_ALL, ids=["few", "all"])
+def test_atoms_from_anywhere_have_the_same_lines(tmp_path, names):
+    """Those of the array."""
     places, cell = line()
     expected = lines_in_memory()
-    for name, source in sources(tmp_path, places).items():
+    every = sources(tmp_path, places)
+    for name in names or every:
+        source = every[name]
         cut = blocked_crystal(source, tmp_path / f"of-{name}", cell, 20, OPEN)
         assert bits(cut.dislocations()) == expected, name
 
