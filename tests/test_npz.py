@@ -40,6 +40,14 @@ def test_arrays_come_back(saved):
     found["times"][0] = 1  # they may be written to
 
 
+def test_zeros_pack_a_thousandfold(tmp_path):
+    """What zlib packs as densely as it can is read: a million zeros take eight kilobytes."""
+    file = tmp_path / "a.npz"
+    np.savez_compressed(file, x=np.zeros(10**6))
+    assert file.stat().st_size < 9000
+    assert not read_npz(file, {"x": ArrayForm(("m",), "f")})["x"].any()
+
+
 @pytest.mark.parametrize("dtype", [">f8", "<f4", ">i2", "<u8", "|b1", "<U5"])
 def test_byte_orders(tmp_path, dtype):
     """Numbers of either byte order and any size."""
