@@ -29,7 +29,9 @@ def expression(numbers, depth):
     return sp.Add(*parts[-3:])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [pytest.param(k, marks=() if k < 8 else pytest.mark.slow) for k in range(20)]
+)
 def test_texts_are_those_of_sympy(seed):
     """One after the other by the same printer, which remembers what it wrote."""
     numbers = random.Random(seed)

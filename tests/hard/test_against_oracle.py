@@ -71,7 +71,11 @@ def point_of(frame: gt.Frame) -> dict:
     return {s: sp.Rational(v) for s, v in frame.sample_point.items()}
 
 
-@pytest.mark.parametrize("name", gt.spaces.names())
+# Of S^7, which takes a second, the laws of all shipped spaces tell in the normal run.
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(x, marks=pytest.mark.slow) if x == "s7" else x for x in gt.spaces.names()],
+)
 def test_shipped_spaces(name):
     """Every shipped space agrees with the oracle in every quantity (S^7: without Riemann's)."""
     frame = gt.spaces.load(name).frame

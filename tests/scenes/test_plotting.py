@@ -24,7 +24,12 @@ ALBUMS = {
 }
 
 
-@pytest.mark.parametrize("name", ALBUMS)
+# Those of the other two are among those of these.
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(x, marks=pytest.mark.slow) if x in ("dzhanibekov", "naive_top") else x
+     for x in ALBUMS],
+)  # fmt: skip
 def test_drawings_fit_the_scene(name):
     """Each picture can be drawn, and says how good the numbers are."""
     result = load(name).with_values(samples=41).run()
