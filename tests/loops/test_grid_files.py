@@ -2,7 +2,9 @@
 
 import subprocess
 import sys
+import tomllib
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from scipy.io import netcdf_file
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import FileFormatError, GridError, LimitError, MissingExtraError
 from geomtorsion.loops import Loop, SampledFrame
+from geomtorsion.loops.fields.contents import module
 
 AXES = [np.linspace(0, 1.1, 12), np.linspace(3, 2, 9)]
 X, Y = np.meshgrid(*AXES, indexing="ij")
@@ -196,6 +199,18 @@ def test_a_missing_library_is_named(tmp_path):
     run = [sys.executable, "-c", code, str(tmp_path)]
     said = subprocess.run(run, capture_output=True, text=True, check=True).stdout
     assert said.count("geomtorsion[files]") == 2
+
+
+@pytest.mark.parametrize("name", ["h5py", "meshio", "zarr"])
+def test_the_extra_that_is_named_brings_the_library(name, monkeypatch):
+    """As pyproject.toml has it."""
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingExtraError) as caught:
+        module(name, Path("a"))
+    extra = str(caught.value).partition("geomtorsion[")[2].partition("]")[0]
+    brought = project["project"]["optional-dependencies"][extra]
+    assert any(x.startswith(name) for x in brought)
 
 
 def marked(path, dtype, scale, **said):

@@ -70,9 +70,10 @@ def module(name: str, path: Path) -> Any:
     try:
         return import_module(name)
     except ImportError:
+        extra, others = ("cluster", ".npy") if name == "zarr" else ("files", ".npz, .nc or .csv")
         raise MissingExtraError(
             f"{path}: this format needs {name}, which is not installed. "
-            "Run `pip install 'geomtorsion[files]'`, or use .npz, .nc or .csv."
+            f"Run `pip install 'geomtorsion[{extra}]'`, or use {others}."
         ) from None
 
 
