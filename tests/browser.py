@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
@@ -40,29 +40,36 @@ def _absent(reason: str) -> NoReturn:
     pytest.skip(reason)
 
 
-@contextmanager
-def _chromium(launch: str, *where: str, **options: Any) -> Iterator[Any]:
-    """Chromium, driven by Playwright: what its way to launch gives, closed at the end."""
+@pytest.fixture(scope="session")
+def playwright() -> Iterator[Any]:
+    """What drives all browsers of a process, of which Playwright allows one."""
     try:
-        from playwright.sync_api import Error, sync_playwright
+        from playwright.sync_api import sync_playwright
     except ImportError:
         _absent("playwright is not installed: `pip install 'geomtorsion[test]'`")
+    with sync_playwright() as driver:
+        yield driver
+
+
+@contextmanager
+def _chromium(launch: Callable[..., Any], *where: str, **options: Any) -> Iterator[Any]:
+    """Chromium: what a way to launch it gives, closed at the end."""
+    from playwright.sync_api import Error
+
     named = os.environ.get(NAMED, "")
     found = named or next((path for name in BROWSERS if (path := shutil.which(name))), None)
-    with sync_playwright() as playwright:
-        start = getattr(playwright.chromium, launch)
-        try:
-            launched = start(*where, executable_path=found, args=list(FLAGS), **options)
-        except Error as error:
-            _absent(f"{MISSING} ({str(error).splitlines()[0]})")
-        yield launched
-        launched.close()
+    try:
+        launched = launch(*where, executable_path=found, args=list(FLAGS), **options)
+    except Error as error:
+        _absent(f"{MISSING} ({str(error).splitlines()[0]})")
+    yield launched
+    launched.close()
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def browser(playwright: Any) -> Iterator[Any]:
     """A browser without any window."""
-    with _chromium("launch") as launched:
+    with _chromium(playwright.chromium.launch) as launched:
         yield launched
 
 
@@ -117,13 +124,14 @@ class Watched:
 
 
 @pytest.fixture(scope="session")
-def context(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+def context(playwright: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Windows of one browser, which loads what the page is made of once.
 
     With a folder of its own it keeps scripts compiled, too: a third of what a load takes.
     """
     folder = str(tmp_path_factory.mktemp("browser"))
-    with _chromium("launch_persistent_context", folder, viewport=WINDOW) as made:
+    launch = playwright.chromium.launch_persistent_context
+    with _chromium(launch, folder, viewport=WINDOW) as made:
         yield made
 
 

@@ -13,11 +13,21 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from tests.browser import address, browser, context, lab, standing, standing_pages, watched
+from tests.browser import (
+    address,
+    browser,
+    context,
+    lab,
+    playwright,
+    standing,
+    standing_pages,
+    watched,
+)
 from tests.exercises.processes import one_pool
 
 __all__ = [
-    "address", "browser", "context", "lab", "one_pool", "standing", "standing_pages", "watched",
+    "address", "browser", "context", "lab", "one_pool", "playwright", "standing",
+    "standing_pages", "watched",
 ]  # fmt: skip
 
 settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_blob=True)
