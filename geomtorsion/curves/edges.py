@@ -10,6 +10,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import Element
 from geomtorsion.exact.generators import Generator
+from geomtorsion.geometry.evaluation import repeats, sign_of
 from geomtorsion.ode.rates import changes_with_sign
 
 if TYPE_CHECKING:
@@ -51,7 +52,9 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
     >>> [edge.words for edge in edges_of(flat)]
     ['r > 0 holds no longer']
     """
-    found = [*_of_domain(frame), *_of_roots(frame), *_of_branches(frame)]
+    found = [
+        *_of_domain(frame), *_of_signs(frame), *_of_roots(frame), *_of_branches(frame)
+    ]  # fmt: skip
     inside = set(frame.coordinates)
     moving = {edge.element: edge for edge in reversed(found) if edge.element.symbols & inside}
     return tuple(reversed(moving.values()))
@@ -77,15 +80,21 @@ def _of_domain(frame: Frame) -> Iterator[Edge]:
         yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
 
 
+def _of_signs(frame: Frame) -> Iterator[Edge]:
+    """Signs that were declared of coordinates, and on which the frame may rely."""
+    for symbol in frame.coordinates:
+        if sign := sign_of(frame, symbol):
+            said = f"{symbol} was declared {'positive' if sign > 0 else 'negative'}"
+            yield Edge(frame.field.read(sign * symbol, said), said, said)
+
+
 def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
     """Whether the domain gives a coordinate one turn over which the frame repeats itself."""
     below = full_turn(frame, symbol)
     if below is None:
         return False
-    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
-    repeats = all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
     # A frame that degenerates there ends, whether it repeats itself or not.
-    return repeats and frame.determinant.element().sympy.subs(symbol, below) != 0
+    return repeats(frame, symbol) and frame.determinant.element().sympy.subs(symbol, below) != 0
 
 
 def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:

@@ -29,6 +29,7 @@ from geomtorsion.errors import (
     SingularPointError,
     StartError,
 )
+from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
@@ -570,6 +571,9 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
     """Coordinates at which the frame is regular."""
     names = ", ".join(symbol.name for symbol in frame.coordinates)
     found = checked_numbers(start, frame.dimension, f"start ({names})")
+    for symbol, value in zip(frame.coordinates, found, strict=True):
+        if sign_of(frame, symbol):
+            checks.check_declared(symbol, value)
     point = {s.name: float(x) for s, x in zip(frame.coordinates, found, strict=True)}
     where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
     point |= {name: float(value) for name, value in parameters.items()}

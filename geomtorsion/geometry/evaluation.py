@@ -109,6 +109,26 @@ def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
     return mpmath.fneg(number, exact=True) if exact else -number
 
 
+def sign_of(frame: Frame, symbol: sp.Symbol) -> int:
+    """The sign that was declared of a coordinate, 1 or -1, if the frame may rely on it; else 0.
+
+    sympy has written x for Abs(x) and sqrt(x**2) then. Where the frame repeats itself after a full
+    turn of the coordinate, or does not depend on it, there was nothing to be written otherwise.
+    """
+    sign = 1 if symbol.is_nonnegative else -1 if symbol.is_nonpositive else 0
+    return 0 if sign and repeats(frame, symbol) else sign
+
+
+def repeats(frame: Frame, symbol: sp.Symbol) -> bool:
+    """Whether a frame is the same after a full turn of a coordinate, or does not depend on it."""
+    return frame.derived(f"repeats in {symbol}", lambda: _repeats(frame, symbol))
+
+
+def _repeats(frame: Frame, symbol: sp.Symbol) -> bool:
+    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
+    return all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+
+
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
@@ -127,7 +147,7 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
                 f"Known are {', '.join(symbols)}."
             )
         symbol = symbols[name]
-        if symbol not in tensor.frame.coordinates:
+        if symbol not in tensor.frame.coordinates or sign_of(tensor.frame, symbol):
             checks.check_declared(symbol, number)
         values[symbol] = number
     return values

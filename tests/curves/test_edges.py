@@ -6,7 +6,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.edges import edges_of
-from geomtorsion.errors import ChartEdgeError, StartError
+from geomtorsion.errors import ChartEdgeError, CoordinateError, StartError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import Stiff, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
@@ -215,3 +215,34 @@ def test_an_angle_that_is_declared_positive(assumed: dict[str, bool]) -> None:
     assert [edge.words for edge in edges_of(frame) if "phi" in edge.words] == []
     round_it = solve(geodesic(frame, [1.0, 6.2], [0.0, 1.0]), t=1.0)
     assert round_it["phi"][-1] == pytest.approx(6.2 + np.pi / 4, rel=1e-9)
+
+
+@pytest.mark.parametrize(("sign", "word"), [(1, "positive"), (-1, "negative")])
+def test_a_sign_that_was_declared_is_an_edge(sign: int, word: str) -> None:
+    """sympy has written x for Abs(x): beyond zero the frame is another one than that which was
+    written, and neither begins a motion there nor does one go on."""
+    x, y = sp.Symbol("x", **{word: True}), sp.Symbol("y", real=True)
+    frame = Frame([x, y], [[1, 0], [0, 1 + sp.Abs(x)]])
+    assert [edge.words for edge in edges_of(frame)] == [f"x was declared {word}"]
+    with pytest.raises(CoordinateError, match=f"x was declared {word}"):
+        geodesic(frame, [-sign, 0], [sign, 0])
+    with pytest.raises(ChartEdgeError, match=f"x = .*x was declared {word}") as stop:
+        solve(geodesic(frame, [sign * 0.2, 0], [-sign, 0]), 1.0)
+    assert stop.value.solution.times[-1] <= 0.2 + 1e-9
+    assert frame.metric.at({"x": sign, "y": 0})[1, 1] == 4
+    assert frame.metric.at({"x": 0, "y": 0})[1, 1] == 1
+    with pytest.raises(CoordinateError, match=f"x was declared {word}"):
+        frame.metric.at({"x": -sign, "y": 0})
+
+
+def test_a_sign_of_which_nothing_depends_is_no_edge() -> None:
+    """Angles, and coordinates that the frame does not have: they run on, and take any value."""
+    r, theta, phi, t = sp.symbols("r theta phi t", positive=True)
+    frame = Frame([r, theta], [[1, 0], [0, r]])
+    assert [edge.words for edge in edges_of(frame)] == ["r was declared positive"]
+    back = solve(geodesic(frame, [1.0, 0.1], [0.0, -1.0]), 1.0)
+    assert back["theta"][-1] == pytest.approx(0.1 - np.pi / 4, rel=1e-9)
+    assert frame.metric.at({"r": 2, "theta": -3})[1, 1] == 4
+    turned = Frame([t, phi], [[sp.cos(phi), sp.sin(phi)], [-sp.sin(phi), sp.cos(phi)]])
+    assert edges_of(turned) == ()
+    assert turned.metric.at({"t": -1, "phi": -1})[0, 0] == pytest.approx(1)
