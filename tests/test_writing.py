@@ -12,6 +12,7 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion import scenes
+from geomtorsion.crystals import blocked_crystal
 from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
 from geomtorsion.exercises import export
 from geomtorsion.exercises.grading import read_submission
@@ -72,6 +73,7 @@ READERS: dict[str, Callable[[Any], object]] = {
     "loops": lambda path: read_loops(gt.spaces.load("s2").frame, path),
     "answers": read_submission,
     "live": write_live,
+    "blocks": lambda path: blocked_crystal(np.zeros((30, 3)), path, [30.0] * 3, block=15),
 }
 NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")
 

@@ -335,7 +335,7 @@ def blocked_crystal(
     given = Given.of(cell, periodic, lattice, orient, constant)
     size = float(checks.positive(block, "block", CrystalError))
     checks.count(workers, "workers", CrystalError, 1)
-    place = Path(folder)
+    place = checks.file_name(folder, "folder")
     slabs = AtomSlabs(source)
     # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller, and of
     # blocks of version 3 it was kept which atoms are open by their numbers.
