@@ -349,7 +349,7 @@ class Element:
         >>> element.sympy, element.short
         (x**2 + 2*x*y + y**2 + z, z + (x + y)**2)
         """
-        return self._field.collected(self)
+        return self._field.written(self, names=())
 
     def written_as(self, expression: sympy.Expr) -> Element:
         """The same element, written in another way, such as a series by its powers."""

@@ -14,7 +14,7 @@ from geomtorsion.exact.algebraic_constants import is_algebraic_constant
 from geomtorsion.exact.element import PROVED, Certainty, Element, inside_out
 from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
-from geomtorsion.exact.generators import Generator, Generators
+from geomtorsion.exact.generators import Generator, Generators, Names
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
 from geomtorsion.exact.modular import point_of
 from geomtorsion.exact.reading import Reader, counted_as
@@ -410,9 +410,9 @@ class Field(Tower):
             return PROVED
         return Certainty(proved=False, error=point_of(self).chance(element))
 
-    # Elements as sympy expressions: short ones, and such with their sums collected.
-    written = staticmethod(to_sympy)
-    collected = staticmethod(shortest)
+    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
+        """The element as a short sympy expression; with its sums collected if there are names."""
+        return to_sympy(element) if names is None else shortest(element, names)
 
     def value(
         self, element: Element, point: Mapping[Any, Value], precision: int, at: Any = None

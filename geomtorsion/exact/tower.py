@@ -151,15 +151,9 @@ class Tower(ABC):
     def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Tower:
         """A field over one more symbol, into which nothing is read yet."""
 
-    @staticmethod
     @abstractmethod
-    def written(element: Element) -> sympy.Expr:
-        """The element as a short sympy expression."""
-
-    @staticmethod
-    @abstractmethod
-    def collected(element: Element, names: Names = ()) -> sympy.Expr:
-        """The same with its sums collected, some of them by names, where that is shorter."""
+    def written(self, element: Element, names: Names | None = None) -> sympy.Expr:
+        """The element as a short sympy expression; with its sums collected if there are names."""
 
     @abstractmethod
     def value(

@@ -443,7 +443,7 @@ class Frame:
     def written(self, element: Element) -> sp.Expr:
         """An element as it is printed: short, with the names of the frame (see `named`)."""
         names = self.derived("names, read", lambda: naming.names(self.field, self.names))
-        return self.field.collected(element, names)
+        return self.field.written(element, names)
 
     # -- copies ---------------------------------------------------------------------------------
 
