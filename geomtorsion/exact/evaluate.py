@@ -261,7 +261,7 @@ def _number_of(ball: arb) -> mpmath.mpf:
 
 def _generator(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
     """The value of one generator, computed once per point after those that it is made of."""
-    for one in inside_out(generator, _made_of, lambda inner: inner.name in known):
+    for one in inside_out(generator, made_of, lambda inner: inner.name in known):
         known[one.name] = _computed(one, given, known)
     return known[generator.name]
 
@@ -278,7 +278,7 @@ def arguments(generator: Generator) -> tuple[Element, ...]:
     return () if generator.tail is None else (generator.tail,)
 
 
-def _made_of(generator: Generator) -> list[Generator]:
+def made_of(generator: Generator) -> list[Generator]:
     """The generators whose values that of one needs."""
     made_of: list[Generator] = []
     for part in arguments(generator):

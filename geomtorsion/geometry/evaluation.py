@@ -9,8 +9,17 @@ import mpmath
 import sympy as sp
 
 from geomtorsion import checks
-from geomtorsion.errors import CoordinateError, MissingValueError, ShapeError, SingularPointError
-from geomtorsion.exact import Element
+from geomtorsion.errors import (
+    CoordinateError,
+    GeomtorsionError,
+    MissingValueError,
+    ShapeError,
+    SingularPointError,
+)
+from geomtorsion.exact import Element, Field
+from geomtorsion.exact.element import inside_out
+from geomtorsion.exact.evaluate import arguments, made_of
+from geomtorsion.exact.generators import Generator
 from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.validation import (
     TRIES,
@@ -125,8 +134,42 @@ def repeats(frame: Frame, symbol: sp.Symbol) -> bool:
 
 
 def _repeats(frame: Frame, symbol: sp.Symbol) -> bool:
-    entries = [value.sympy for matrix in frame.given.values() for value in matrix.values()]
-    return all(entry.subs(symbol, symbol + 2 * sp.pi) == entry for entry in entries)
+    field, known = frame.field, dict[str, bool | None]()
+    entries = [value for matrix in frame.given.values() for value in matrix.values()]
+    for entry in entries:
+        found = field.generators_of(entry)
+        for generator in found:
+            for one in inside_out(generator, made_of, lambda inner: inner.name in known):
+                known[one.name] = _generator_repeats(field, one, symbol, known)
+        if any(known[generator.name] is False for generator in found):
+            return False
+        shown = entry.sympy if any(known[generator.name] is None for generator in found) else None
+        if shown is not None and shown.subs(symbol, symbol + 2 * sp.pi) != shown:
+            return False
+    return True
+
+
+def _generator_repeats(
+    field: Field, generator: Generator, symbol: sp.Symbol, known: Mapping[str, bool | None]
+) -> bool | None:
+    """Whether a generator is the same after a full turn; None where that takes two, as cos(x/2)."""
+    if symbol not in generator.depends:
+        return True
+    parts, own = arguments(generator), [g for g in field.generators if g.shown == symbol]
+    wave = generator.kind in ("cos", "sin")
+    inner = {g for part in parts for g in field.generators_of(part)}.difference(own if wave else ())
+    verdicts = {known[g.name] for g in inner}
+    if not parts or False in verdicts:
+        return False
+    if wave:
+        (angle,) = parts
+        slope = None if angle.is_kept or angle._den else field.lift(angle)
+        slope = slope and slope.derivative(field.generators.index(own[0]))
+        if slope is None or (slope and slope.total_degree()):
+            return False
+        if slope and slope.leading_coefficient().q != 1:
+            return None
+    return None if None in verdicts else True
 
 
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
@@ -147,8 +190,11 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
                 f"Known are {', '.join(symbols)}."
             )
         symbol = symbols[name]
-        if symbol not in tensor.frame.coordinates or sign_of(tensor.frame, symbol):
+        try:
             checks.check_declared(symbol, number)
+        except GeomtorsionError:
+            if symbol not in tensor.frame.coordinates or sign_of(tensor.frame, symbol):
+                raise
         values[symbol] = number
     return values
 
