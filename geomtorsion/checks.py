@@ -408,8 +408,8 @@ Give another value, or declare k without it.
         like = expression(found, symbol.name, CoordinateError)
     else:
         # Sign and rest decide, which sympy knows of these at once, but not of a new float.
-        whole = found if isinstance(found, int) else size
-        like = _LIKE[(size > 0) - (size < 0), whole % 2 if whole == whole // 1 else 0.5]
+        exact = found if isinstance(found, int) else size
+        like = _LIKE[(size > 0) - (size < 0), exact % 2 if exact == exact // 1 else 0.5]
     if words := against(symbol, like):
         raise CoordinateError(
             f"{symbol} was declared {', '.join(words)}, but {found} was to be put in its place. "

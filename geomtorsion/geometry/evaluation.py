@@ -135,16 +135,16 @@ def repeats(frame: Frame, symbol: sp.Symbol) -> bool:
 
 def _repeats(frame: Frame, symbol: sp.Symbol) -> bool:
     field, known = frame.field, dict[str, bool | None]()
-    entries = [value for matrix in frame.given.values() for value in matrix.values()]
-    for entry in entries:
-        found = field.generators_of(entry)
-        for generator in found:
+    for entry in (value for matrix in frame.given.values() for value in matrix.values()):
+        verdicts: set[bool | None] = set()
+        for generator in field.generators_of(entry):
             for one in inside_out(generator, made_of, lambda inner: inner.name in known):
                 known[one.name] = _generator_repeats(field, one, symbol, known)
-        if any(known[generator.name] is False for generator in found):
+            verdicts.add(known[generator.name])
+        if False in verdicts:
             return False
-        shown = entry.sympy if any(known[generator.name] is None for generator in found) else None
-        if shown is not None and shown.subs(symbol, symbol + 2 * sp.pi) != shown:
+        # Two that change their signs may make a product that does not.
+        if None in verdicts and entry.sympy.subs(symbol, symbol + 2 * sp.pi) != entry.sympy:
             return False
     return True
 
@@ -155,17 +155,19 @@ def _generator_repeats(
     """Whether a generator is the same after a full turn; None where that takes two, as cos(x/2)."""
     if symbol not in generator.depends:
         return True
-    parts, own = arguments(generator), [g for g in field.generators if g.shown == symbol]
-    wave = generator.kind in ("cos", "sin")
-    inner = {g for part in parts for g in field.generators_of(part)}.difference(own if wave else ())
-    verdicts = {known[g.name] for g in inner}
+    parts, is_wave = arguments(generator), generator.kind in ("cos", "sin")
+    inner = [one for part in parts for one in field.generators_of(part)]
+    # A wave repeats itself though its angle, the symbol times a whole number, does not.
+    verdicts = {known[one.name] for one in inner if not (is_wave and one.shown == symbol)}
     if not parts or False in verdicts:
         return False
-    if wave:
+    if is_wave:
         (angle,) = parts
-        slope = None if angle.is_kept or angle._den else field.lift(angle)
-        slope = slope and slope.derivative(field.generators.index(own[0]))
-        if slope is None or (slope and slope.total_degree()):
+        if angle.is_kept or angle._den:
+            return False
+        place = next(k for k, one in enumerate(field.generators) if one.shown == symbol)
+        slope = field.lift(angle).derivative(place)
+        if slope and slope.total_degree():
             return False
         if slope and slope.leading_coefficient().q != 1:
             return None
