@@ -122,6 +122,9 @@ def plain(value: object) -> Any:
     its sympy expression; everything else as it came.
     """
     found: Any = value
+    # By far the most: numbers of Python's own, which need no closer look.
+    if type(found) in (float, int):
+        return found
     if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
         # What is masked is not known, whatever number lies under the mask.
         found = math.nan if bool(getattr(found, "mask", False)) else found.item()
@@ -144,6 +147,8 @@ def real(value: object) -> float | None:
     (None, None, None, None)
     """
     found: Any = plain(value)
+    if type(found) is float:
+        return found
     if isinstance(found, bool | str | bytes | complex) or hasattr(found, "__len__"):
         return None
     if not hasattr(type(found), "__float__"):

@@ -408,12 +408,10 @@ def _offsets(
         place = validation.vector(centre, "centre", rows.shape[1])
         scale, offsets = validation.length(size, "size"), rows
         given = (tuple(centre), size)
-    extent = np.abs(offsets).max()
-    for k in range(len(rows)):
-        step = np.abs(offsets[k] - offsets[k - 1]).max()
-        if step <= COINCIDE * extent:
-            raise LoopError(
-                f"{where}: {what} {(k - 1) % len(rows)} and {what} {k} coincide at "
-                f"{shown(rows[k])}. Leave one of them out."
-            )
+    steps = np.abs(offsets - np.roll(offsets, 1, axis=0)).max(axis=1)
+    for k in np.flatnonzero(steps <= COINCIDE * np.abs(offsets).max()).tolist():
+        raise LoopError(
+            f"{where}: {what} {(k - 1) % len(rows)} and {what} {k} coincide at "
+            f"{shown(rows[k])}. Leave one of them out."
+        )
     return place, scale, offsets, given

@@ -26,7 +26,7 @@ from geomtorsion.progress import PATIENCE, bar
 # Loops that are treated together: so many that the points of each need a few pieces.
 TOGETHER = PIECE // 32
 # Points of the first level on a circle: most are so small that few are enough.
-FIRST = 9
+FIRST = 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from geomtorsion.errors import SingularPointError
-from geomtorsion.loops.arcs import Arc, Part, shown
+from geomtorsion.loops.arcs import Arc, Part, at_arcs, shown
 from geomtorsion.loops.forms import Poles
-from geomtorsion.loops.quadrature import NARROWEST, equidistant, graded
+from geomtorsion.loops.quadrature import NARROWEST, PIECE, equidistant, graded
 from geomtorsion.precision import CALCULATED
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
@@ -23,11 +25,16 @@ def steep(poles: Poles, points: np.ndarray) -> np.ndarray:
     points: places in order along each curve, shape (n, curves, k).
     """
     values = poles.values(points.reshape(len(points), -1)).reshape(-1, *points.shape[1:])
+    return np.asarray(_steep(values).any(axis=0))
+
+
+def _steep(values: np.ndarray) -> np.ndarray:
+    """The same for each denominator, from its values (poles, curves, k); shape (poles, curves)."""
     one, two = np.abs(values[..., 1:]), np.abs(values[..., :-1])
-    found = ~(2 * np.minimum(one, two) >= np.maximum(one, two))
+    found = ~(2 * np.minimum(one, two) > np.maximum(one, two))
     if not np.iscomplexobj(values):
         found |= values[..., 1:] * values[..., :-1] < 0
-    return np.asarray(found.any(axis=(0, 2)))
+    return np.asarray(found.any(axis=-1))
 
 
 def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:
@@ -43,32 +50,52 @@ def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ..
     SingularPointError
         The loop passes through a zero; the message names it.
     """
-    cuts: list[tuple[int, float]] = []
     if poles is None:
         return ()
-    for number, arc in enumerate(part.arcs):
-        count = max(SAMPLES, 4 * arc.waves + 1)
+    cuts: list[tuple[int, float]] = []
+    counts = [max(SAMPLES, 4 * arc.waves + 1) for arc in part.arcs]
+    for count in sorted(set(counts)):
         s = np.linspace(0, 1, count)
-        for k, row in enumerate(poles.values(part.points(arc, s)[0])):
-            sizes = np.abs(row)
-            signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
-            # An arc that begins or ends nearest to a pole: the loop comes from there, or goes on.
-            ends = {k for k, inner in ((0, 1), (count - 1, count - 2)) if sizes[k] <= sizes[inner]}
-            dips = {int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs), *ends}
-            for start in sorted(dips):
-                low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
-                place, width = _minimum(poles, part, arc, k, low, high, sizes.max())
-                if width == 0 and not _is_pole(poles, part, arc, place):
-                    continue
-                if width == 0:
-                    point = part.points(arc, place)[0][:, 0]
-                    raise SingularPointError(
-                        f"the loop passes through {shown(point)}, where {poles.names[k]} "
-                        f"vanishes and the {poles.owner} has no finite value. "
-                        "Lead it past that point."
-                    )
-                cuts += [(number, cut) for cut in graded(place, width / 2, 1 / (2 * count))]
+        alike = np.array([k for k, own in enumerate(counts) if own == count])
+        for begin in range(0, len(alike), max(1, PIECE // count)):
+            owner = alike[begin : begin + max(1, PIECE // count)]
+            offsets, _ = at_arcs(part.arcs, owner, np.broadcast_to(s, (len(owner), count)))
+            points = np.array(part.centre)[:, None] + part.size * offsets
+            values = poles.values(points).reshape(-1, len(owner), count)
+            # Most arcs are far from all poles, and need no closer look.
+            for j, k in np.argwhere(_steep(values).T).tolist():
+                cuts += _cuts(poles, part, int(owner[j]), k, s, values[k, j])
     return tuple(cuts)
+
+
+def _cuts(
+    poles: Poles, part: Part, number: int, k: int, s: np.ndarray, row: np.ndarray
+) -> Iterator[tuple[int, float]]:
+    """Cuts about the places where denominator k is small on an arc; row: its values at s.
+
+    Raises
+    ------
+    SingularPointError
+        It vanishes there.
+    """
+    arc, count, sizes = part.arcs[number], len(s), np.abs(row)
+    signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
+    # An arc that begins or ends nearest to a pole: the loop comes from there, or goes on.
+    ends = {j for j, inner in ((0, 1), (count - 1, count - 2)) if sizes[j] <= sizes[inner]}
+    dips = {int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs), *ends}
+    for start in sorted(dips):
+        low, high = s[max(start - 1, 0)], s[min(start + 1, count - 1)]
+        place, width = _minimum(poles, part, arc, k, low, high, sizes.max())
+        if width == 0 and not _is_pole(poles, part, arc, place):
+            continue
+        if width == 0:
+            point = part.points(arc, place)[0][:, 0]
+            raise SingularPointError(
+                f"the loop passes through {shown(point)}, where {poles.names[k]} "
+                f"vanishes and the {poles.owner} has no finite value. "
+                "Lead it past that point."
+            )
+        yield from ((number, cut) for cut in graded(place, width / 2, 1 / (2 * count)))
 
 
 def _is_pole(poles: Poles, part: Part, arc: Arc, place: float) -> bool:

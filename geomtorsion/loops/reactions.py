@@ -41,6 +41,8 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
 
 def _number(value: Number, where: str) -> Entry:
     """An exact number or expression, or a finite float."""
+    if type(value) is int:
+        return Fraction(value)
     message = "{subject}: finite numbers were needed, but {value} came."
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
         # Roots stay as they are; a symbol has no length.

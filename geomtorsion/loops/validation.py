@@ -15,7 +15,7 @@ from geomtorsion.loops.arcs import Number, Plane, exact_number
 
 def number(value: Number, where: str) -> float:
     """A finite float; symbols are refused with their own message."""
-    if is_symbolic(value):
+    if checks.real(value) is None and is_symbolic(value):
         raise LoopError(
             f"{where}: {value} contains symbols; only circles, ellipses and curves may."
         )
@@ -66,13 +66,14 @@ def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolut
 
 def is_symbolic(*values: Any) -> bool:
     """Whether a value contains symbols, at any depth of lists and arrays."""
-    found = map(checks.rows, values)
-    return any(
-        bool(value.free_symbols)
-        if isinstance(value, sp.Expr)
-        else isinstance(value, list | tuple) and is_symbolic(*value)
-        for value in found
-    )
+    for value in values:
+        found = checks.rows(value)
+        if isinstance(found, sp.Expr):
+            if found.free_symbols:
+                return True
+        elif isinstance(found, list | tuple) and is_symbolic(*found):
+            return True
+    return False
 
 
 def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:

@@ -72,6 +72,24 @@ def test_nearer_than_rounding_is_through_it(distance: float) -> None:
         _ = Network(SCREW, places, parameters=B).integrals
 
 
+@pytest.mark.parametrize("sides", [5, 2500])
+def test_a_side_through_the_line_is_found_among_many(sides: int) -> None:
+    """However many sides are looked at together, the last of which meets the line."""
+    angle = 2 * np.pi * (np.arange(sides) - 0.5) / sides
+    corners = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)[::-1]
+    corners -= (corners[0] + corners[-1]) / 2
+    with pytest.raises(SingularPointError, match="the loop passes through .*vanishes"):
+        burgers_vector(SCREW, Loop.polygon(corners), parameters=B)
+
+
+def test_a_loop_within_a_zero_is_refused() -> None:
+    """Where a denominator vanishes all along it, no place stands out from those beside it."""
+    y = sp.Symbol("y")
+    frame = Frame(["x", y, "z"], [[1, 0, 0], [0, 1, 0], [1 / y, 0, 1]])
+    with pytest.raises(SingularPointError, match="the loop passes through .*y vanishes"):
+        burgers_vector(frame, Loop.circle([0, 0, 0], 1, (0, 2)))
+
+
 def test_loops_far_from_poles_are_not_cut() -> None:
     """Intervals are cut only where few points would miss a peak; else the trapezoid is best."""
     far = burgers_vector(SCREW, Loop.circle([0.5, 0, 0], 1), parameters=B)
