@@ -134,13 +134,23 @@ class Strip:
 
 @dataclass(frozen=True)
 class Square:
-    """The square of side 1 about the centre, by Gauss along its sides and over its area."""
+    """The square of side 1 about the centre, by Gauss along its sides and over its area.
 
-    levels: tuple[int, int] = (5, 5)
+    Copies of it along two steps are parallelograms.
+
+    first: points of the first level on each side; half as many across the area.
+    """
+
+    first: int = 8
+
+    @property
+    def levels(self) -> tuple[int, int]:
+        """Ten times the points of the first; what needs more has a narrow peak."""
+        return 6, 6
 
     def rim(self, level: int) -> Chain:
         """Gauss on each side, counterclockwise."""
-        x, w = gauss_rule(3 * level + 3)
+        x, w = gauss_rule(int(self.first * GROWTH**level))
         x, half, zero = x - 0.5, np.full(len(x), 0.5), np.zeros(len(x))
         sides = ((x, -half), (half, x), (-x, half), (-half, -x))
         steps = ((w, zero), (zero, w), (-w, zero), (zero, -w))
@@ -151,7 +161,7 @@ class Square:
 
     def inside(self, level: int) -> Chain:
         """Gauss times Gauss."""
-        x, w = gauss_rule(2 * level + 2)
+        x, w = gauss_rule(int(self.first / 2 * GROWTH**level))
         points = np.stack(np.meshgrid(x - 0.5, x - 0.5)).reshape(2, -1)
         rule = f"Gauss, {len(x)} times {len(x)} points"
         return Chain(points, np.outer(w, w).reshape(1, -1), rule)

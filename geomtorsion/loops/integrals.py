@@ -10,7 +10,7 @@ import numpy as np
 
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.loops.arcs import Arc, Part, Segment, at_arcs, shown
-from geomtorsion.loops.chains import Chain, ClosedCurve, Shape, Strip, pairs_of
+from geomtorsion.loops.chains import Chain, ClosedCurve, Shape, Square, Strip, pairs_of
 from geomtorsion.loops.forms import Form, Forms, perturbed
 from geomtorsion.loops.quadrature import (
     MOST_AT_ONCE,
@@ -190,9 +190,7 @@ def by_levels(
     form = forms.coframe if degree == 1 else forms.curl
     count = len(places.sizes)
     if form is None:
-        values, zeros = np.zeros((len(places.centres), count)), np.zeros(count)
-        every = np.ones(count, dtype=bool)
-        return Route(values, 2, zeros, zeros, every, "torsion vanishes identically", 0)
+        return _without_torsion(places)
     if levels < 2:
         return None
     tensor = places.projection(form, forms.pairs if degree == 2 else None)
@@ -217,6 +215,14 @@ def by_levels(
     )
 
 
+def _without_torsion(places: Places) -> Route:
+    """The flux where the torsion vanishes identically."""
+    n, count = len(places.centres), len(places.sizes)
+    zeros, every = np.zeros(count), np.ones(count, dtype=bool)
+    rule = "torsion vanishes identically"
+    return Route(np.zeros((n, count)), 2, zeros, zeros, every, rule, 0)
+
+
 def line_route(
     forms: Forms, part: Part, accuracy: float, cuts: Sequence[tuple[int, float]] = ()
 ) -> Route:
@@ -229,8 +235,9 @@ def line_route(
     SingularPointError
         The coframe has no finite value somewhere on the loop.
     """
-    if smooth(part) and not cuts:
-        found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 1)
+    copy = None if cuts else as_copy(part)
+    if copy is not None:
+        found = by_levels(forms, *copy, accuracy, 1)
         if found is not None and found.converged[0]:
             return found
     offsets, slopes, weights = probes(part.arcs, cuts)
@@ -294,8 +301,11 @@ def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
     """
     if part.gap:
         return _strip_route(forms, part, accuracy)
-    if forms.curl is None or smooth(part):
-        found = by_levels(forms, ClosedCurve(part.arcs[0]), Places.of(part), accuracy, 2)
+    if forms.curl is None:
+        return _without_torsion(Places.of(part))
+    copy = as_copy(part)
+    if copy is not None:
+        found = by_levels(forms, *copy, accuracy, 2)
         if found is not None and found.converged[0]:
             return found
     try:
@@ -398,6 +408,26 @@ def _flux_rounding(forms: Forms, part: Part) -> tuple[float, int]:
     areas = (np.abs(offsets[a] * slopes[b]) + np.abs(offsets[b] * slopes[a])) * weights / 2
     sums = form.gather @ (form.noise(points, form.at(points), centre) * areas[form.columns])
     return float(sums.sum(axis=1).max()), 2 * points.shape[1]
+
+
+def as_copy(part: Part) -> tuple[Shape, Places] | None:
+    """A part as the only copy of a shape of which maps have many: the shape, and where it lies.
+
+    None for polygons and splines, but for parallelograms.
+    """
+    if smooth(part):
+        return ClosedCurve(part.arcs[0]), Places.of(part)
+    sides = [arc for arc in part.arcs if isinstance(arc, Segment)]
+    if len(part.arcs) != 4 or len(sides) != 4:
+        return None
+    corners = np.array([side.start for side in sides])
+    first, second = corners[1] - corners[0], corners[3] - corners[0]
+    missed = np.abs(corners[2] - corners[1] - second).max()
+    if missed > ROUNDING * np.abs(corners).max():
+        return None
+    middle = np.array(part.centre) + part.size * corners.mean(axis=0)
+    places = Places(middle[:, None], np.array([part.size]), None, np.stack([first, second]))
+    return Square(), places
 
 
 def smooth(part: Part) -> bool:

@@ -25,8 +25,9 @@ from geomtorsion.progress import PATIENCE, bar
 
 # Loops that are treated together: so many that the points of each need a few pieces.
 TOGETHER = PIECE // 32
-# Points of the first level on a circle: most are so small that few are enough.
-FIRST = 8
+# Points of the first level on a circle, and on the side of a cell: most are so small that half as
+# many are enough as for one loop.
+FIRST, FIRST_ON_SIDE = ClosedCurve.first // 2, Square.first // 2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -191,7 +192,7 @@ def burgers_map(
     middles = np.meshgrid(*((side[1:] + side[:-1]) / 2 for side in lines), indexing="ij")
     steps = np.stack(np.meshgrid(*(np.diff(side) for side in lines), indexing="ij"))
     centres = place[:, None, None] + np.einsum("an,akm->nkm", directions, np.stack(middles))
-    return _map(frame, Square(), 1.0, centres, steps, directions, accuracy, parameters)
+    return _map(frame, Square(FIRST_ON_SIDE), 1.0, centres, steps, directions, accuracy, parameters)
 
 
 @dataclass(frozen=True, eq=False)

@@ -85,6 +85,48 @@ def test_many_copies_are_what_each_of_them_is() -> None:
             assert together.values[:, k] == pytest.approx(single.values[:, 0], rel=1e-13, abs=1e-15)
 
 
+PARALLELOGRAMS = {
+    "a plaquette": Loop.plaquette([0.1, 0.7, 0.2], (0.6, -0.4), ((1, 0.2, 0.3), (0, 1, -0.5))),
+    "far from its centre": Loop.polygon(
+        [[1, 2, 0], [2, 2, 1], [1.5, 3, 0], [0.5, 3, -1]], centre=[0.3, 1, 0.2], size=0.125
+    ),
+    "tiny": Loop.polygon([[0, 0, 1], [0, 2, 0], [1, 2, 2], [1, 0, 3]], [0.3, 1, 0.2], 1e-9),
+    "of coordinates": Loop.polygon([[0.1, 0.7, 0], [0.7, 0.7, 0], [0.7, 1.3, 0], [0.1, 1.3, 0]]),
+}
+
+
+@pytest.mark.parametrize("name", PARALLELOGRAMS)
+def test_a_parallelogram_is_a_cell_of_a_map(name: str) -> None:
+    """By line and by flux it has what the same outline has with a fifth corner on a side."""
+    loop = PARALLELOGRAMS[name]
+    (part,) = loop.parts
+    corners = [side.shape(np.zeros(1))[0][:, 0] for side in part.arcs]
+    fifth = (corners[0] + corners[1]) / 2
+    other = Loop.polygon([corners[0], fifth, *corners[1:]], part.centre, part.size)
+    frame = load("so3").frame
+    one, two = (burgers_vector(frame, x, 1e-12) for x in (loop, other))
+    assert "points a side" in one.check.text
+    assert "Kronrod" in two.check.text
+    assert one.check.agrees
+    assert np.abs(one.vector - two.vector).max() <= one.error + two.error
+    assert one.check.flux is not None
+    assert two.check.flux is not None
+    for a, b, bound in (
+        (one.check.line, two.check.line, one.check.line_error + two.check.line_error),
+        (one.check.flux, two.check.flux, 1e-12 * two.magnitude),
+    ):
+        assert np.abs(a - b).max() <= bound
+
+
+def test_a_quadrangle_that_is_no_parallelogram_is_none() -> None:
+    """One corner a little off, it has the area that it has: the integral of x dy."""
+    frame = Frame([X, Y], [[1, 0], [0, X]])
+    for corner in (1.0, 1.0 + 1e-12, 1.1):
+        found = burgers_vector(frame, Loop.polygon([[0, 0], [1, 0], [1, corner], [0, 1]]), 1e-14)
+        assert abs(found.vector[1] - (1 + corner) / 2) <= found.error < 1e-14
+        assert ("points a side" in found.check.text) == (corner == 1.0)
+
+
 def test_a_cycle_is_a_polygon() -> None:
     """An edge of a network is a side of a loop: the same integral by both."""
     frame = load("heisenberg").frame
