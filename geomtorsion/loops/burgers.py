@@ -87,9 +87,9 @@ def burgers_vector(
     [FizievKleinert1994], below (13)
 
     Both sides of Stokes are computed: the line integral, by the trapezoid rule on smooth loops, by
-    Gauss on the sides of parallelograms and by Gauss and Kronrod on those of other polygons; and the
-    flux through the area of a parallelogram or the cone over another loop, from the exact curl of
-    the coframe. The line integral loses a digit for every decade by which the loop shrinks; the
+    Gauss on the sides of parallelograms and by Gauss and Kronrod on those of other polygons; and
+    the flux through a parallelogram or the cone over another loop, from the exact curl of the
+    coframe. The line integral loses a digit for every decade by which the loop shrinks; the
     flux loses none. Where both agree the more accurate one is given; where they differ, torsion
     sits on a line or point inside, and the line integral is the answer.
 
