@@ -3,7 +3,7 @@
 The answer is compared with one run two orders finer, which starts a rounding away. Twice the
 largest difference is the error: the finer run shows what the steps of the answer leave out, and
 the other start shows how rounding grows along this very motion. Where a motion goes by fits and
-starts, the finer run is put a rounding aside there, too: both runs would share what is lost at a
+starts, a finer run is put a rounding aside there, too: all runs would share what is lost at a
 near miss. Such an error, and one close to what was asked, is confirmed by a second finer run.
 What roundings of the rates make of an answer is added up where all runs would share them.
 """
@@ -77,16 +77,17 @@ def verified(
     while tolerance is not None and (steps := tolerances_compared(engine, tolerance)):
         _, finer, between = steps
         answer, *others = jointly(steps, perturbation) or [run(tolerance, 0.0, None)]
-        least, at = SAFETY * rounding(engine, answer.steps), busiest_time(answer)
-        if not others or at is not None:
-            others.insert(0, run(finer, perturbation, at))
-        reference, *others = others
+        least = SAFETY * rounding(engine, answer.steps)
+        reference, *others = others or [run(finer, perturbation, busiest_time(answer))]
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
         if error <= accuracy:
             error = max(error, SAFETY * rounding_of_rates(answer))
+        at = busiest_time(answer) if error <= accuracy else None
         if error <= accuracy and (at is not None or accuracy < CLOSE * error):
-            others = others or [run(between, -perturbation, at)]
+            # Runs side by side are put aside at the start alone.
+            if at is not None or not others:
+                others = [run(between, -perturbation, at)]
             runs += others
             for other in others:
                 second = SAFETY * difference(problem, answer, other)

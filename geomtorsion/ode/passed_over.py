@@ -38,11 +38,12 @@ class Interval(NamedTuple):
     state: int
     gap: float
 
-    @property
-    def inside(self) -> tuple[float, float]:
-        """Times just inside."""
-        lasts = INSIDE * (self.end - self.begin)
-        return self.begin + lasts, self.end - lasts
+
+def times_looked_at(intervals: Sequence[Interval]) -> np.ndarray:
+    """Begins and ends of intervals, and the times just inside of these, shape (4, count)."""
+    begins, ends = np.array([interval[:2] for interval in intervals]).T
+    lasts = INSIDE * (ends - begins)
+    return np.array([begins, ends, begins + lasts, ends - lasts])
 
 
 def passed_over(
@@ -97,19 +98,21 @@ def _of_piece(
     gaps = _unexplained(states, system.array_function(*values), lasts, over)
     if not gaps.any():
         return [], 0.0
+    sums, parts = np.add.accumulate(gaps, axis=1), np.abs(gaps)
+    drifts = (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).tolist()
+    extents = np.abs(states).max(1).tolist()
     found: list[Interval] = []
     left, least = 0.0, _least(accuracy, len(lasts))
     for group in map(list, system.groups_but_clock):
-        extent = float(np.abs(states[group]).max())
-        sums = np.add.accumulate(gaps[group], axis=1)
-        if (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).max() <= claimed * extent:
+        extent = max([extents[k] for k in group])
+        if max([drifts[k] for k in group]) <= claimed * extent:
             continue
-        parts = np.abs(gaps[group])
-        worst = parts.max(axis=0)
+        worst = parts[group].max(axis=0)
         large = worst > least * extent
-        for k in np.flatnonzero(large).tolist():
-            state = group[int(parts[:, k].argmax())]
-            found.append(Interval(float(times[k]), float(times[k + 1]), state, float(worst[k])))
+        where = np.flatnonzero(large)
+        which = np.array(group)[parts[group][:, where].argmax(axis=0)]
+        rows = (times[where], times[where + 1], which, worst[where])
+        found += map(Interval, *[row.tolist() for row in rows])
         if extent > 0:
             left += float(worst[~large & (worst > ROUNDING * extent)].sum()) / extent
     return found, left
@@ -190,27 +193,27 @@ def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval
 
     The others are too long to show how a motion goes that its steps follow well.
     """
-    found: dict[Interval, None] = {}
+    seen = times_looked_at(intervals)
+    lasts = seen[1] - seen[0]
+    rows, gaps = (np.array(column) for column in list(zip(*intervals, strict=True))[2:])
+    found: set[int] = set()
     for segments in _pieces(again):
         system = segments[0].stage.system
         times, values, _ = _joined(segments)
-        place = {t: k for k, t in enumerate(times.tolist())}
-        known = [
-            (interval, place[at], place[inside])
-            for interval in intervals
-            for at, inside in zip(interval[:2], interval.inside, strict=True)
-            if at in place and inside in place
-        ]
-        if not known:
+        sign = -1.0 if times[-1] < times[0] else 1.0
+        # Every end of an interval, and the time just inside of it.
+        place = np.searchsorted(sign * times[:-1], sign * seen)
+        here, near = place.reshape(2, -1)
+        known = np.flatnonzero((times[place] == seen).reshape(2, -1).all(0))
+        if not len(known):
             continue
-        here, near = np.array([k for _, *k in known]).T
-        rows = np.array([interval.state for interval, _, _ in known])
-        rates = system.array_function(*values[:, here])[rows, range(len(known))]
-        slopes = (values[rows, near] - values[rows, here]) / (times[near] - times[here])
-        lasts = np.array([interval.end - interval.begin for interval, _, _ in known])
-        far = np.abs((slopes - rates) * lasts) > [interval.gap for interval, _, _ in known]
-        found.update(dict.fromkeys(known[k][0] for k in np.flatnonzero(far)))
-    return list(found)
+        here, near, which = here[known], near[known], known % len(intervals)
+        rates = system.array_function(*values[:, here])[rows[which], range(len(known))]
+        changes = values[rows[which], near] - values[rows[which], here]
+        slopes = changes / (times[near] - times[here])
+        far = np.abs((slopes - rates) * lasts[which]) > gaps[which]
+        found.update(which[far].tolist())
+    return [intervals[k] for k in sorted(found)]
 
 
 def cuts_of(intervals: Iterable[Interval], way: float) -> set[float]:

@@ -24,7 +24,13 @@ from geomtorsion.ode.numbers import (
     checked_engine,
     checked_times,
 )
-from geomtorsion.ode.passed_over import confirmed, cuts_of, has_long_step, passed_over
+from geomtorsion.ode.passed_over import (
+    confirmed,
+    cuts_of,
+    has_long_step,
+    passed_over,
+    times_looked_at,
+)
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import STEPS_AT_ONCE, Run, System, WorkLimitError, units_of
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate, is_beyond
@@ -182,7 +188,8 @@ class _Runs:
     def _jointly(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
         if self.cuts:
             return []
-        parts = (0.0, part, -part)
+        # Without one there is nothing to compare: the answer stands alone.
+        parts = (0.0, part, -part) if part else (0.0,)
         stages = [self.problem.first_stage(self.engine.precision, x) for x in parts]
         return side_by_side(stages, self.grid, tolerances, self.engine)
 
@@ -226,8 +233,8 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         places, left = passed_over(looked.answer, asked.accuracy, claimed)
         if places and asked.kept is None:
             # The same steps, with samples just inside the intervals that are in doubt.
-            inside = [t for place in places for t in place.inside]
-            runs.append(asked.at([*seen, *inside]).again(looked.answer.tolerance))
+            needed = [0.0, end, *times_looked_at(places).flat]
+            runs.append(asked.at(needed).again(looked.answer.tolerance))
             places = confirmed(runs[-1], places)
         new = cuts_of(places, end) - {0.0, end, *asked.cuts}
         if not new:

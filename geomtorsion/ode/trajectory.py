@@ -207,7 +207,7 @@ class Trajectory:
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
-    @cached_property
+    @property
     def count(self) -> int:
         """Number of samples reached."""
         return sum([segment.count for segment in self.segments])
