@@ -148,9 +148,11 @@ def circuits(
         return found
 
     vectors = rounds(side_a.values, side_b.values)
-    known = sums((~side_a.known).astype(np.int8), (~side_b.known).astype(np.int8)) == 0
+    known = np.ones(vectors.shape[1:], dtype=bool)
+    if grid.has_holes:
+        known = sums((~side_a.known).astype(np.int8), (~side_b.known).astype(np.int8)) == 0
     difference = np.abs(rounds(side_a.difference, side_b.difference))
-    sigmas, shared = np.zeros_like(vectors), {}
+    sigmas, shared = np.zeros(vectors.shape), {}
     if side_a.noise is not None and side_b.noise is not None:
         here, less = (spread(*both) for both in zip(side_a.noise, side_b.noise, strict=True))
         for i in range(len(vectors)):
@@ -163,7 +165,9 @@ def circuits(
     interpolation = interpolation + ROUNDING * sampled.size * longest
     if grid.has_holes:
         vectors[:, ~known], sigmas[:, ~known], interpolation[~known] = np.nan, np.nan, np.nan
-    errors = np.hypot(interpolation, sigmas.max(axis=0))
+    errors = interpolation.copy()
+    if side_a.noise is not None:
+        errors = np.hypot(interpolation, sigmas.max(axis=0))
     return Plaquettes(
         vectors, errors, abs(area), plane, sigmas, interpolation, known, size, units, shared
     )
@@ -211,12 +215,14 @@ def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndar
     found, weights = [], []
     for k, m in (plane, plane[::-1]):
         rule = grid.rule(sampled.order, k, slopes=True)
-        other = rule.other()
+        other = rule.other
         values = sampled.values[:, m]
         here, there = (r(values, 1 + k) / grid.steps[k] for r in (rule, other))
-        here[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
+        if not rule.known.all():
+            here[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
         found.append((here, here - there))
-        weights.append([t / grid.steps[k] for t in (rule.matrix, rule.matrix - other.matrix)])
+        if noise is not None:
+            weights.append([t / grid.steps[k] for t in (rule.matrix, rule.matrix - other.matrix)])
     curl, difference = (one - two for one, two in zip(*found, strict=True))
     difference, sigmas = np.abs(difference), np.zeros_like(curl)
     if noise is not None:

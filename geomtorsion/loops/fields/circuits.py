@@ -244,7 +244,7 @@ def edge_cochain(field: Field) -> Cochain:
     found, errors = [], []
     for k, step in enumerate(grid.steps):
         rule = grid.rule(field.order, k)
-        fine, other = (step * one(field.values[:, k], 1 + k) for one in (rule, rule.other()))
+        fine, other = (step * one(field.values[:, k], 1 + k) for one in (rule, rule.other))
         constant = step * field.mean[:, k].reshape(-1, *(1,) * grid.dimension)
         found.append((fine + constant).reshape(field.rows, -1).T)
         difference = np.abs(fine - other).max(axis=0)

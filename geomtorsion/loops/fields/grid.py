@@ -11,7 +11,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import shown
-from geomtorsion.loops.fields.stencils import SLACK, KnownNodes, Rule
+from geomtorsion.loops.fields.stencils import SLACK, KnownNodes, Rule, plain_rule
 
 # Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4
@@ -157,11 +157,9 @@ class Grid:
     def rule(self, order: int, axis: int, slopes: bool = False) -> Rule:
         """Integrals over the edges along an axis, or derivatives at the nodes (spacing 1)."""
         points = self.shape[axis]
-        lines = (
-            np.moveaxis(self.holes, axis, 0).reshape(points, -1)
-            if self.has_holes
-            else np.zeros((points, 1), dtype=bool)
-        )
+        if not self.has_holes:
+            return plain_rule(order, points, self.periodic[axis], slopes)
+        lines = np.moveaxis(self.holes, axis, 0).reshape(points, -1)
         return Rule.of(order, lines, self.periodic[axis], slopes)
 
     def place_of(self, node: Sequence[int]) -> str:

@@ -11,7 +11,7 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import Grid
 from geomtorsion.loops.fields.noise import Noise
-from geomtorsion.loops.fields.stencils import Rule, applied
+from geomtorsion.loops.fields.stencils import Rule, applied, plain_rule
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -36,7 +36,8 @@ class Sides:
     """Integrals along sides of so many edges, one from every node where there is room.
 
     values, difference (from another order): shape (rows, sides...); known: where no edge touches
-    a hole, shape (sides...); noise: of the values, and of the difference, or None.
+    a hole, shape (sides...), with axes of length 1 where there are no holes; noise: of the values,
+    and of the difference, or None.
     """
 
     values: np.ndarray
@@ -50,10 +51,13 @@ def sides(field: Field, axis: int, edges: int) -> Sides:
     grid = field.grid
     step, periodic = grid.steps[axis], grid.periodic[axis]
     fine = grid.rule(field.order, axis)
-    other = fine.other()
+    other = fine.other
     values = field.values[:, axis]
     here, there = (step * rule(values, 1 + axis) for rule in (fine, other))
-    known = on_grid(fine.known, grid.shape, axis)
+    known = np.ones((1,) * grid.dimension, dtype=bool)
+    if grid.has_holes:
+        touched = (~on_grid(fine.known, grid.shape, axis)).astype(np.int32)
+        known = window_sums(touched, edges, axis, periodic) == 0
     noise = None
     if field.noise is not None:
         rules = _Rules(grid, axis, edges, fine, other, field.order, field.noise)
@@ -61,7 +65,7 @@ def sides(field: Field, axis: int, edges: int) -> Sides:
     return Sides(
         window_sums(here, edges, 1 + axis, periodic),
         window_sums(here - there, edges, 1 + axis, periodic),
-        window_sums((~known).astype(np.int32), edges, axis, periodic) == 0,
+        known,
         noise,
     )
 
@@ -81,12 +85,13 @@ def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = Fals
         moved = np.concatenate([moved, moved[..., : count - 1]], axis=-1)
     room = moved.shape[-1] - count + 1
     block, width, first = moved, 1, 0
-    total = np.zeros((*moved.shape[:-1], room), dtype=moved.dtype)
+    total: np.ndarray | None = None
     while True:
         if count & width:
-            total += block[..., first : first + room]
+            here = block[..., first : first + room]
+            total = here if total is None else total + here
             first += width
-        if 2 * width > count:
+        if total is not None and 2 * width > count:
             return np.moveaxis(total, -1, axis)
         block = block[..., :-width] + block[..., width:]
         width *= 2
@@ -110,8 +115,8 @@ class _Rules:
         Each node counts with the square of all that the sum has of it.
         """
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
-        plain = Rule.of(self.order, np.zeros((points, 1), dtype=bool), periodic)
-        matrix = plain.matrix - plain.other().matrix if less_other else plain.matrix
+        plain = plain_rule(self.order, points, periodic)
+        matrix = plain.matrix - plain.other.matrix if less_other else plain.matrix
         origin = self._plain_origin
         if origin is not None:
             matrix = matrix @ origin.matrix / self.grid.steps[self.axis]
@@ -156,8 +161,8 @@ class _Rules:
         """The slopes that values are of what noise is in, without any hole."""
         if not self.noise.origins:
             return None
-        none = np.zeros((self.grid.shape[self.axis], 1), dtype=bool)
-        return Rule.of(self.order, none, self.grid.periodic[self.axis], slopes=True)
+        points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
+        return plain_rule(self.order, points, periodic, slopes=True)
 
     def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
         """The squares of all weights times variances; the inner ones are one sum over a window."""

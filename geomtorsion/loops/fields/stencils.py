@@ -89,6 +89,7 @@ class Rule:
             _choose(used, shift, used == 0, nodes, holes, periodic, slopes)
         return cls(slopes, holes, periodic, used, shift)
 
+    @cached_property
     def other(self) -> Rule:
         """The rule against which errors are measured: two nodes fewer in each stencil.
 
@@ -143,6 +144,12 @@ class Rule:
     def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
         """The rule along one axis of an array of shape (rows, grid...)."""
         return applied(self.matrix, values, axis, self.holes.shape[1])
+
+
+@cache
+def plain_rule(order: int, points: int, periodic: bool, slopes: bool = False) -> Rule:
+    """The rule along an axis without holes, which has one line that stands for all."""
+    return Rule.of(order, np.zeros((points, 1), dtype=bool), periodic, slopes)
 
 
 def _choose(
