@@ -22,6 +22,7 @@ from geomtorsion.errors import (
 from geomtorsion.exact import Element
 from geomtorsion.exact.form import form, of_factor
 from geomtorsion.loops.arcs import Parameters, shown
+from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.defect_lines import Lines
 from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.precision import EXACT_BITS
@@ -194,7 +195,7 @@ def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
     needed = {symbol for element in entries.values() for symbol in element.symbols}
     parameters = tuple(s for s in frame.field.symbols if s in needed - set(frame.coordinates))
     arguments = [*frame.coordinates, *parameters]
-    pairs = np.array(np.triu_indices(n, 1))
+    pairs = pairs_of(n)
     curls = {
         (i, place): value
         for place, (a, b) in enumerate(pairs.T.tolist())
@@ -233,7 +234,7 @@ def _of_lines(lines: Lines, chosen: tuple[int, ...]) -> Forms:
     components = gather[:, None, :] * (columns == np.arange(3)[:, None])
     poles = Poles(lines.squares, lines.names, single=lines.square) if lines.places else None
     form = Form(finite, rows, columns, gather, components, lambda: checked)
-    return Forms(form, None, poles, lines.parameters, np.array(np.triu_indices(3, 1)))
+    return Forms(form, None, poles, lines.parameters, pairs_of(3))
 
 
 def curl(frame: Frame, i: int, a: int, b: int) -> Element:

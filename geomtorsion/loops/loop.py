@@ -12,6 +12,7 @@ from geomtorsion import checks
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.loops import constructors, validation
 from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Plane, Point, shown
+from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.quadrature import integrate
 from geomtorsion.loops.winding import turns_round
 from geomtorsion.precision import CALCULATED
@@ -402,7 +403,7 @@ class Loop:
         Shape (n, n), antisymmetric; a small loop has b^i = S_{mn}^i A^{mn}.
         """
         total = np.zeros((self.dimension, self.dimension))
-        a, b = np.triu_indices(self.dimension, 1)
+        a, b = pairs_of(self.dimension)
         for part in self.parts:
             found = integrate(part.arcs, lambda x, v: (x[a] * v[b] - x[b] * v[a]) / 2, 1e-14)
             total[a, b] += part.times * part.size * (part.size * found.value)
