@@ -57,7 +57,7 @@ class AffineForm:
         """
         if self._plain is not None:
             form = self._plain.coframe
-            theta = form.gather @ (form.at(points) * slopes[form.columns])
+            theta = form.along(form.at(points), slopes)
             return self._no_turn(theta), theta.T
         compiled, numbers = self._line
         values, count = compiled.function(*points, *numbers), len(compiled.turn)

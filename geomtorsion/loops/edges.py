@@ -215,14 +215,9 @@ def _block(
     count = len(starts)
 
     def sampler(owner: np.ndarray, s: np.ndarray) -> np.ndarray:
-        along = step[:, owner]
-        points = begin[:, owner][:, :, None] + s * along[:, :, None]
-        values = coframe.values(points.reshape(len(points), -1)).reshape(-1, *s.shape)
-        result = np.zeros_like(points)
-        # Row by row: a product of matrices this thin costs more than what it computes.
-        for i, mu, value in zip(coframe.rows, coframe.columns, values, strict=True):
-            result[i] += value * along[mu][:, None]
-        return result
+        slopes = np.repeat(step[:, owner], s.shape[1], axis=1)
+        points = np.repeat(begin[:, owner], s.shape[1], axis=1) + slopes * s.ravel()
+        return coframe.along(coframe.values(points), slopes).reshape(-1, *s.shape)
 
     # A peak near a singular line would be missed; the nearer it is, the narrower.
     widths = distances / lengths

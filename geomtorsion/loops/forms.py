@@ -68,6 +68,10 @@ class Form:
         found = self.values(points)
         return found if np.isfinite(found).all() else self.refuse()(*points, *self.numbers)
 
+    def along(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """e^i_mu dq^mu/ds of a one-form, from its entries and from slopes, shape (n, k) each."""
+        return self.gather @ (values * slopes[self.columns])
+
     def noise(self, points: np.ndarray, values: np.ndarray, centre: np.ndarray) -> np.ndarray:
         """How far rounding of the coordinates and of the evaluation may move the entries there."""
         moved = self.values(perturbed(points, centre))

@@ -286,8 +286,7 @@ def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> np.ndarr
 def line_at(forms: Forms, part: Part, offsets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """e^i_mu(q0 + size x) dx^mu/ds at offsets x, shape (n, k)."""
     form = forms.coframe
-    values = form.at(np.array(part.centre)[:, None] + part.size * offsets)
-    return form.gather @ (values * slopes[form.columns])
+    return form.along(form.at(np.array(part.centre)[:, None] + part.size * offsets), slopes)
 
 
 def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:

@@ -165,16 +165,17 @@ class Network:
                 f"{self.cycle_count} cycles are too many to list; the limit is {MOST_LISTED}. "
                 "Use .forest, which has chords and closures as arrays."
             )
-        return tuple(self._around(int(chord)) for chord in self.forest.chords)
+        # Lists: one number of an array takes several times as long as one of these.
+        parent, depth = self.forest.parent.tolist(), self.forest.depth.tolist()
+        chords = self.edges.pairs[self.forest.chords].tolist()
+        return tuple(self._around(tail, head, parent, depth) for tail, head in chords)
 
-    def _around(self, chord: int) -> Cycle:
+    def _around(self, tail: int, head: int, parent: list[int], depth: list[int]) -> Cycle:
         """The fundamental cycle of an edge outside the forest: along it, and back in the forest."""
-        parent, depth = self.forest.parent, self.forest.depth
-        tail, head = (int(node) for node in self.edges.pairs[chord])
         ahead, back = [head], [tail]
         while ahead[-1] != back[-1]:
             side = ahead if depth[ahead[-1]] >= depth[back[-1]] else back
-            side.append(int(parent[side[-1]]))
+            side.append(parent[side[-1]])
         labels = self.edges.labels
         return tuple(labels[node] for node in (*back[:1], *ahead, *back[-2:0:-1]))
 
