@@ -302,8 +302,10 @@ class _Pair(NamedTuple):
 
     def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
         """Whether states are no larger than what rounding their rates makes of zero."""
+        if part <= UNALIKE:
+            return False
         segments = [segment for _, segment, _ in self.parts]
-        if part <= UNALIKE or any(x.stage.lift is not None or not x.count for x in segments):
+        if any(x.stage.lift is not None or not x.count for x in segments):
             return False
         noise = [_noise(x.stage.system, _columns(x), group, one.engine) for x in segments]
         return extent <= abs(one.reached) * max(map(float, noise))
@@ -330,7 +332,8 @@ def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool)
         here, there = (x[0] if len(x) == 1 else np.concatenate(x) for x in (first, second))
         sizes = np.maximum.reduce(np.abs(here)).astype(float).tolist()
         for _, segment, _ in parts:
-            sizes = [max(x, abs(y)) for x, y in zip(sizes, segment.stage.first, strict=False)]
+            firsts = segment.stage.first.tolist()
+            sizes = [max(x, abs(y)) for x, y in zip(sizes, firsts, strict=False)]
         yield _Pair(parts, here, _alike(here, there), sizes)
 
 

@@ -185,11 +185,11 @@ class System:
         return self._hoisted[0]
 
     def with_constants(self, values: np.ndarray) -> np.ndarray:
-        """Parameters of `hoisted` in doubles, from those of this; the last axis counts them."""
+        """Parameters of `hoisted` in doubles, from those of this, or from rows of them."""
         for made in self._hoisted[1]:
             if made.size:
-                further = made.numpy()(*np.moveaxis(values, -1, 0))
-                values = np.concatenate((values, np.moveaxis(further, 0, -1)), axis=-1)
+                further = made.numpy()(*values.T)
+                values = np.concatenate((values, further.T), axis=-1)
         return values
 
     def with_long_constants(self, values: Sequence[Any] | np.ndarray, bits: int) -> list[Any]:
