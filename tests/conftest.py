@@ -12,6 +12,7 @@ import mpmath
 import numpy as np
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from tests.browser import (
     address,
@@ -34,14 +35,26 @@ settings.register_profile("geomtorsion", deadline=None, derandomize=True, print_
 settings.load_profile("geomtorsion")
 
 
-# What takes longest, or waits for a browser: nothing of it is to be left for one worker at the end,
-# and one worker alone gets the browser and the served page.
+# What takes longest, or waits for a browser: nothing of it is to be left for one worker at the end.
 LONG = ("tests/lab/", "tests/test_types.py", "tests/hard/")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+
+
+class ByFolder(LoadScopeScheduling):
+    """Tests of one folder go to one worker: what they share is made once."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return "/".join(nodeid.partition("::")[0].split("/")[:2])
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFolder:
+    """Folders in the order in which tests stand, not those of most tests first."""
+    config.option.loadscopereorder = False
+    return ByFolder(config, log)
 
 
 def pytest_collection(session: pytest.Session) -> None:
