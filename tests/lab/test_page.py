@@ -116,6 +116,8 @@ def test_a_slider_moves_the_loop(standing: Watched):
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
     standing.says("#loop-said", f"|b| = {b.magnitude:.6g}")
+    # The table is drawn after what is said.
+    standing.says("table.numbers tbody", f"{b.vector[0]:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
     for _ in range(3):
