@@ -22,7 +22,7 @@ from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 
 if TYPE_CHECKING:
-    from types import TracebackType
+    from types import CodeType, TracebackType
 
 
 class _Met(BaseException):
@@ -37,8 +37,9 @@ class Limits:
         self.megabytes = megabytes
         # A kind of its own tells the limits of one block from those of a block around it.
         self._kind = type("_Met", (_Met,), {})
-        self._lock = threading.Lock()
-        self._over = threading.Event()
+        # Locks alone: what arrives inside an Event would leave it taken for ever.
+        self._lock, self._running = threading.Lock(), threading.Lock()
+        self._over = False
         self._what = ""
         self._inside = False
         self._precision = mpmath.mp.prec, flint.ctx.prec
@@ -52,9 +53,11 @@ class Limits:
                 "megabytes: this system does not tell how much memory a process has. "
                 "Give seconds alone"
             )
-        watch = threading.Thread(
-            target=self._watch, args=(threading.get_ident(), began, before or 0), daemon=True
-        )
+        # A block may be entered again: nothing is left of the last time.
+        self._running, self._over, self._inside, self._what = threading.Lock(), False, False, ""
+        self._running.acquire()
+        given = (threading.get_ident(), self._running, began, before or 0)
+        watch = threading.Thread(target=self._watch, args=given, daemon=True)
         try:
             watch.start()
         except RuntimeError as error:
@@ -95,15 +98,17 @@ class Limits:
 
     def _end(self) -> None:
         with self._lock:
-            self._over.set()
+            self._over = True
+            if self._running.locked():
+                self._running.release()
             # What was sent and has not arrived is called back.
             _send(threading.get_ident(), None)
 
-    def _watch(self, thread: int, began: float, before: int) -> None:
+    def _watch(self, thread: int, running: threading.Lock, began: float, before: int) -> None:
         """Send the error to the thread that works when a limit is met."""
         end = float("inf") if self.seconds is None else began + self.seconds
         # Memory is looked at twenty times a second.
-        while not self._over.wait(max(0.0, min(0.05, end - time.monotonic()))):
+        while not running.acquire(timeout=max(0.0, min(0.05, end - time.monotonic()))):
             if time.monotonic() >= end:
                 self._what = f"{self.seconds:g} s"
             elif self.megabytes is not None:
@@ -112,10 +117,13 @@ class Limits:
                     self._what = f"{self.megabytes:g} MB"
             if self._what and self._inside:
                 with self._lock:
-                    if not self._over.is_set():
+                    # At its very first step the end of a block cannot catch it yet.
+                    ends = _works_at(thread) is Limits.__exit__.__code__
+                    if not (ends or self._over):
                         _send(thread, self._kind)
                 # Once more where it was swallowed.
-                self._over.wait(1.0)
+                if running.acquire(timeout=0.05 if ends else 1.0):
+                    return
 
 
 def limits(*, seconds: float | None = None, megabytes: float | None = None) -> Limits:
@@ -163,6 +171,12 @@ def _send(thread: int, kind: type[BaseException] | None) -> None:
     """Have a thread raise an error at its next step of Python; None calls it back."""
     target = None if kind is None else ctypes.py_object(kind)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), target)
+
+
+def _works_at(thread: int) -> CodeType | None:
+    """What a thread is executing, which is where it meets what is sent; None if it is gone."""
+    frame = sys._current_frames().get(thread)
+    return None if frame is None else frame.f_code
 
 
 def resident() -> int | None:
