@@ -29,6 +29,20 @@ class _Met(BaseException):
     """A limit was met; no BaseException of this kind leaves the block that set the limit."""
 
 
+class _Entry:
+    """One time that a block is entered: nothing of it is left when it is entered again.
+
+    running: held as long as the block is; over: it has ended; inside: it has begun; what: the limit
+    that was met. Locks alone: what arrives inside an Event would leave it taken for ever.
+    """
+
+    def __init__(self) -> None:
+        self.lock, self.running = threading.Lock(), threading.Lock()
+        self.running.acquire()
+        self.over = self.inside = False
+        self.what = ""
+
+
 class Limits:
     """What `limits` returns: a block of `with` in which time and memory are bounded."""
 
@@ -37,11 +51,7 @@ class Limits:
         self.megabytes = megabytes
         # A kind of its own tells the limits of one block from those of a block around it.
         self._kind = type("_Met", (_Met,), {})
-        # Locks alone: what arrives inside an Event would leave it taken for ever.
-        self._lock, self._running = threading.Lock(), threading.Lock()
-        self._over = False
-        self._what = ""
-        self._inside = False
+        self._entry = _Entry()
         self._precision = mpmath.mp.prec, flint.ctx.prec
 
     def __enter__(self) -> Limits:
@@ -53,10 +63,8 @@ class Limits:
                 "megabytes: this system does not tell how much memory a process has. "
                 "Give seconds alone"
             )
-        # A block may be entered again: nothing is left of the last time.
-        self._running, self._over, self._inside, self._what = threading.Lock(), False, False, ""
-        self._running.acquire()
-        given = (threading.get_ident(), self._running, began, before or 0)
+        self._entry = entry = _Entry()
+        given = (threading.get_ident(), entry, began, before or 0)
         watch = threading.Thread(target=self._watch, args=given, daemon=True)
         try:
             watch.start()
@@ -66,7 +74,7 @@ class Limits:
                 "none. Work without gt.limits here"
             ) from error
         # Nothing is sent before: what arrived in here, nobody would catch.
-        self._inside = True
+        entry.inside = True
         return self
 
     def __exit__(
@@ -91,38 +99,39 @@ class Limits:
             mpmath.mp.prec, flint.ctx.prec = self._precision
             at = f"; it was at {place}" if place else ""
             raise AllowanceError(
-                f"{quantity} takes more than {self._what}{at}. What was finished is kept: ask "
-                "again with larger limits, for less, or for numbers with .at(point)",
+                f"{quantity} takes more than {self._entry.what}{at}. What was finished is kept: "
+                "ask again with larger limits, for less, or for numbers with .at(point)",
                 quantity,
             ) from None
 
     def _end(self) -> None:
-        with self._lock:
-            self._over = True
-            if self._running.locked():
-                self._running.release()
+        entry = self._entry
+        with entry.lock:
+            entry.over = True
+            if entry.running.locked():
+                entry.running.release()
             # What was sent and has not arrived is called back.
             _send(threading.get_ident(), None)
 
-    def _watch(self, thread: int, running: threading.Lock, began: float, before: int) -> None:
+    def _watch(self, thread: int, entry: _Entry, began: float, before: int) -> None:
         """Send the error to the thread that works when a limit is met."""
         end = float("inf") if self.seconds is None else began + self.seconds
         # Memory is looked at twenty times a second.
-        while not running.acquire(timeout=max(0.0, min(0.05, end - time.monotonic()))):
+        while not entry.running.acquire(timeout=max(0.0, min(0.05, end - time.monotonic()))):
             if time.monotonic() >= end:
-                self._what = f"{self.seconds:g} s"
+                entry.what = f"{self.seconds:g} s"
             elif self.megabytes is not None:
                 taken = (resident() or 0) - before
                 if taken > self.megabytes * 10**6:
-                    self._what = f"{self.megabytes:g} MB"
-            if self._what and self._inside:
-                with self._lock:
+                    entry.what = f"{self.megabytes:g} MB"
+            if entry.what and entry.inside:
+                with entry.lock:
                     # At its very first step the end of a block cannot catch it yet.
                     ends = _works_at(thread) is Limits.__exit__.__code__
-                    if not (ends or self._over):
+                    if not (ends or entry.over):
                         _send(thread, self._kind)
                 # Once more where it was swallowed.
-                if running.acquire(timeout=0.05 if ends else 1.0):
+                if entry.running.acquire(timeout=0.05 if ends else 1.0):
                     return
 
 
