@@ -293,8 +293,9 @@ def _joined(pieces: Pieces) -> Dense:
         flat = np.atleast_1d(np.asarray(t, dtype=float))
         place = np.clip(np.searchsorted(sign * begins, sign * flat, "right") - 1, 0, None)
         found = np.empty((len(flat), pieces[0].width))
-        for k in np.unique(place).tolist():
-            index = place == k
+        order = np.argsort(place, kind="stable")
+        numbers, first = np.unique(place[order], return_index=True)
+        for k, index in zip(numbers.tolist(), np.split(order, first[1:]), strict=True):
             found[index] = pieces[k](flat[index])
         return found
 
