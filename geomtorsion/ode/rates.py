@@ -267,7 +267,7 @@ def edges_of(terms: Iterable[sp.Expr], moving: set[str]) -> Mapping[sp.Expr, str
     """
     found: dict[sp.Expr, str] = {}
     for term in terms:
-        for part in sp.preorder_traversal(term):
+        for part in dict.fromkeys(sp.preorder_traversal(term)):
             if not part.args or not _moves(part.args[0], moving):
                 continue
             inside = _INSIDE.get(type(part).__name__)
@@ -332,10 +332,9 @@ def changes_with_sign(term: sp.Expr, base: sp.Expr) -> bool:
     [True, False]
     """
     positive = sp.Dummy(positive=True)
+    powers = [power for power in term.atoms(sp.Pow) if power.base == base]
 
     def with_root(value: sp.Expr) -> sp.Expr:
-        return term.replace(
-            lambda x: isinstance(x, sp.Pow) and x.base == base, lambda x: value ** (2 * x.exp)
-        )
+        return term.xreplace({power: value ** (2 * power.exp) for power in powers})
 
     return with_root(positive) != with_root(-positive)
