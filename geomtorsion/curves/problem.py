@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
-from geomtorsion.curves.reductions import Reduction, Reductions
+from geomtorsion.curves.reductions import Reductions
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import (
     BranchError,
@@ -315,14 +315,18 @@ class CurveProblem:
         equations = self.equations(label)
         moving = point.velocities if equations.moves else []
         states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
-        if perturbation:
-            states = perturbed(states, perturbation, precision, all_of_them=True)
         numbers: Sequence[Real] | np.ndarray = self._numbers(equations, point.velocities)
+        if perturbation:
+            if not begin:
+                states = perturbed(states, perturbation, precision, all_of_them=True)
+            numbers = perturbed(numbers, perturbation, precision, all_of_them=False)
         if precision == 53:
             states, numbers = (np.array(floats(row)) for row in (states, numbers))
         several = len(self.charts) > 1
         system = equations.system if several else equations.system.to_the_end
-        follow = self._follower(label, point.velocities, precision) if several else None
+        follow = None
+        if several:
+            follow = self._follower(label, point.velocities, precision, perturbation)
         event = Event(None, follow, self._ender(label, floats(states)))
         groups = equations.groups
         stage = Stage(label, system, states, numbers, begin, (event,), groups=groups)
@@ -339,13 +343,13 @@ class CurveProblem:
                     system=smaller.system if several else smaller.system.to_the_end,
                     start=start[0],
                     parameters=numbers[0],
-                    lift=partial(_lifted, smaller, numbers),
+                    lift=smaller.lifted,
                     full_start=rows[0][0],
                 )
         return stage
 
     def _follower(
-        self, label: str, velocities: Sequence[Real], precision: int
+        self, label: str, velocities: Sequence[Real], precision: int, perturbation: float
     ) -> Callable[[float, State], Stage | None]:
         """What comes after a chart: the motion in the next one."""
 
@@ -355,7 +359,7 @@ class CurveProblem:
             if target is None:
                 return None
             there = self.atlas.moved(label, target, point, self.parameters, precision)
-            return self._stage(target, there, time, precision, 0.0)
+            return self._stage(target, there, time, precision, perturbation)
 
         return follow
 
@@ -541,11 +545,6 @@ class CurveProblem:
 
 def _number(value: Real) -> str:
     return value.hex() if isinstance(value, float) else str(value)
-
-
-def _lifted(smaller: Reduction, numbers: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Full states of the states of one motion, shape (m, size)."""
-    return smaller.lifted(numbers, states[None])[0]
 
 
 CAUSAL = ("timelike", "null", "spacelike")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -225,14 +225,9 @@ class CyclicReduction:
 
     def lifted(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Full states, shape (number, m, size), of states (number, m, smaller size)."""
-        number, m, size = states.shape
-        columns = states.reshape(-1, size).T
-        numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T
-        width = self.equations.width
-        found = np.empty((width + len(self.equations.velocities), number * m))
-        found[:width] = columns[:width]
-        found[width:] = self._to_velocities.numpy()(*columns, *numbers)
-        return found.T.reshape(number, m, len(found))
+        columns, width = states.transpose(2, 0, 1), self.equations.width
+        velocities = self._to_velocities.numpy()(*columns, *parameters.T[..., None])
+        return np.concatenate((columns[:width], velocities)).transpose(1, 2, 0)
 
 
 def cost(rates: Graph) -> int:
@@ -437,11 +432,9 @@ class SeparatedReduction:
 
     def lifted(self, parameters: np.ndarray, states: np.ndarray) -> np.ndarray:
         """See `CyclicReduction.lifted`."""
-        number, m, size = states.shape
-        numbers = parameters[0] if number == 1 else np.repeat(parameters, m, axis=0).T
-        full = self._to_cyclic(states.reshape(-1, size).T, numbers)
+        full = self._to_cyclic(states.transpose(2, 0, 1), parameters.T[..., None])
         rest = parameters[:, : len(self.cyclic.parameters)]
-        return self.cyclic.lifted(rest, full.T.reshape(number, m, size))
+        return self.cyclic.lifted(rest, full.transpose(1, 2, 0))
 
     def _to_cyclic(self, columns: np.ndarray, numbers: np.ndarray) -> np.ndarray:
         """States of the cyclic equations, each a row."""
@@ -675,8 +668,8 @@ class Reductions:
             if kept.any():
                 own = numbers[kept]
                 system = one.system if several else one.system.to_the_end
-                yield Part(rest[kept], system, start[kept], own, partial(one.lifted, own))
+                yield Part(rest[kept], system, start[kept], own, one.lifted)
             rest = rest[~kept]
         if len(rest):
             full = members.states[rest], members.parameters[rest]
-            yield Part(rest, members.system, *full, lambda rows: rows)
+            yield Part(rest, members.system, *full)

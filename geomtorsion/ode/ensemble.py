@@ -370,10 +370,11 @@ class _Job:
             began = time.perf_counter()
             try:
                 grid = self.grid * problem.time_unit
-                answer, _, error, runs = alone(problem, self.engine, self.accuracy, grid)
+                found = alone(problem, self.engine, self.accuracy, grid)
             except GeomtorsionError:
                 continue
-            compiling = sum([run.compile_seconds for run in runs])
+            answer, error = found.answer, found.error
+            compiling = sum([run.compile_seconds for run in found.runs])
             self.compile_seconds += compiling
             self.run_seconds += answer.run_seconds
             self.check_seconds += time.perf_counter() - began - compiling - answer.run_seconds

@@ -4,7 +4,8 @@ The answer is compared with one run two orders finer, which starts a rounding aw
 largest difference is the error: the finer run shows what the steps of the answer leave out, and
 the other start shows how rounding grows along this very motion. Where a motion goes by fits and
 starts, a finer run is put a rounding aside there, too: all runs would share what is lost at a
-near miss. Such an error, and one close to what was asked, is confirmed by a second finer run.
+near miss. Such an error, and one close to what was asked, is confirmed by a second finer run; so is
+one after a tolerance that missed, where that run was made beside the others.
 What roundings of the rates make of an answer is added up where all runs would share them.
 """
 
@@ -48,12 +49,14 @@ class Verified(NamedTuple):
     """An answer, the finer run it was compared with, the error, and all runs that were made.
 
     error: relative to the size of each group of states; infinite where nothing could be compared.
+    again: the answer with samples just before its own; None where that is still to be run.
     """
 
     answer: Trajectory
     reference: Trajectory
     error: float
     runs: tuple[Trajectory, ...]
+    again: Trajectory | None = None
 
 
 def verified(
@@ -67,8 +70,8 @@ def verified(
 
     Or the best one, where none is. run: (tolerance, part by which states are perturbed, time at
     which they are, besides the start) -> a trajectory. jointly: (three tolerances, part) -> the
-    answer and both finer runs, from starts changed by the part and by its opposite, where these
-    can be had at one go.
+    answer and both finer runs, from starts changed by the part and by its opposite, and the answer
+    again with samples just before these, where all this can be had at one go.
     """
     perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
@@ -78,13 +81,16 @@ def verified(
         _, finer, between = steps
         answer, *others = jointly(steps, perturbation) or [run(tolerance, 0.0, None)]
         least = SAFETY * rounding(engine, answer.steps)
+        again = others.pop() if others else None
         reference, *others = others or [run(finer, perturbation, busiest_time(answer))]
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
         if error <= accuracy:
             error = max(error, SAFETY * rounding_of_rates(answer))
         at = busiest_time(answer) if error <= accuracy else None
-        if error <= accuracy and (at is not None or accuracy < CLOSE * error):
+        # After a tolerance that missed, two may agree by chance; the third is often at hand.
+        at_hand = best is not None and len(others) > 0
+        if error <= accuracy and (at is not None or accuracy < CLOSE * error or at_hand):
             # Runs side by side are put aside at the start alone.
             if at is not None or not others:
                 others = [run(between, -perturbation, at)]
@@ -95,7 +101,7 @@ def verified(
                     reference, error = other, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
-            best = Verified(answer, reference, error, ())
+            best = Verified(answer, reference, error, (), again)
         # Where a finer tolerance does not halve the error what is left is rounding, and one that
         # agrees at last would agree by chance.
         if error <= accuracy or rounded or answer.outcome == "stuck":

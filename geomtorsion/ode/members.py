@@ -12,7 +12,7 @@ from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.error_estimate import rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
-from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_inside
+from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Trajectory
 
@@ -56,7 +56,7 @@ class Members:
     def whole(self) -> Part:
         """All of them, by their own equations."""
         every = np.arange(len(self))
-        return Part(every, self.system, self.states, self.parameters, lambda states: states)
+        return Part(every, self.system, self.states, self.parameters)
 
     def of(self, index: np.ndarray) -> Members:
         """Some of the members."""
@@ -89,14 +89,14 @@ class Part:
     """Members that run by equations of their own.
 
     index: which members; system, states, parameters: as in `Members`.
-    lift: states of shape (number, times, size) -> those of the members.
+    lift: as in `Stage`.
     """
 
     index: np.ndarray
     system: System
     states: np.ndarray
     parameters: np.ndarray
-    lift: Callable[[np.ndarray], np.ndarray]
+    lift: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,8 +185,11 @@ def _run_parts(
             engine, part.system, part.states, part.parameters, units, pace, times, tolerance, show,
             counted=accuracy is not None,
         )  # fmt: skip
-        with np.errstate(all="ignore"):
-            states[part.index] = part.lift(run.states)
+        full = run.states
+        if part.lift is not None:
+            with np.errstate(all="ignore"):
+                full = part.lift(part.parameters, full)
+        states[part.index] = full
         finished[part.index] = run.finished
         compiling += run.compile_seconds
         interrupted = run.interrupted
@@ -211,7 +214,7 @@ def _left(
     """Errors by what steps passed over, infinite where that is not small; whether it was stopped.
 
     Members with steps that may have are run again, with more samples; those that seem to have, once
-    more with samples just inside the intervals between them.
+    more with samples just before these.
     """
     system, last = part.system, float(times[-1])
     left = np.zeros(len(units))
@@ -223,7 +226,7 @@ def _left(
         seen = seen if last > 0 else seen[::-1]
     left[run.finished & is_long(run.longest, run.steps)] = np.inf
     share = max(1, STACKED // system.size)
-    for grid in (seen, with_samples_inside(seen)):
+    for grid in (seen, with_samples_before(seen)):
         some = np.flatnonzero(np.isinf(left))
         for index in (some[first : first + share] for first in range(0, len(some), share)):
             own = part.parameters[index]
@@ -237,7 +240,7 @@ def _left(
             longest = run.longest[index] * np.abs(clocks[:, -1])
             with np.errstate(all="ignore"):
                 left[index] = left_by_members(
-                    system, columns, clocks, longest, accuracy, inside=grid is not seen
+                    system, columns, clocks, longest, accuracy, before=grid is not seen
                 )
     return left, False
 

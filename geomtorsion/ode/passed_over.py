@@ -8,8 +8,9 @@ alike. The rates at the samples do know.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -27,28 +28,43 @@ UNLIKE = math.sqrt(1 / 2 * 1 / 12)
 ROUNDING = 4 * np.finfo(float).eps
 # So close to a sample, in parts of an interval, a change is the rate at it: halfway, in digits,
 # from an interval to its rounding.
-INSIDE = np.finfo(float).eps ** 0.25
+CLOSE_BY = np.finfo(float).eps ** 0.25
 
 
-class Interval(NamedTuple):
-    """Between two samples: its ends, a state, and how far its change is from that by its rates."""
-
-    begin: float
-    end: float
-    state: int
-    gap: float
+def just_before(times: np.ndarray) -> np.ndarray:
+    """Times so close before others that steps show their slopes there; the first stays."""
+    return np.concatenate((times[:1], times[1:] - CLOSE_BY * (times[1:] - times[:-1])))
 
 
-def times_looked_at(intervals: Sequence[Interval]) -> np.ndarray:
-    """Begins and ends of intervals, and the times just inside of these, shape (4, count)."""
-    begins, ends = np.array([interval[:2] for interval in intervals]).T
-    lasts = INSIDE * (ends - begins)
-    return np.array([begins, ends, begins + lasts, ends - lasts])
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """Intervals between samples, in each a state whose change is not that by its rates.
+
+    states: places among states; gaps: between the change and that by the mean of the rates; shapes
+    (count,).
+    times, before: ends and begins, and just before these; values, rates: of the states there;
+    shapes (2, count).
+    """
+
+    states: np.ndarray
+    gaps: np.ndarray
+    times: np.ndarray
+    before: np.ndarray
+    values: np.ndarray
+    rates: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def only(self, which: np.ndarray) -> Intervals:
+        """Some of them."""
+        return Intervals(*[column[..., which] for column in vars(self).values()])
 
 
-def passed_over(
-    one: Trajectory, accuracy: float, claimed: float = 0.0
-) -> tuple[list[Interval], float]:
+Columns: TypeAlias = tuple[np.ndarray, ...]
+
+
+def passed_over(one: Trajectory, accuracy: float, claimed: float = 0.0) -> tuple[Intervals, float]:
     """Where steps may have passed over something, and the error that what is too small may leave.
 
     That is where a step is as long as an interval between samples, and the change of a state in it
@@ -56,14 +72,16 @@ def passed_over(
     lies between two samples altogether is not seen. The error is relative to the size of a group.
     What adds up to no more than the error that is claimed anyhow is nothing new.
     """
-    found: list[Interval] = []
+    found: list[Columns] = []
     left = 0.0
     for segments in _pieces(one):
         if _has_long_step(segments):
             new, more = _of_piece(segments, accuracy, claimed)
             found += new
             left += more
-    return found, left
+    if not found:
+        return Intervals(*np.empty((2, 0)), *np.empty((4, 2, 0))), left
+    return Intervals(*[np.concatenate(x, axis=-1) for x in zip(*found, strict=True)]), left
 
 
 def has_long_step(one: Trajectory) -> bool:
@@ -86,7 +104,7 @@ def is_long(longest: np.ndarray, steps: np.ndarray) -> np.ndarray:
 
 def _of_piece(
     segments: list[Segment], accuracy: float, claimed: float
-) -> tuple[list[Interval], float]:
+) -> tuple[list[Columns], float]:
     """The same of segments that go on from each other."""
     system = segments[0].stage.system
     times, values, longest = _joined(segments)
@@ -95,13 +113,14 @@ def _of_piece(
     if len(times) < 3 or not over.any():
         return [], 0.0
     states = values[: system.size]
-    gaps = _unexplained(states, system.array_function(*values), lasts, over)
+    rates = system.array_function(*values)
+    gaps = _unexplained(states, rates, lasts, over)
     if not gaps.any():
         return [], 0.0
     sums, parts = np.add.accumulate(gaps, axis=1), np.abs(gaps)
     drifts = (np.maximum(sums.max(1), 0.0) - np.minimum(sums.min(1), 0.0)).tolist()
-    extents = np.abs(states).max(1).tolist()
-    found: list[Interval] = []
+    extents, before = np.abs(states).max(1).tolist(), just_before(times)
+    found: list[Columns] = []
     left, least = 0.0, _least(accuracy, len(lasts))
     for group in map(list, system.groups_but_clock):
         extent = max([extents[k] for k in group])
@@ -111,8 +130,9 @@ def _of_piece(
         large = worst > least * extent
         where = np.flatnonzero(large)
         which = np.array(group)[parts[group][:, where].argmax(axis=0)]
-        rows = (times[where], times[where + 1], which, worst[where])
-        found += map(Interval, *[row.tolist() for row in rows])
+        ends = np.array([where + 1, where])
+        at = times[ends], before[ends], states[which, ends], rates[which, ends]
+        found.append((which, worst[where], *at))
         if extent > 0:
             left += float(worst[~large & (worst > ROUNDING * extent)].sum()) / extent
     return found, left
@@ -141,12 +161,9 @@ def _least(accuracy: float, intervals: int) -> float:
     return max(AIM * accuracy / intervals, ROUNDING)
 
 
-def with_samples_inside(times: np.ndarray) -> np.ndarray:
-    """Times with one just inside of each end of every interval between them."""
-    lasts = INSIDE * (times[1:] - times[:-1])
-    found = np.empty(3 * len(times) - 2)
-    found[::3], found[1::3], found[2::3] = times, times[:-1] + lasts, times[1:] - lasts
-    return found
+def with_samples_before(times: np.ndarray) -> np.ndarray:
+    """Times with one just before each but the first."""
+    return np.array([just_before(times), times]).T.ravel()[1:]
 
 
 def left_by_members(
@@ -156,25 +173,25 @@ def left_by_members(
     longest: np.ndarray,
     accuracy: float,
     *,
-    inside: bool,
+    before: bool,
 ) -> np.ndarray:
     """The errors that what was passed over leaves in many motions, infinite where it is not small.
 
     values: states above parameters, shape (size + parameters, number, m), at times of each, shape
-    (number, m). longest: steps, shape (number,). inside: whether times are `with_samples_inside`;
+    (number, m). longest: steps, shape (number,). before: whether times are `with_samples_before`;
     without, what may have been passed over counts as such.
     """
-    every, stride = values[: system.size], 3 if inside else 1
+    every, stride = values[: system.size], 2 if before else 1
     states, seen = every[..., ::stride], times[:, ::stride]
     lasts = seen[:, 1:] - seen[:, :-1]
     over = longest[:, None] > (1 - UNLIKE) * np.abs(lasts)
     rates = system.array_function(*values[..., ::stride])
     gaps = np.abs(_unexplained(states, rates, lasts, over))
-    far = np.full(gaps.shape, not inside)
-    sides = ((slice(1, None, 3), slice(None, -1)), (slice(2, None, 3), slice(1, None)))
-    for near, here in sides if inside else ():
-        slopes = (every[..., near] - states[..., here]) / (times[:, near] - seen[:, here])
-        far |= np.abs((slopes - rates[..., here]) * lasts) > gaps
+    far = np.full(gaps.shape, not before)
+    if before:
+        # The first interval in which something was passed over shows it at its end.
+        slopes = (states[..., 1:] - every[..., 1::2]) / (seen[:, 1:] - times[:, 1::2])
+        far = np.abs((slopes - rates[..., 1:]) * lasts) > gaps
     left, least = np.zeros(len(times)), _least(accuracy, lasts.shape[1])
     for group in map(list, system.groups_but_clock):
         extent = np.abs(states[group]).max(axis=(0, 2))[:, None]
@@ -188,42 +205,32 @@ def left_by_members(
     return left
 
 
-def confirmed(again: Trajectory, intervals: Sequence[Interval]) -> list[Interval]:
-    """Those of some intervals that a step passed over, by the same motion with samples inside them.
+def confirmed(again: Trajectory, intervals: Intervals) -> Intervals:
+    """Those of some intervals that a step passed over, by the same motion just before its samples.
 
     The others are too long to show how a motion goes that its steps follow well.
     """
-    seen = times_looked_at(intervals)
-    lasts = seen[1] - seen[0]
-    rows, gaps = (np.array(column) for column in list(zip(*intervals, strict=True))[2:])
-    found: set[int] = set()
+    before, found = intervals.before, np.zeros(len(intervals), dtype=bool)
+    spans, lasts = intervals.times - before, intervals.times[0] - intervals.times[1]
     for segments in _pieces(again):
-        system = segments[0].stage.system
         times, values, _ = _joined(segments)
         sign = -1.0 if times[-1] < times[0] else 1.0
-        # Every end of an interval, and the time just inside of it.
-        place = np.searchsorted(sign * times[:-1], sign * seen)
-        here, near = place.reshape(2, -1)
-        known = np.flatnonzero((times[place] == seen).reshape(2, -1).all(0))
-        if not len(known):
-            continue
-        here, near, which = here[known], near[known], known % len(intervals)
-        rates = system.array_function(*values[:, here])[rows[which], range(len(known))]
-        changes = values[rows[which], near] - values[rows[which], here]
-        slopes = changes / (times[near] - times[here])
-        far = np.abs((slopes - rates) * lasts[which]) > gaps[which]
-        found.update(which[far].tolist())
-    return [intervals[k] for k in sorted(found)]
+        place = np.searchsorted(sign * times[:-1], sign * before)
+        changes = intervals.values - values[intervals.states, place]
+        far = np.abs((changes - intervals.rates * spans) * lasts) > intervals.gaps * np.abs(spans)
+        found |= (far & (times[place] == before) & (spans != 0)).any(0)
+    return intervals.only(found)
 
 
-def cuts_of(intervals: Iterable[Interval], way: float) -> set[float]:
+def cuts_of(intervals: Intervals, way: float) -> set[float]:
     """Times at which runs are cut: ends and middles of intervals, or fewer where these are short.
 
     Behind what was passed over all intervals are wrong, however many: those that go on from each
     other are cut as if the whole way had PARTS of them.
     """
     joined: list[tuple[float, float, int]] = []
-    for begin, end in sorted({one[:2] for one in intervals}, key=lambda x: abs(x[0])):
+    pairs = {*zip(*intervals.times.tolist(), strict=True)}
+    for end, begin in sorted(pairs, key=lambda x: abs(x[1])):
         first, count = begin, 1
         if joined and joined[-1][1] == begin:
             first, _, known = joined.pop()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -16,7 +16,7 @@ from geomtorsion.errors import AccuracyError, StartError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import SAFETY, Verified, tolerances_compared, verified
+from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -28,8 +28,8 @@ from geomtorsion.ode.passed_over import (
     confirmed,
     cuts_of,
     has_long_step,
+    just_before,
     passed_over,
-    times_looked_at,
 )
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import STEPS_AT_ONCE, Run, System, WorkLimitError, units_of
@@ -169,31 +169,24 @@ class _Runs:
     kept: Checkpoint | None
     report: Report | None
 
-    def at(self, times: Iterable[float]) -> _Runs:
+    def at(self, times: np.ndarray) -> _Runs:
         """The same with other samples."""
-        grid = np.unique([*times])
+        grid = np.unique(times)
         return replace(self, grid=grid if self.grid[-1] > 0 else grid[::-1])
 
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        found = verified(self.problem, self.engine, self.accuracy, self._run, self._jointly)
+        found = verified(self.problem, self.engine, self.accuracy, self.run, self.jointly)
         runs += found.runs
         return found
 
-    def again(self, tolerance: float) -> Trajectory:
-        """The answer alone, by the steps that it takes among the runs that it is compared with."""
-        runs = self._jointly(tolerances_compared(self.engine, tolerance) or (), 0.0)
-        return runs[0] if runs else self._run(tolerance, 0.0, None)
-
-    def _jointly(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
+    def jointly(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
         if self.cuts:
             return []
-        # Without one there is nothing to compare: the answer stands alone.
-        parts = (0.0, part, -part) if part else (0.0,)
-        stages = [self.problem.first_stage(self.engine.precision, x) for x in parts]
+        stages = [self.problem.first_stage(self.engine.precision, x) for x in (0.0, part, -part)]
         return side_by_side(stages, self.grid, tolerances, self.engine)
 
-    def _run(self, tolerance: float, part: float, at: float | None) -> Trajectory:
+    def run(self, tolerance: float, part: float, at: float | None) -> Trajectory:
         try:
             return integrate(
                 self.problem.first_stage(self.engine.precision, part),
@@ -232,10 +225,13 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         claimed = min(looked.error, asked.accuracy)
         places, left = passed_over(looked.answer, asked.accuracy, claimed)
         if places and asked.kept is None:
-            # The same steps, with samples just inside the intervals that are in doubt.
-            needed = [0.0, end, *times_looked_at(places).flat]
-            runs.append(asked.at(needed).again(looked.answer.tolerance))
-            places = confirmed(runs[-1], places)
+            again = looked.again
+            if again is None:
+                # The same steps, with samples just before both ends of what is in doubt.
+                needed = np.append(places.before, (0.0, end))
+                again = asked.at(needed).run(looked.answer.tolerance, 0.0, None)
+                runs.append(again)
+            places = confirmed(again, places)
         new = cuts_of(places, end) - {0.0, end, *asked.cuts}
         if not new:
             return found._replace(error=max(found.error, SAFETY * left))
@@ -330,19 +326,20 @@ class Report:
         return watch
 
 
-# Doubles in a register of today's processors.
-WIDTH = 4
+# An answer, two finer runs, and the answer again fill a register of today's processors.
+COLUMNS = (0, 1, 2, 0)
 
 
 def side_by_side(
     stages: Sequence[Stage], times: np.ndarray, tolerances: Sequence[float], engine: Engine
 ) -> list[Trajectory]:
-    """Motions by equal equations in one batch; none where they have to go one by one.
+    """Three motions by equal equations in one batch; none where they have to go one by one.
 
     A processor adds four pairs of doubles as fast as one, and compiling one integrator takes half
     the time of two: so an answer and the finer runs that it is compared with share an integrator.
-    heyoka leaves out of a series what is small beside the largest state; here that is a constant
-    of each column.
+    In the fourth place is the answer again, with samples just before those of the others. heyoka
+    leaves out of a series what is small beside the largest state; here that is a constant of each
+    column.
 
     That is with other engines, where an event comes in between, where numbers are far from one,
     and where `run_jointly` says so. The times begin with the stages and go on.
@@ -364,10 +361,12 @@ def side_by_side(
     pairs = zip(runs, numbers, strict=False)
     if not system.guard_is_entire and any(is_beyond(system, run, own) for run, own in pairs):
         return []
-    parts = zip(stages, runs, tolerances, strict=False)
+    full: list[np.ndarray | None] = [None] * len(runs)
+    if first.lift is not None and runs:
+        full[:-1] = first.lift(np.array(numbers), np.array([run.states for run in runs[:-1]]))
     return [
-        Trajectory(engine, tolerance, (Segment(stage, run, 0, len(times)),), "done")
-        for stage, run, tolerance in parts
+        Trajectory(engine, tolerances[k], (Segment(stages[k], run, 0, len(times), states),), "done")
+        for k, run, states in zip(COLUMNS, runs, full, strict=False)
     ]
 
 
@@ -380,54 +379,53 @@ def run_jointly(
     tolerances: Sequence[float],
     size: float,
 ) -> list[Run]:
-    """A run for each of up to WIDTH starts; none where they have to run one by one.
+    """A run for each of three starts, and the first again with samples just before the others.
 
-    That is where one meets the guard, where steps or times are many, or where states grow so
-    far above `size`, which is what tolerances are relative to, that runs to different tolerances
-    would take the same steps.
+    None where they have to run one by one: where one meets the guard, where steps or times are
+    many, or where states grow so far above `size`, which is what tolerances are relative to, that
+    runs to different tolerances would take the same steps.
     """
     if len(times) > STEPS_AT_ONCE:
         return []
     finest = min(tolerances)
     duration, backward = abs(float(times[-1] - times[0])), bool(times[-1] < times[0])
     kept, compiling = engine.compiled(
-        system, finest, width=WIDTH, optimised=False, measured=True, backward=backward
+        system, finest, width=len(COLUMNS), optimised=False, measured=True, backward=backward
     )
-    # Columns without a use repeat the first.
-    order = [k if k < len(starts) else 0 for k in range(WIDTH)]
+    grids = [times, times, times, just_before(times)]
     with kept.lock:
         began = time.perf_counter()
         integrator = kept.integrator
         integrator.set_time(float(times[0]))
-        integrator.state[:-1] = np.array([starts[k] for k in order]).T
-        integrator.state[-1] = [size * tolerances[k] / finest for k in order]
+        integrator.state[:-1] = np.array([starts[k] for k in COLUMNS]).T
+        integrator.state[-1] = [size * tolerances[k] / finest for k in COLUMNS]
         if len(integrator.pars):
-            pars = system.with_constants(np.array([parameters[k] for k in order])).T
-            integrator.pars[:] = pars[: len(integrator.pars)]
+            rows = [system.with_constants(numbers) for numbers in parameters]
+            integrator.pars[:] = np.array([rows[k] for k in COLUMNS]).T[: len(integrator.pars)]
         if integrator.with_events:
             integrator.reset_cooldowns()
-        grid = times.repeat(WIDTH).reshape(-1, WIDTH)
         # Of one order, runs that take a single step each would agree whatever it leaves out.
-        limits = [duration if k == 0 else 0.5 * duration for k in order]
-        rows = integrator.propagate_grid(grid, max_steps=STEPS_AT_ONCE, max_delta_t=limits)[1]
+        limits = [duration if k == 0 else 0.5 * duration for k in COLUMNS]
+        grid = np.array(grids).T.copy()
+        found = integrator.propagate_grid(grid, max_steps=STEPS_AT_ONCE, max_delta_t=limits)[1]
         results = integrator.propagate_res
         spent = time.perf_counter() - began
-    if [x[0] for x in results] != [type(results[0][0]).time_limit] * WIDTH:
+    if [x[0] for x in results] != [type(results[0][0]).time_limit] * len(COLUMNS):
         return []
-    states = np.ascontiguousarray(rows[:, :-1].transpose(2, 0, 1))
+    states = np.ascontiguousarray(found[:, :-1].transpose(2, 0, 1))
     # Steps are measured by states that are larger than `size` in each column; finer runs are to
     # leave out half as much at least.
     if 2 * np.abs(states[0]).max() > size * max(tolerances) / finest:
         return []
     runs = []
-    for k in range(len(starts)):
+    for k, own in enumerate(grids):
         least, longest, steps = (float(abs(x)) for x in results[k][1:4])
         # heyoka does not tell the last step, which ends with the times; others are between these.
         typical = math.sqrt(least * longest) if longest else 0.0
         longest, steps = max(longest, duration - (steps - 1) * typical), int(steps)
         runs.append(
             Run(
-                times, states[k], times[-1], states[k, -1], "done", steps,
+                own, states[k], own[-1], states[k, -1], "done", steps,
                 steps * (integrator.order + 1), 0.0 if k else compiling, 0.0 if k else spent,
                 None, "", longest,
             )

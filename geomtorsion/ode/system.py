@@ -186,11 +186,23 @@ class System:
 
     def with_constants(self, values: np.ndarray) -> np.ndarray:
         """Parameters of `hoisted` in doubles, from those of this, or from rows of them."""
+        if values.ndim == 1:
+            return np.array(self._with_constants_of_one(values.tolist()))
         for made in self._hoisted[1]:
             if made.size:
                 further = made.numpy()(*values.T)
                 values = np.concatenate((values, further.T), axis=-1)
         return values
+
+    def _with_constants_of_one(self, found: list[float]) -> list[float]:
+        """The same of one motion: arrays would take ten times as long."""
+        for made in self._hoisted[1]:
+            try:
+                found += made.python()(*found)
+            except NO_VALUE:
+                # What is infinite on the way may have a value in the end.
+                found += made.numpy()(*found).tolist()
+        return found
 
     def with_long_constants(self, values: Sequence[Any] | np.ndarray, bits: int) -> list[Any]:
         """The same for one motion in numbers of more bits."""
@@ -296,7 +308,7 @@ class Engine(Protocol):
         ...
 
     def rung(self, tolerance: float) -> float:
-        """The largest tolerance of its ladder that is no larger, so that few are compiled."""
+        """A tolerance of its ladder that is near, so that few are compiled."""
         ...
 
     def finer(self, tolerance: float) -> float | None:

@@ -61,7 +61,8 @@ class Stage:
         double precision.
     begin: the time at which it begins.
     events: at most one at a time, and at most one of the guard.
-    lift: rows of states of the system -> rows of states of the problem; None: they are the same.
+    lift: (parameters, states) of one motion or more -> states of the problem, shapes (number, k),
+        (number, m, size) and (number, m, full size); None: they are those of the system.
     groups: indices of states of the problem that are measured together.
     full_start: the state of the problem at the beginning, where there is a lift.
     kept: a state where the stage is cut -> the same with what rounding and steps took from it put
@@ -74,7 +75,7 @@ class Stage:
     parameters: State
     begin: float = 0.0
     events: tuple[Event, ...] = ()
-    lift: Callable[[np.ndarray], np.ndarray] | None = None
+    lift: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
     groups: tuple[tuple[int, ...], ...] = ()
     full_start: np.ndarray | None = None
     kept: Callable[[State], State] | None = None
@@ -83,7 +84,9 @@ class Stage:
 
     def full(self, states: np.ndarray) -> np.ndarray:
         """Rows of states of the problem for rows of states of the system."""
-        return states if self.lift is None else self.lift(states)
+        if self.lift is None:
+            return states
+        return self.lift(np.asarray(self.parameters)[None], states[None])[0]
 
     @cached_property
     def first(self) -> np.ndarray:

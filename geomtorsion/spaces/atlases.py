@@ -214,9 +214,7 @@ def quaternions(frame: Frame) -> Atlas:
         TransitionMap(home, "quaternion", q, tuple(there), sample=here),
         TransitionMap("quaternion", home, QUATERNION, tuple(back), (), angles, sample, written),
     )
-    # Angles of the three-sphere hold nearly everywhere; its motions begin in them.
-    order = (home, "quaternion") if home == "s3" else ()
-    return Atlas(home, makers, lambda: maps, order)
+    return Atlas(home, makers, lambda: maps)
 
 
 def sphere(frame: Frame) -> Atlas:

@@ -117,6 +117,38 @@ def test_states_of_length_one_have_all_digits():
         assert abs(a - (3 * mpmath.cos(1) - 4 * mpmath.sin(1)) / 5) < 1e-30
 
 
+@pytest.mark.parametrize("space", ["so3", "s3", "r3xso3"])
+def test_a_chart_without_an_edge_is_begun_in(space):
+    """The unit quaternion, in which no motion ends."""
+    start = [0.5, 1.2, 0.3, 0, 0, 0][: load(space).frame.dimension]
+    problem = geodesic(load(space).frame, start, frame_velocity=[0.3] * len(start))
+    assert problem.first_stage(53, 0.0).label == "quaternion"
+
+
+def test_numbers_that_a_law_brings_are_perturbed_with_the_start():
+    """(B - C)/A of a top is rounded, too, in each chart; a radius that is a float is not."""
+    ball = load("s2").frame
+    there = geodesic(ball, [1.2, 0.3], frame_velocity=[1, 2], parameters={"R": 1.5})
+    top = geodesic(load("s3").frame, [0.5, 1.2, 0.3], frame_velocity=[1, 2, 3], metric=[1.1, 2, 4])
+    for problem, part in ((there, 0.0), (top, 1e-9)):
+        exact, other = (problem.first_stage(64, part).parameters for part in (0.0, 1e-9))
+        gaps = [abs(float(y / x) - 1) for x, y in zip(exact, other, strict=True)]
+        assert max(gaps) == pytest.approx(part, rel=1e-6)
+
+
+def test_states_are_perturbed_at_the_start_alone():
+    """What comes after a chart begins where that ended, however the start was changed."""
+    problem = geodesic(load("s2").frame, [1.0, 0.3], frame_velocity=[-1, 0.5], parameters={"R": 1})
+    after = []
+    for part in (0.0, 1e-3):
+        event = problem.first_stage(53, part).boundary
+        assert event is not None
+        assert event.then is not None
+        after.append(event.then(1.0, np.array([0.1, 0.4, -1.0, 0.5])))
+    assert [stage.label for stage in after] == ["s2_x", "s2_x"]
+    assert after[0].first.tolist() == after[1].first.tolist()
+
+
 @pytest.mark.parametrize(("theta", "label"), [(0.86, "s2"), (0.83, "s2_x")])
 def test_how_far_from_its_edge_a_chart_is_begun_in(theta, label):
     """Three margins, sin(theta) = 3/4; nearer to the pole another chart is further from its own."""

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
@@ -89,6 +90,8 @@ def test_orders_and_tolerances():
     for order in range(2, 60):
         assert order_of(tolerance_of(order)) == order
     assert [order_of(x) for x in (1e-6, 1e-9, 1e-12)] == [8, 12, 15]
+    for away, order in ((0.9, 12), (1.1, 11), (-0.9, 12), (-1.1, 13)):
+        assert Taylor().rung(tolerance_of(12) * math.exp(away)) == tolerance_of(order)
 
 
 @needs_heyoka
@@ -124,6 +127,15 @@ def test_rounding_on_the_way_is_seen(away, accuracy):
     problem = top([0.5, away, 0.8 * away], (Fraction(3, 2), 1, 2))
     solution = solve(problem, 150.0, accuracy)
     assert_honest(problem, solution, accuracy)
+
+
+@needs_heyoka
+def test_what_agrees_by_chance_is_confirmed():
+    """An answer and its finer run that differ by 7e-11 were both off by 7e-8; a third was not."""
+    start = [0.7852679674879348, 1.716910964359756, 1.0248503623205936]
+    spin = [2.053071316123966e-05, 0.606239833157449, 1.6424570528991727e-05]
+    problem = geodesic(load("s3").frame, start, frame_velocity=spin, metric=[1.56, 1.95, 2.61])
+    assert_honest(problem, solve(problem, 150.0, 1e-8), 1e-8)
 
 
 @needs_heyoka

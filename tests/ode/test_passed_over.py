@@ -7,7 +7,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
+from geomtorsion.ode import ODE, At, RungeKutta, Taylor, solve, solve_many
 from geomtorsion.ode.passed_over import passed_over
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -136,9 +136,11 @@ def test_samples_at_whole_turns_are_no_jump(samples, engine):
 def test_what_samples_resolve_is_not_in_doubt():
     """Even where the rate has its largest value, and where states change by their rounding."""
     swing = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0]), 1.0, 1e-9)
-    assert passed_over(swing.trajectory, 1e-9) == ([], 0)
+    places, left = passed_over(swing.trajectory, 1e-9)
+    assert not places
+    assert left == 0
     line = solve(ODE.of({"x": "1/3", "v": "v/7"}, [1e6, 1]), 1.0, 1e-9)
-    assert passed_over(line.trajectory, 1e-15)[0] == []
+    assert not passed_over(line.trajectory, 1e-15)[0]
 
 
 @needs_heyoka
@@ -149,6 +151,18 @@ def test_steps_that_follow_are_not_cut():
     orbit = solve(ODE.of(rates, [0.1, 0, 0, 19**0.5]), 20.0, 1e-9)
     assert passed_over(orbit.trajectory, 1e-9)[0]
     assert len(orbit.trajectory.segments) == 1
+
+
+@needs_heyoka
+def test_a_jump_is_no_wall():
+    """Where a state jumps from one end of an ellipse to the other, samples are too few again."""
+    force = "/(x**2 + y**2)**(3/2)"
+    rates = {"x": "u", "y": "v", "u": f"-x{force}", "v": f"-y{force}"}
+    near, far = {"x": 0.1, "v": 19**0.5}, {"x": 1.9, "v": (1 / 19) ** 0.5}
+    jump = At(5.0, {**near, "y": 0, "u": 0})
+    orbit = solve(ODE.of(rates, {**far, "y": 0, "u": 0}, events=[jump]), 20.0, 1e-9)
+    assert passed_over(orbit.trajectory, 1e-9)[0]
+    assert len(orbit.trajectory.segments) == 2
 
 
 @every_engine

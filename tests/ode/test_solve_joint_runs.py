@@ -30,11 +30,22 @@ def test_each_lane_has_its_start_and_its_tolerance():
     """Against the cosine: finer runs are nearer to it, and each begins where it was told to."""
     found = jointly(swing(), 10.0, parts=(0.0, 0.0, 0.0))
     errors = [np.abs(run.states[:, 0] - np.cos(2 * run.times)).max() for run in found]
-    for error, tolerance in zip(errors, TOLERANCES, strict=True):
+    for error, tolerance in zip(errors, [*TOLERANCES, TOLERANCES[0]], strict=True):
         assert 1e-3 * tolerance < error < 10 * tolerance
     assert found[0].steps < found[2].steps < found[1].steps
     apart = jointly(swing(), 10.0, parts=(0.0, 1e-6, 1e-3))
-    assert [run.states[0, 0] - 1 for run in apart] == pytest.approx([0.0, 1e-6, 1e-3])
+    assert [run.states[0, 0] - 1 for run in apart] == pytest.approx([0.0, 1e-6, 1e-3, 0.0])
+
+
+def test_the_answer_comes_again_just_before_its_samples():
+    """By the same steps: between both is the slope of the series, that of cos(2 t)."""
+    answer, *_, again = jointly(swing(), 10.0)
+    assert again.steps == answer.steps
+    assert again.states[0].tolist() == answer.states[0].tolist()
+    spans = answer.times[1:] - again.times[1:]
+    assert 0 < spans.min() <= spans.max() < 1e-3 * answer.times[1]
+    slopes = (answer.states[1:, 0] - again.states[1:, 0]) / spans
+    assert slopes == pytest.approx(answer.states[1:, 1], abs=1e-3)
 
 
 def test_tolerances_are_relative_to_the_size():

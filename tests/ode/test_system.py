@@ -3,8 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
+import sympy as sp
 
 from geomtorsion.curves import geodesic
+from geomtorsion.geometry import Frame
 from geomtorsion.spaces import load
 
 
@@ -81,3 +83,18 @@ def test_one_system_one_key():
     one, two = (problems()["orbit"].equations("kerr").system for _ in range(2))
     assert one is not two
     assert one.key == two.key
+
+
+@pytest.mark.parametrize("k", [0.5, 800.0])
+def test_constants_of_one_motion_and_of_many(k):
+    """1/(1 + e^k) is worked out once; e^800 is infinite on the way to a zero."""
+    x, y, number = sp.symbols("x y k", real=True)
+    frame = Frame([x, y], [[1 + sp.exp(number), 0], [0, 1 + y**2]])
+    motion = geodesic(frame, [0, 0], frame_velocity=[3, 1], parameters={"k": 1})
+    system = motion.equations(motion.charts[0]).system
+    assert system.parameters == ("k", "u1", "u2")
+    given = np.array([k, 3.0, 1.0])
+    one = system.with_constants(given)
+    assert one[3] == pytest.approx(3 / (1 + np.exp(min(k, 700.0))), rel=1e-15, abs=1e-300)
+    assert system.with_constants(np.array([given] * 2)).tolist() == [one.tolist()] * 2
+    assert system.hoisted.array_function(0.0, 0.0, *one).tolist() == [one[3], 1.0]

@@ -276,8 +276,8 @@ class Taylor:
         return tolerance_of(min(order, order_of(self.finest) - 2))
 
     def rung(self, tolerance: float) -> float:
-        """See `Engine.rung`: one rung for each order of the series."""
-        return tolerance_of(order_of(max(tolerance, self.finest)))
+        """See `Engine.rung`: one rung for each order of the series, the nearest."""
+        return tolerance_of(max(2, round(1 - math.log(max(tolerance, self.finest)) / 2)))
 
     def finer(self, tolerance: float) -> float | None:
         """See `Engine.finer`: two orders more, each worth a factor e^2."""
