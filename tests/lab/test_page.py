@@ -12,7 +12,7 @@ from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.lab.space_info import space_form, typable
 from geomtorsion.lab.views import TABS
-from tests.browser import Watched
+from tests.browser import PATIENCE, Watched
 
 # What each tab shows when it is ready.
 READY = {
@@ -447,6 +447,8 @@ def test_names_and_values_for_readers(standing: Watched):
 
 def test_dark_and_narrow(standing: Watched):
     """By night everything is dark; on a phone the picture comes before what moves it."""
+    from playwright.sync_api import expect
+
     page = standing.page
     page.set_viewport_size({"width": 400, "height": 800})
     page.emulate_media(color_scheme="dark")
@@ -460,10 +462,11 @@ def test_dark_and_narrow(standing: Watched):
     light = "(e) => Math.min(...getComputedStyle(e).color.match(/[0-9]+/g).map(Number)) > 150"
     assert page.locator("#top-said").evaluate(light)
     assert "invert" in page.locator("iframe").evaluate("(e) => getComputedStyle(e).filter")
+    # Parts come one by one: the film may be there before what stood in its place is gone.
+    expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
     film = page.locator("iframe").bounding_box()
     sliders = page.get_by_role("slider", name="I1").bounding_box()
     plan = page.locator("#top-plan").bounding_box()
-    assert film["y"] < 800
     assert film["y"] < sliders["y"] < plan["y"]
     assert too_wide(page) == []
     page.emulate_media(color_scheme="light")
