@@ -12,7 +12,6 @@ import mpmath
 import numpy as np
 import pytest
 from hypothesis import settings
-from xdist.scheduler import LoadScopeScheduling
 
 from tests.browser import (
     address,
@@ -44,15 +43,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 
-class ByFolder(LoadScopeScheduling):
-    """Tests of one folder go to one worker: what they share is made once."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        return "/".join(nodeid.partition("::")[0].split("/")[:2])
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFolder:
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Folders in the order in which tests stand, not those of most tests first."""
+    # The Python of browsers, where parts of the suite run, has no workers.
+    from tests.by_folder import ByFolder
+
     config.option.loadscopereorder = False
     return ByFolder(config, log)
 
