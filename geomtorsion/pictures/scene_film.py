@@ -191,7 +191,10 @@ class _Stage:
         span = float(np.ptp(self.places, axis=0).max())
         self.size = 0.55 if span == 0 else 0.13 * span
         faces, colors = polygons(sides)
-        self.faces = [self.size * face for face in faces]
+        # All have as many corners, round and round: what matplotlib fills shorter ones up with is
+        # not set, and may be any number.
+        most = max(map(len, faces))
+        self.faces = self.size * np.array([np.resize(face, (most, 3)) for face in faces])
         self.axes = axes
         self.block = Poly3DCollection(
             self.faces, facecolors=colors, edgecolors="#1d2330", linewidths=0.5, alpha=0.95,

@@ -165,6 +165,23 @@ def test_films(tmp_path, monkeypatch):
         write_film(tmp_path / "film.mp4", TIMES, TURN)
 
 
+def test_a_film_of_a_round_body_takes_no_numbers_from_unset_memory(tmp_path, monkeypatch):
+    """Its faces have 32 corners and 4; warnings are errors here."""
+    pytest.importorskip("matplotlib")
+    unset = np.empty
+
+    def filled(shape, *arguments, **more):
+        made = unset(shape, *arguments, **more)
+        if made.dtype == float:
+            made.fill(-1.7e308)
+        return made
+
+    monkeypatch.setattr(np, "empty", filled)
+    film = tmp_path / "round.gif"
+    assert write_film(film, [0, 1], [np.eye(3)] * 2, sides=(1, 1, 0.3)) == 2
+    assert film.stat().st_size > 0
+
+
 def test_figures_can_be_saved(tmp_path):
     """They reach the disk, in every format, and are more than an empty page."""
     for form in ("png", "svg", "pdf"):

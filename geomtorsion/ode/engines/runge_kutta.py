@@ -75,6 +75,10 @@ class RungeKutta(_Ladder):
     # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
     finest = 1e-17
 
+    def first(self, accuracy: float) -> float:
+        """See `Engine.first`: half a rung finer, for errors of steps add up to ten times theirs."""
+        return super().first(math.sqrt(RUNG) * accuracy)
+
     def run(
         self,
         system: System,
