@@ -44,7 +44,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
     """Folders in the order in which tests stand, not those of most tests first."""
     # The Python of browsers, where parts of the suite run, has no workers.
     from tests.by_folder import ByFolder

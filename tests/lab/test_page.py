@@ -467,6 +467,7 @@ def test_dark_and_narrow(standing: Watched):
     film = page.locator("iframe").bounding_box()
     sliders = page.get_by_role("slider", name="I1").bounding_box()
     plan = page.locator("#top-plan").bounding_box()
+    assert film["y"] < 800
     assert film["y"] < sliders["y"] < plan["y"]
     assert too_wide(page) == []
     page.emulate_media(color_scheme="light")

@@ -76,7 +76,7 @@ class RungeKutta(_Ladder):
     finest = 1e-17
 
     def first(self, accuracy: float) -> float:
-        """See `Engine.first`: half a rung finer, for errors of steps add up to ten times theirs."""
+        """See `Engine.first`: half a rung finer, as errors of steps add up to ten tolerances."""
         return super().first(math.sqrt(RUNG) * accuracy)
 
     def run(

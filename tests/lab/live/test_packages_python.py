@@ -49,8 +49,8 @@ def places(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("part", ["geometry", "action"])
-def test_a_part_of_the_suite(places: tuple[Path, Path], part: str):
+@pytest.mark.parametrize(("part", "least"), [("geometry", 400), ("action", 150)])
+def test_a_part_of_the_suite(places: tuple[Path, Path], part: str, least: int):
     """Nothing fails but for want of numpy, threads or processes, and most needs none of them."""
     core, site = places
     script = Path(__file__).with_name("suite.mjs")
@@ -60,6 +60,6 @@ def test_a_part_of_the_suite(places: tuple[Path, Path], part: str):
         [*command, f"tests/{part}"], capture_output=True, text=True, timeout=PATIENCE, check=False
     )
     assert done.returncode == 0, done.stdout[-5000:] + done.stderr[-2000:]
-    counts = {word: int(n) for n, word in re.findall(r"(\d+) (passed|skipped)", done.stdout)}
-    assert counts["passed"] > 100
-    assert counts["passed"] > 10 * counts["skipped"]
+    passed = re.search(r"(\d+) passed", done.stdout)
+    assert passed is not None
+    assert int(passed[1]) >= least

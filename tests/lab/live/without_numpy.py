@@ -28,10 +28,12 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
 
 
 def run(files: list[str]) -> int:
-    """Run files of tests; how pytest ended."""
+    """Run files of tests, slow ones, too; how pytest ended."""
     # The settings that every test leaves as they were; of what is absent there are none.
     for name in ("geterr", "get_printoptions"):
         absent.KNOWN["numpy", name] = dict
     absent.stand_in(("numpy", "scipy", "playwright"))
     plugin = sys.modules[__name__]
-    return int(pytest.main(["-q", "-p", "no:cacheprovider", "-W", NOT_OURS, *files], [plugin]))
+    return int(
+        pytest.main(["-q", "-m", "", "-p", "no:cacheprovider", "-W", NOT_OURS, *files], [plugin])
+    )
