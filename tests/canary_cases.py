@@ -12,7 +12,6 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import exercises, scenes, spaces
-from geomtorsion.exercises.exports import prairielearn
 from geomtorsion.exercises.exports.tasks import tasks
 from geomtorsion.scenes import effects
 from tests.canary import Case
@@ -546,14 +545,7 @@ def other_cases() -> list[Case]:
         _of("exercises.check", exercises.check, number="3.2", answers=ANSWERS, seed=1),
         _of("Exercise.check", EXERCISE.check, answers=ANSWERS),
         _of("exports.tasks", tasks, numbers=["3.1"], seeds=[1]),
-        _of("prairielearn.grade", graded, answer="1/tan(phi2)"),
     ]
-
-
-def graded(answer: Any) -> None:
-    """An answer that PrairieLearn hands over."""
-    data: dict[str, Any] = {"params": {"seed": 1}, "partial_scores": {}, "feedback": {}}
-    prairielearn.grade(data | {"submitted_answers": {"christoffel": answer}}, "3.2")
 
 
 # Results: what the package makes itself from what was checked. Nobody reads them from outside,

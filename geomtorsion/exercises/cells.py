@@ -41,22 +41,6 @@ def code_cell(key: str, text: str, metadata: Mapping[str, object] | None = None)
     }
 
 
-def raw_cell(key: str, text: str) -> Json:
-    """A cell that is neither shown as text nor run, for programs that read the notebook.
-
-    Examples
-    --------
-    >>> raw_cell("config", "# BEGIN QUESTION")["cell_type"]
-    'raw'
-    """
-    return {
-        "cell_type": "raw",
-        "id": key,
-        "metadata": {},
-        "source": text.splitlines(keepends=True),
-    }
-
-
 def notebook(cells: Sequence[Json]) -> Json:
     """A notebook of Python 3.
 

@@ -216,10 +216,7 @@ class Format(StrEnum):
     """The systems for which exercises are exported."""
 
     stack = "stack"
-    prairielearn = "prairielearn"
     nbgrader = "nbgrader"
-    otter = "otter"
-    qti = "qti"
 
 
 def export(
@@ -230,23 +227,20 @@ def export(
     ] = None,
     seeds: Annotated[
         str | None,
-        option(metavar="N,...", text="Variants; default: 0; for stack and prairielearn 0,1,2."),
+        option(metavar="N,...", text="Variants; default: 0,1,2 for stack, 0 for nbgrader."),
     ] = None,
 ) -> None:
-    """Write exercises for Moodle (STACK), PrairieLearn, nbgrader, Otter or QTI.
+    """Write exercises for Moodle (STACK) or nbgrader.
 
     \b
-    stack         Moodle XML: questions of STACK, a deployed seed for each variant,
-                  a node of the response tree for each mistake that is recognised
-    prairielearn  question folders; server.py generates and grades with this library
-    nbgrader      a course with notebooks: solutions, and hidden tests that grade
-    otter         notebooks for otter assign: the same with raw cells
-    qti           a content package of QTI 2.1; what it cannot grade is said
+    stack     Moodle XML: questions of STACK, a deployed seed for each variant,
+              a node of the response tree for each recognised mistake
+    nbgrader  a course with notebooks: solutions, and hidden tests that grade
 
     \b
     Examples:
       geomtorsion exercises export --to stack -o moodle
-      geomtorsion exercises export --to prairielearn -o questions --seeds 0,1,2,3,4
+      geomtorsion exercises export --to stack -o moodle --seeds 0,1,2,3,4
       geomtorsion exercises export --to nbgrader -o course --only 3.1,3.2,3.3
     """
     numbers = None if only is None else list(parts(only))

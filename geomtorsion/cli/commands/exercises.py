@@ -19,7 +19,7 @@ class ExerciseCommands(LazyGroup):
         "hint": "Give hints, one step at a time.",
         "solution": "Solve an exercise step by step, for the teacher.",
         "sheet": "Write a chapter for students, and its solutions for the teacher.",
-        "export": "Write exercises for Moodle (STACK), PrairieLearn, nbgrader, Otter or QTI.",
+        "export": "Write exercises for Moodle (STACK) or nbgrader.",
         "grade": "Grade a folder of answers.",
         "check": "Check answers, and name the likely mistake; ends with 1 if one is wrong.",
     }

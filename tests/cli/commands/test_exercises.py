@@ -164,10 +164,7 @@ def test_grade(tmp_path):
     ("to", "file", "says"),
     [
         ("stack", "geomtorsion-stack.xml", "Moodle XML"),
-        ("prairielearn", "geomtorsion/3-1-which-connection-is-flat/server.py", "serverFilesCourse"),
         ("nbgrader", "source/chapter3/chapter3.ipynb", "generate_assignment"),
-        ("otter", "chapter3.ipynb", "otter assign"),
-        ("qti", "imsmanifest.xml", "QTI 2.1 grades 3 of 3 questions in full"),
     ],
 )
 def test_export(to, file, says, tmp_path):

@@ -1,4 +1,4 @@
-"""Graders: the commands of nbgrader and otter, run for real."""
+"""Graders: the commands of nbgrader, run for real."""
 
 from __future__ import annotations
 
