@@ -17,7 +17,6 @@ from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
 from geomtorsion.exercises import export
 from geomtorsion.exercises.grading import read_submission
 from geomtorsion.exercises.sheets import write_sheet
-from geomtorsion.lab.live.folder import write_live
 from geomtorsion.loops.loop_files import read_loops
 from geomtorsion.measured import open_measured
 from geomtorsion.pictures.report import write_report
@@ -72,7 +71,6 @@ READERS: dict[str, Callable[[Any], object]] = {
     "space": read_file,
     "loops": lambda path: read_loops(gt.spaces.load("s2").frame, path),
     "answers": read_submission,
-    "live": write_live,
     "blocks": lambda path: blocked_crystal(np.zeros((30, 3)), path, [30.0] * 3, block=15),
 }
 NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")

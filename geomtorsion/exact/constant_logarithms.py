@@ -7,7 +7,6 @@ the powers of these numbers is one proves it, and of arcs the value says how man
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from math import lcm
 from typing import TYPE_CHECKING, SupportsInt
@@ -15,8 +14,6 @@ from typing import TYPE_CHECKING, SupportsInt
 import mpmath
 import sympy
 from flint import fmpq, fmpz_mat
-from sympy.polys.domains import QQ, ZZ
-from sympy.polys.matrices.ddm import DDM
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact.arguments import of_inverse_function, power_of_pair, sum_of_angles
@@ -143,10 +140,6 @@ def _relation(values: list[mpmath.mpf]) -> list[int] | None:
 
 def _reduced(rows: list[list[int]]) -> Sequence[Sequence[SupportsInt]]:
     """A short basis of the lattice that the rows span."""
-    # In its build for browsers flint's reduction of numbers as long as ours ends all of Python.
-    if sys.platform == "emscripten":
-        exact = DDM([list(map(ZZ, row)) for row in rows], (len(rows), len(rows[0])), ZZ)
-        return exact.lll(delta=QQ(3, 4)).to_list()
     return fmpz_mat(rows).lll().tolist()
 
 

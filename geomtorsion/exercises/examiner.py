@@ -7,8 +7,7 @@ from types import TracebackType
 
 from geomtorsion.exercises.registry import load
 from geomtorsion.exercises.verdict import QuestionVerdict, Verdict
-from geomtorsion.exercises.worker_pool import EXCEEDED, STARTING, Json
-from geomtorsion.exercises.workers import workers
+from geomtorsion.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
 
 # Far more than a right answer takes.
 SECONDS = 10.0
@@ -29,7 +28,7 @@ class Examiner:
 
     def __init__(self, seconds: float = SECONDS) -> None:
         self.seconds = seconds
-        self.pool = workers(f"{__name__}:reply")
+        self.pool = WorkerPool(f"{__name__}:reply")
 
     def __enter__(self) -> Examiner:
         return self

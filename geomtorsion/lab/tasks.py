@@ -16,8 +16,7 @@ from importlib import import_module
 from typing import Any, Protocol
 
 from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
-from geomtorsion.exercises.worker_pool import EXCEEDED, Json
-from geomtorsion.exercises.workers import workers as workers_for
+from geomtorsion.exercises.worker_pool import EXCEEDED, Json, WorkerPool
 from geomtorsion.lab.settings import PAGE
 
 BROKEN = (
@@ -69,9 +68,6 @@ TASKS: Mapping[str, Task] = {
     "space_form": _task("space_info", "space_form", 10),
     "tetrad": _task("tetrad", "tetrad", 10),
     "loop": _task("closure_failure", "closure_failure", 8),
-    "circle_form": _task("circle_form", "circle_form", 20),
-    "equations": _task("equations", "equations", 20),
-    "curve_equations": _task("equations", "curve_equations", 20),
     "atoms": _task("atoms", "atoms", 10),
     "map_facts": _task("measured", "map_facts", 20),
     "map_circuit": _task("measured", "map_circuit", 20),
@@ -173,7 +169,7 @@ class TaskRunner:
         self, workers: int = 2, patience: float = 60.0, limits: Mapping[str, float] | None = None
     ) -> None:
         self.limits = dict(limits or {})
-        self.pool = workers_for(f"{__name__}:answer", workers, patience, errors_shown=True)
+        self.pool = WorkerPool(f"{__name__}:answer", workers, patience, errors_shown=True)
         self.kept: OrderedDict[str, Json] = OrderedDict()
         self._characters = 0
         self._lock = threading.Lock()

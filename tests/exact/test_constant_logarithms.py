@@ -1,7 +1,5 @@
 """Constant logarithms: relations among logarithms and arcs of numbers are found and proved."""
 
-import sys
-
 import pytest
 import sympy as sp
 from sympy import Rational, S, acos, acosh, asin, asinh, atan, atanh, cos, log, pi, sqrt
@@ -51,15 +49,6 @@ def test_relations_are_found(value):
         assert zero.is_zero is True
         assert zero.certainty.proved
         assert (zero * field.read(x)).sympy == 0
-
-
-@every(ZEROS)
-def test_relations_are_found_without_flint(value, monkeypatch):
-    """In a browser, where flint cannot look for them."""
-    monkeypatch.setattr(sys, "platform", "emscripten")
-    monkeypatch.setattr("geomtorsion.exact.constant_logarithms.fmpz_mat", None)
-    field = Field([x])
-    assert field.sum((1, field.read(term)) for term in value.args).is_zero is True
 
 
 @every({**ZEROS, **NOT_ZERO})

@@ -7,15 +7,14 @@ from collections.abc import Iterator
 import pytest
 
 from geomtorsion.exercises import examiner
-from geomtorsion.exercises.worker_pool import Json
-from geomtorsion.exercises.workers import workers
+from geomtorsion.exercises.worker_pool import Json, WorkerPool
 
 
 class Lent:
     """A pool that whoever has it may close, and which stays open for the next."""
 
     def __init__(self, function: str) -> None:
-        self.pool = workers(function)
+        self.pool = WorkerPool(function)
 
     def ask(self, request: Json, seconds: float) -> Json:
         """The reply of the pool."""
@@ -30,6 +29,6 @@ def one_pool() -> Iterator[None]:
     """All examiners of this file ask the same processes, which start once."""
     lent = Lent(f"{examiner.__name__}:reply")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(examiner, "workers", lambda function: lent)
+        patch.setattr(examiner, "WorkerPool", lambda function: lent)
         yield
     lent.pool.close()

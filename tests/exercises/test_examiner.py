@@ -57,7 +57,7 @@ class Slow:
 )
 def test_how_long_is_waited(prepares, checks, said, monkeypatch):
     """Two minutes for what is not the student's fault, ten seconds for what is."""
-    monkeypatch.setattr(module, "workers", lambda _: Slow(prepares, checks))
+    monkeypatch.setattr(module, "WorkerPool", lambda _: Slow(prepares, checks))
     assert said in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
 
 

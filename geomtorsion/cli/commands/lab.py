@@ -11,7 +11,6 @@ import typer
 from geomtorsion.cli.options import option
 from geomtorsion.cli.terminal import working
 from geomtorsion.lab.export import write_pages
-from geomtorsion.lab.live.folder import write_live
 from geomtorsion.lab.server import Address, serve
 
 
@@ -32,37 +31,18 @@ def lab(
     export: Annotated[
         Path | None, option(metavar="DIR", text="Write pages that need no server, and end.")
     ] = None,
-    live: Annotated[
-        bool, typer.Option("--live", help="With --export: pages that compute, in the browser.")
-    ] = False,
-    cache: Annotated[
-        Path | None, option(metavar="DIR", text="With --live: where what is fetched is kept.")
-    ] = None,
 ) -> None:
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
-    The page is served to this machine alone unless --host says otherwise, and loads nothing from
-    the network. It needs the extra `lab`; --export does not. With --live what is exact runs in the
-    browser, on any static host; Python for browsers is fetched once (npm and pip), then kept.
+    By default only this machine can open the page; --host changes that. The page loads nothing
+    from the network. It needs the extra `lab`; --export does not.
 
     \b
     Examples:
       geomtorsion lab --open
       geomtorsion lab --host 0.0.0.0 --sessions 40
       geomtorsion lab --export course/torsion
-      geomtorsion lab --export course/torsion --live
     """
-    if export is None and (live or cache is not None):
-        raise typer.BadParameter("--live and --cache are for --export DIR.")
-    if export is not None and live:
-        with working("lab") as progress:
-            written = write_live(export, progress, cache)
-        size = sum(path.stat().st_size for path in written) / 1e6
-        typer.echo(
-            f"wrote {len(written)} files, {size:.0f} MB; serve the folder, as "
-            f"`python -m http.server -d {export}` does"
-        )
-        return
     if export is not None:
         with working("lab") as progress:
             written = write_pages(export, progress)

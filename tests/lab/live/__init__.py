@@ -1,1 +1,0 @@
-"""Tests of the page that works without a server."""
