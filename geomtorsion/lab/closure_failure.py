@@ -22,7 +22,7 @@ from geomtorsion.loops.forms import forms
 from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.pictures.style import number
 from geomtorsion.pictures.text import greek_name
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame

@@ -18,7 +18,7 @@ from geomtorsion.lab.top import made, scene_of
 from geomtorsion.loops import Loop
 from geomtorsion.pictures.style import number
 from geomtorsion.scenes.solve import scene_accuracy
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.spaces.pair import pair_problems
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.lab.settings import PAGE
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces import load
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.spaces.registry import SPACES
 
 if TYPE_CHECKING:

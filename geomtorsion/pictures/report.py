@@ -30,7 +30,7 @@ from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words
 from geomtorsion.pictures.verdicts import Verdict, verdicts
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.spaces.pair import Pair, refuse_unknown_functions, solve_pair
 
 if TYPE_CHECKING:

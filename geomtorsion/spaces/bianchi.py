@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from sympy import Expr, Integer, KroneckerDelta, LeviCivita, Rational, Symbol, symbols
 
 from geomtorsion.checks import expression
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.rotations import XYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, matrix
 
 A = Symbol("a", positive=True)
@@ -144,6 +146,8 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", _ricci(kind.n, kind.a), basis="frame"),
             KnownAnswer("scalar_curvature", scalar),
         ),
+        atlas=partial(angle_atlas, XYZ) if name == "bianchi_ix" else None,
+        embedding=partial(angle_embedding, XYZ) if name == "bianchi_ix" else None,
         group="Bianchi types",
         notes="Legs are the left-invariant fields of the algebra, orthonormal by definition.",
     )

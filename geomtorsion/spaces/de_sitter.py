@@ -1,8 +1,12 @@
 """de_sitter: the static patch of de Sitter space."""
 
+import sympy as sp
 from sympy import Rational, Symbol, cos, pi, sin, sqrt, symbols
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.coordinates import length, spherical
+from geomtorsion.spaces.embedding import orbit_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
 
 
@@ -48,6 +52,39 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("weyl", {}),
             KnownAnswer("kretschmann", 24 / length**4),
         ),
+        atlas=_atlas,
+        embedding=orbit_embedding,
         group="gravity",
         notes="Signature (-, +, +, +). The horizon r = L is the edge of the patch.",
     )
+
+
+def _atlas(frame: Frame) -> Atlas:
+    """-dT^2 + (dx - x dT / L)^2 in T = t + (L / 2) log(1 - r^2 / L^2): out through the horizon."""
+    t, r, theta, phi = frame.coordinates
+    (scale,) = frame.parameters
+    time, *place = inner = sp.symbols("T x_ y_ z_", real=True)
+    radius = length(*place)
+
+    def flowing() -> Chart:
+        rows = [[sp.S.One, 0, 0, 0]]
+        rows += [[-x / scale, *(sp.Integer(x == y) for y in place)] for x in place]
+        other = Frame(inner, rows, signature=(-1, 1, 1, 1), parameters=(scale,), name="painleve")
+        return Chart.of(other, keeps_frame=False)
+
+    advance = scale / 2 * sp.log(1 - r**2 / scale**2)
+    there = (t + advance, *spherical(r, theta, phi))
+    polar = sp.atan2(length(place[0], place[1]), place[2])
+    back = (time - advance.subs(r, radius), radius, polar, sp.atan2(place[1], place[0]))
+    edge = (1 - r**2 / scale**2) * r * sp.sin(theta) / scale
+    makers = {
+        "de_sitter": lambda: Chart.of(frame, edge=edge, margin=0.1),
+        "painleve": flowing,
+    }
+    inside = {scale: 9, r: 5, t: 0, theta: 1, phi: 1}
+    here = dict(zip(inner, (0, 3, 3, 3), strict=True)) | {scale: 9}
+    maps = (
+        TransitionMap("de_sitter", "painleve", frame.coordinates, there, (scale,), (), inside),
+        TransitionMap("painleve", "de_sitter", inner, back, (scale,), (3,), here),
+    )
+    return Atlas("de_sitter", makers, lambda: maps)

@@ -3,7 +3,7 @@
 from sympy import Rational, Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, box, matrix
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, box, matrix
 
 
 def space(name: str, title: str) -> Space:
@@ -47,6 +47,7 @@ def space(name: str, title: str) -> Space:
                 ),
                 *shared,
             ),
+            motion=FirstMotion((4.14, -1.36, -1.07), (0.802, 0.535, 0.267), parameters={"b": 0.48}),
             group="defects in crystals",
             notes="The displacement u_x = b phi / (2 pi) is multivalued, its differential is not. "
             "The coframe is singular on the axis and on the circle x^2 + y^2 = b y / (2 pi).",
@@ -80,6 +81,9 @@ def space(name: str, title: str) -> Space:
             name=name,
         ),
         known=(KnownAnswer("determinant", (1 + xx) * (1 + yy) - xy * yx), *shared),
+        motion=FirstMotion(
+            (4.14, -1.36, -1.07), (0.802, 0.535, 0.267), parameters={"b": 0.48, "nu": 0.16}
+        ),
         group="defects in crystals",
         notes="The distortion is the gradient of a multivalued displacement; near the axis, "
         "within a few b, the coframe becomes singular and linear elasticity means nothing.",

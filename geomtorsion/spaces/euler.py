@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from sympy import Expr, Rational, Symbol, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.rotations import XYZ, ZXZ, ZYX, Angles, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
 
 
@@ -14,6 +16,7 @@ from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diago
 class Convention:
     """One row of the table: what differs between two sets of Euler angles."""
 
+    angles: Angles
     coordinates: tuple[Symbol, ...]
     coframe: list[list[Expr | int]]
     domain: dict[Symbol, tuple[Expr | int, Expr | int]]
@@ -26,6 +29,7 @@ def _zxz() -> Convention:
     """Attitude Rz(phi) Rx(theta) Rz(psi)."""
     phi, theta, psi = symbols("phi theta psi", real=True)
     return Convention(
+        angles=ZXZ,
         coordinates=(phi, theta, psi),
         coframe=[
             [sin(theta) * sin(psi), cos(psi), 0],
@@ -46,6 +50,7 @@ def _xyz() -> Convention:
     """Attitude Rx(a) Ry(b) Rz(c): Cardan angles, each axis once."""
     a, b, c = symbols("a b c", real=True)
     return Convention(
+        angles=XYZ,
         coordinates=(a, b, c),
         coframe=[
             [cos(b) * cos(c), sin(c), 0],
@@ -67,6 +72,7 @@ def _zyx() -> Convention:
     """Attitude Rz(yaw) Ry(pitch) Rx(roll)."""
     yaw, pitch, roll = symbols("yaw pitch roll", real=True)
     return Convention(
+        angles=ZYX,
         coordinates=(yaw, pitch, roll),
         coframe=[
             [-sin(pitch), 0, 1],
@@ -108,6 +114,8 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
             KnownAnswer("scalar_curvature", 3 * half),
         ),
+        atlas=partial(angle_atlas, convention.angles),
+        embedding=partial(angle_embedding, convention.angles),
         group="rotations",
         notes="The chart ends where the determinant vanishes.",
     )

@@ -3,7 +3,8 @@
 from sympy import Function, Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
+from geomtorsion.spaces.embedding import orbit_embedding
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
 
 SOURCE = "C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 27"
 
@@ -55,6 +56,10 @@ def _curved(name: str, title: str) -> Space:
                 "kretschmann",
                 12 * ((a.diff(t, 2) / a) ** 2 + ((rate**2 + k) / a**2) ** 2),
             ),
+        ),
+        embedding=orbit_embedding,
+        motion=FirstMotion(
+            (-0.34, 0.73, 0.73, 4.0), (1.25, 0.5, 0.25, 0.5), parameters={"k": -0.37}
         ),
         group="gravity",
         notes="Signature (-, +, +, +). For k > 0 the chart ends at r = 1/sqrt(k).",

@@ -3,7 +3,7 @@
 from sympy import Rational, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, diagonal
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, diagonal
 
 
 def space(name: str, title: str) -> Space:
@@ -30,5 +30,6 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([-half, -half, half]), basis="frame"),
             KnownAnswer("scalar_curvature", -half),
         ),
+        motion=FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
         group="homogeneous spaces",
     )

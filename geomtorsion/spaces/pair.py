@@ -17,8 +17,9 @@ from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError, TimeEr
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import Engine, Solution, solve
 from geomtorsion.ode.numbers import Numbers, check_memory
-from geomtorsion.spaces.embeddings import Embedding, embedding_of
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.embedding import Embedding
+from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.spaces.registry import embedding_of
 from geomtorsion.spaces.space import Space
 
 

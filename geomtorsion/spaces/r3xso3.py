@@ -1,11 +1,13 @@
 """r3xso3: rotations and translations of a rigid body, both in the body's own frame."""
 
+from functools import partial
 from itertools import permutations
 
 from sympy import LeviCivita, Matrix, Rational, cos, diag, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
+from geomtorsion.spaces.rotations import ZYZ, angle_atlas, angle_embedding
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
 
 
 def space(name: str, title: str) -> Space:
@@ -51,6 +53,9 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("scalar_curvature", 3 * half),
             KnownAnswer("kretschmann", 3 * half**2),
         ),
+        atlas=partial(angle_atlas, ZYZ),
+        embedding=partial(angle_embedding, ZYZ),
+        motion=FirstMotion((0.4, 1.0, 0.5, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
         group="rotations",
         notes="Coordinates run (phi, x), not (x, phi) as the list below eq. (21) of the paper has.",
     )

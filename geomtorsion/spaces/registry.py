@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
 from importlib import import_module
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -11,6 +13,8 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.spaces.files import read_file
 
 if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+    from geomtorsion.spaces.embedding import Embedding
     from geomtorsion.spaces.space import Space
 
 # name, module of this package, what it is
@@ -120,10 +124,7 @@ def load(name: str | PathLike[str]) -> Space:
         return read_file(name)
     for known, module, title in SPACES:
         if isinstance(name, str) and known == name:
-            # Atlases bring the package of motions, which `import geomtorsion` does not need.
-            from geomtorsion.spaces.atlases import attach
-
-            return attach(import_module(f"geomtorsion.spaces.{module}").space(name, title))
+            return _with_charts(import_module(f"geomtorsion.spaces.{module}").space(name, title))
     text = name.lower().replace("-", "_") if isinstance(name, str) else ""
     near = close_names(text, names(), most=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."
@@ -131,3 +132,54 @@ def load(name: str | PathLike[str]) -> Space:
         f"a shipped space was needed, but none is called {shown(name)}. {hint} "
         "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them."
     )
+
+
+def _with_charts(space: Space) -> Space:
+    """The space; its frame makes the atlas of the space on first use."""
+    # Charts need the package of motions, which `import geomtorsion` does not load.
+    from geomtorsion.curves.atlas import single
+
+    frame, make = space.frame, space.atlas or single
+    frame.derived("atlas", lambda: replace(make(frame), origin=(make, frame)))
+    return space
+
+
+def shipped(frame: Frame) -> Space | None:
+    """The shipped space of the same name as a frame; None if no space has this name.
+
+    Examples
+    --------
+    >>> shipped(load("s2").frame).name
+    's2'
+    """
+    return _loaded(frame.name) if frame.name in names() else None
+
+
+@cache
+def _loaded(name: str) -> Space:
+    return load(name)
+
+
+def embedding_of(frame: Frame) -> Embedding | None:
+    """The embedding of a shipped space, or None; a file is known by its coframe, not its name.
+
+    Examples
+    --------
+    >>> embedding_of(load("so3").frame).attitude.shape
+    (3, 3)
+    >>> embedding_of(load("heisenberg").frame) is None
+    True
+    """
+    space = shipped(frame)
+    if space is None or space.embedding is None or not _same(frame, space.frame):
+        return None
+    return space.embedding(frame)
+
+
+def _same(one: Frame, two: Frame) -> bool:
+    """Whether two frames have the same coframe in coordinates of the same names."""
+    n = one.dimension
+    names = [symbol.name for symbol in one.coordinates]
+    if names != [symbol.name for symbol in two.coordinates]:
+        return False
+    return all(str(one.coframe[i, k]) == str(two.coframe[i, k]) for i in range(n) for k in range(n))

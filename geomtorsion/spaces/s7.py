@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import permutations
 
+import sympy as sp
 from sympy import Expr, Integer, symbols
 from sympy.combinatorics.permutations import Permutation
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
+from geomtorsion.spaces.coordinates import MARGIN
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
 
 # e_i e_j = e_k for these lines of the Fano plane and their cyclic orders.
 LINES = ((1, 2, 4), (2, 3, 5), (3, 4, 6), (4, 5, 7), (5, 6, 1), (6, 7, 2), (7, 1, 3))
@@ -81,6 +85,11 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("scalar_curvature", 42),
             KnownAnswer("weyl", {}),
         ),
+        atlas=_atlas,
+        motion=FirstMotion(
+            (-0.17, 0.45, -0.54, 0.27, -0.37, 0.19, -0.76),
+            (0.612, 0.408, 0.204, 0.408, 0.204, 0.408, 0.204),
+        ),
         group="spheres",
         notes="Stereographic chart: it covers all of the sphere but one point. T_abc T^abc = 168.",
     )
@@ -99,3 +108,26 @@ def _torsion(x: tuple[Expr, ...], square: Expr) -> dict[tuple[int, ...], Expr]:
                 inner = sum(left * right for left, right in zip(twice, legs[k], strict=True))
                 table[i - 1, j - 1, k - 1] = -inner / (1 + square) ** 2
     return table
+
+
+def _atlas(frame: Frame) -> Atlas:
+    """A second stereographic chart, about the antipode: x / x.x is an isometry."""
+    x = frame.coordinates
+    y = sp.symbols("y1:8", real=True)
+
+    def turned() -> Chart:
+        rows = frame.coframe.to_sympy().subs(dict(zip(x, y, strict=True)), simultaneous=True)
+        other = Frame(y, rows.tolist(), name="s7_far")
+        return Chart.of(other, edge=_nearness(y), margin=MARGIN, keeps_frame=False)
+
+    makers = {"s7": lambda: Chart.of(frame, edge=_nearness(x), margin=MARGIN), "s7_far": turned}
+    maps = tuple(
+        TransitionMap(one, other, q, tuple(k / sum(c**2 for c in q) for k in q))
+        for one, other, q in (("s7", "s7_far", x), ("s7_far", "s7", y))
+    )
+    return Atlas("s7", makers, lambda: maps)
+
+
+def _nearness(x: Sequence[sp.Symbol]) -> sp.Expr:
+    """One half plus half of the cosine of the angle from the origin of a stereographic chart."""
+    return 1 / (1 + sum(k**2 for k in x))

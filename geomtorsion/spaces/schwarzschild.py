@@ -1,9 +1,18 @@
 """schwarzschild: the black hole in Schwarzschild's coordinates with the static diagonal tetrad."""
 
+import math
+from collections.abc import Mapping
+
+import sympy as sp
 from sympy import Rational, Symbol, cos, oo, pi, sin, sqrt, symbols
 
+from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
+from geomtorsion.spaces.coordinates import length, spherical
+from geomtorsion.spaces.embedding import orbit_embedding
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
+
+INNER = sp.symbols("T x_ y_ z_", real=True)
 
 
 def space(name: str, title: str) -> Space:
@@ -48,6 +57,65 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("scalar_curvature", 0),
             KnownAnswer("kretschmann", 48 * mass**2 / r**6),
         ),
+        atlas=_atlas,
+        embedding=orbit_embedding,
+        motion=FirstMotion(
+            (0.0, 10.0, math.pi / 2, 0.0), (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}
+        ),
         group="gravity",
         notes="Signature (-, +, +, +), G = c = 1. The chart covers the outside, r > 2 M.",
     )
+
+
+def _atlas(frame: Frame) -> Atlas:
+    """Ingoing Kerr-Schild coordinates: through the horizon and the poles."""
+    t, r, theta, phi = frame.coordinates
+    (mass,) = frame.parameters
+    radius = length(*INNER[1:])
+    delay = 2 * mass * sp.log(r / (2 * mass) - 1)
+    there = (t + delay, *spherical(r, theta, phi))
+    back = (
+        INNER[0] - delay.subs(r, radius),
+        radius,
+        sp.atan2(length(INNER[1], INNER[2]), INNER[3]),
+        sp.atan2(INNER[2], INNER[1]),
+    )
+    outside = {mass: 1, r: 5, t: 0, theta: 1, phi: 1}
+    edge = (1 - 2 * mass / r) * sp.sin(theta)
+    return through_the_horizon(frame, mass, there, back, outside, edge, (3,))
+
+
+def through_the_horizon(
+    frame: Frame,
+    mass: sp.Symbol,
+    there: tuple[sp.Expr, ...],
+    back: tuple[sp.Expr, ...],
+    outside: Mapping[sp.Symbol, int],
+    edge: sp.Expr,
+    angles: tuple[int, ...],
+) -> Atlas:
+    """The chart of the frame, and g = eta + (2 M / r) l l with l = dT + dr."""
+    home, radius = frame.name, length(*INNER[1:])
+    lower = [sp.S.One, *(x / radius for x in INNER[1:])]
+    upper = [-sp.S.One, *lower[1:]]
+    entries = [
+        [sp.Integer(a == b) + mass / radius * upper[a] * lower[b] for b in range(4)]
+        for a in range(4)
+    ]
+
+    def far() -> Chart:
+        frame_ = Frame(
+            INNER, entries, signature=(-1, 1, 1, 1), parameters=(mass,), name="kerr_schild"
+        )
+        return Chart.of(frame_, keeps_frame=False)
+
+    makers = {
+        home: lambda: Chart.of(frame, edge=edge, margin=0.1),
+        "kerr_schild": far,
+    }
+    beyond = dict(zip(INNER, (0, 3, 3, 3), strict=True)) | {mass: 1}
+    maps = (
+        TransitionMap(home, "kerr_schild", frame.coordinates, there, (mass,), (), outside),
+        TransitionMap("kerr_schild", home, INNER, back, (mass,), angles, beyond),
+    )
+    return Atlas(home, makers, lambda: maps)

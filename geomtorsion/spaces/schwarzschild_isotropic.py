@@ -1,9 +1,13 @@
 """schwarzschild_isotropic: the black hole in isotropic coordinates, legs along x, y, z."""
 
+import sympy as sp
 from sympy import Symbol, sqrt, symbols
 
+from geomtorsion.curves.atlas import Atlas
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, diagonal
+from geomtorsion.spaces.coordinates import length
+from geomtorsion.spaces.schwarzschild import INNER, through_the_horizon
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, diagonal
 
 
 def space(name: str, title: str) -> Space:
@@ -47,6 +51,29 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", {}),
             KnownAnswer("kretschmann", 48 * mass**2 / (s * outer**2) ** 6),
         ),
+        atlas=_atlas,
+        motion=FirstMotion(
+            (-1.72, 0.63, 0.73, 0.93), (1.25, 0.5, 0.25, 0.5), parameters={"M": 0.43}
+        ),
         group="gravity",
         notes="Signature (-, +, +, +), G = c = 1; s > M/2 is the outside.",
     )
+
+
+def _atlas(frame: Frame) -> Atlas:
+    """Ingoing Kerr-Schild coordinates, r = s (1 + M / 2s)^2."""
+    t, *place = frame.coordinates
+    (mass,) = frame.parameters
+    s = length(*place)
+    stretch = (1 + mass / (2 * s)) ** 2
+    delay = 2 * mass * sp.log((s - mass / 2) ** 2 / (2 * mass * s))
+    radius = length(*INNER[1:])
+    own = (radius - mass + sp.sqrt(radius**2 - 2 * mass * radius)) / 2
+    there = (t + delay, *(x * stretch for x in place))
+    back = (
+        INNER[0] - 2 * mass * sp.log(radius / (2 * mass) - 1),
+        *(x * own / radius for x in INNER[1:]),
+    )
+    outside = {mass: 1, t: 0, **dict.fromkeys(place, 3)}
+    edge = 1 - mass / (2 * s)
+    return through_the_horizon(frame, mass, there, back, outside, edge, ())

@@ -3,7 +3,7 @@
 from sympy import Symbol, pi, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, matrix
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, matrix
 
 SOURCE = "H. Kleinert, Gauge Fields in Condensed Matter, vol. II: Stresses and Defects (1989)"
 
@@ -66,6 +66,7 @@ def space(name: str, title: str) -> Space:
         source=SOURCE,
         frame=frame,
         known=(*shared, KnownAnswer("torsion", {}), KnownAnswer("riemann", {})),
+        motion=FirstMotion((4.14, 2.27, -1.07), (0.802, 0.535, 0.267), parameters={"b": 0.48}),
         group="defects in crystals",
         notes="The coframe is single-valued but closed without being exact: its potential "
         "z + b phi / (2 pi) is multivalued. The axis x = y = 0 is cut out of the domain.",

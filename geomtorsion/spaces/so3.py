@@ -1,9 +1,13 @@
 """so3: rotations in z-y-z Euler angles with the body-fixed frame, the paper's example."""
 
+from functools import partial
+
 from sympy import Rational, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.rotations import ZYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import (
+    FirstMotion,
     KnownAnswer,
     Space,
     alternating,
@@ -63,6 +67,9 @@ def space(name: str, title: str) -> Space:
         source="P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), section 2, eqs. (6) to (12)",
         frame=frame,
         known=known,
+        atlas=partial(angle_atlas, ZYZ),
+        embedding=partial(angle_embedding, ZYZ),
+        motion=FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),
         group="rotations",
         notes="The chart ends where sin(phi2) = 0 (gimbal lock).",
     )

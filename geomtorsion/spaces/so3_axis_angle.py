@@ -1,8 +1,14 @@
 """so3_axis_angle: rotations by an angle about an axis (polar form of the exponential map)."""
 
-from sympy import Matrix, Rational, cos, pi, sin, symbols
+from collections.abc import Sequence
+from functools import partial
+
+from sympy import Matrix, Rational, Symbol, atan2, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.coordinates import length, spherical
+from geomtorsion.spaces.embedding import Embedding
+from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal
 
 
@@ -41,6 +47,28 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
             KnownAnswer("scalar_curvature", 3 * half),
         ),
+        atlas=partial(quaternion_atlas, _map),
+        embedding=_embedding,
         group="rotations",
         notes="chi = 0 (no rotation), chi = 2 pi and the poles of the axis are edges of the chart.",
     )
+
+
+def _map(q: Sequence[Symbol]) -> QuaternionMap:
+    """Half of the angle, and the axis in spherical coordinates."""
+    chi, theta, phi = q
+    scalar, *vector = QUATERNION
+    s = sin(chi / 2)
+    back = [
+        2 * atan2(length(*vector), scalar),
+        atan2(length(*vector[:2]), vector[2]),
+        atan2(vector[1], vector[0]),
+    ]
+    return QuaternionMap([cos(chi / 2), *spherical(s, theta, phi)], back, s * sin(theta), (2,))
+
+
+def _embedding(frame: Frame) -> Embedding:
+    """The attitude."""
+    chi, theta, phi = frame.coordinates
+    axis = spherical(sin(chi / 2), theta, phi)
+    return Embedding(frame.coordinates, attitude=rotation([cos(chi / 2), *axis]))

@@ -1,9 +1,15 @@
 """so3_quaternion: rotations by three components of a unit quaternion."""
 
-from sympy import Rational, eye, sqrt, symbols
+from collections.abc import Sequence
+from functools import partial
 
+from sympy import Expr, Rational, Symbol, eye, sqrt, symbols
+
+from geomtorsion.curves.atlas import MapFunctions
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
+from geomtorsion.spaces.embedding import Embedding
+from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
 
 
 def space(name: str, title: str) -> Space:
@@ -42,6 +48,26 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
             KnownAnswer("scalar_curvature", 3 * half),
         ),
+        atlas=partial(quaternion_atlas, _map),
+        embedding=_embedding,
+        motion=FirstMotion((-0.09, 0.23, -0.27), (0.802, 0.535, 0.267)),
         group="rotations",
         notes="q0 > 0 is the branch; rotations by a half turn (q0 = 0) are the edge of the chart.",
     )
+
+
+def _map(q: Sequence[Symbol]) -> QuaternionMap:
+    """q1, q2, q3 of the quaternion with a positive scalar part."""
+    scalar = sqrt(1 - sum(x**2 for x in q))
+    return QuaternionMap([scalar, *q], list(QUATERNION[1:]), scalar, (), _positive)
+
+
+def _positive(f: MapFunctions, q: Sequence[Expr], _: object) -> list[Expr]:
+    """A quaternion and its negative are the same rotation: choose the one with q0 > 0."""
+    return [f.choose(q[0] < 0, -x, x) for x in q[1:]]
+
+
+def _embedding(frame: Frame) -> Embedding:
+    """The attitude."""
+    q = frame.coordinates
+    return Embedding(q, attitude=rotation([sqrt(1 - sum(x**2 for x in q)), *q]))

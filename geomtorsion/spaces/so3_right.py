@@ -1,8 +1,11 @@
 """so3_right: rotations in z-y-z Euler angles with the space-fixed frame."""
 
+from functools import partial
+
 from sympy import Rational, cos, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
+from geomtorsion.spaces.rotations import ZYZ, angle_atlas, angle_embedding
 from geomtorsion.spaces.space import KnownAnswer, Space, alternating, box, diagonal, matrix
 
 
@@ -34,6 +37,8 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
             KnownAnswer("scalar_curvature", 3 * half),
         ),
+        atlas=partial(angle_atlas, ZYZ, space_fixed=True),
+        embedding=partial(angle_embedding, ZYZ),
         group="rotations",
         notes="The chart ends where sin(phi2) = 0.",
     )

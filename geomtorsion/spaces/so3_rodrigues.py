@@ -1,9 +1,14 @@
 """so3_rodrigues: rotations by the Rodrigues (Gibbs) vector, a rational chart."""
 
-from sympy import Rational, eye, symbols
+from collections.abc import Sequence
+from functools import partial
+
+from sympy import Rational, S, Symbol, eye, sqrt, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, alternating, diagonal
+from geomtorsion.spaces.embedding import Embedding
+from geomtorsion.spaces.rotations import QUATERNION, QuaternionMap, quaternion_atlas, rotation
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, alternating, diagonal
 
 
 def space(name: str, title: str) -> Space:
@@ -42,5 +47,23 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("ricci", diagonal([half] * 3), basis="frame"),
             KnownAnswer("scalar_curvature", 3 * half),
         ),
+        atlas=partial(quaternion_atlas, _map),
+        embedding=_embedding,
+        motion=FirstMotion((-0.17, 0.45, -0.54), (0.802, 0.535, 0.267)),
         group="rotations",
     )
+
+
+def _map(g: Sequence[Symbol]) -> QuaternionMap:
+    """Ratios of the quaternion's components."""
+    square = 1 + sum(x**2 for x in g)
+    scalar, *vector = QUATERNION
+    return QuaternionMap(
+        [x / sqrt(square) for x in (S.One, *g)], [x / scalar for x in vector], 1 / square
+    )
+
+
+def _embedding(frame: Frame) -> Embedding:
+    """The attitude."""
+    g = frame.coordinates
+    return Embedding(g, attitude=rotation([S.One, *g]) / (1 + sum(x**2 for x in g)))

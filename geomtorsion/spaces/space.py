@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import permutations
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import Basic, Expr, Integer, Symbol
@@ -13,6 +14,10 @@ from sympy.combinatorics.permutations import Permutation
 from geomtorsion.checks import expression
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame
+
+if TYPE_CHECKING:
+    from geomtorsion.curves.atlas import Atlas
+    from geomtorsion.spaces.embedding import Embedding
 
 Index = tuple[int, ...]
 Closed = sympy.Expr | int | str
@@ -60,6 +65,28 @@ class KnownAnswer:
         return self.components == 0
 
 
+@dataclass(frozen=True)
+class FirstMotion:
+    """Where a motion begins, how, and for how long.
+
+    start: coordinates q^mu.
+    frame_velocity: u^i = e^i_mu q'^mu.
+    t: last value of the curve parameter.
+    parameters: name -> number.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> load("s2").motion.parameters
+    {'R': 1.0}
+    """
+
+    start: tuple[float, ...]
+    frame_velocity: tuple[float, ...]
+    t: float = 2.0
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, repr=False)
 class Space:
     """A shipped or read space: a frame with its story, its source and what is known of it.
@@ -82,6 +109,12 @@ class Space:
         What a user must know before trusting it: multivalued forms, branches, edges.
     connection
         A connection other than the Cartan connection of the frame, if the space is about one.
+    atlas
+        Frame -> its charts and the maps between them; None: the chart of the frame alone.
+    motion
+        A start, a velocity and a time for a first look; None: chosen by the frame.
+    embedding
+        Frame -> positions of its points in ordinary space, for figures; None: not drawn.
 
     Examples
     --------
@@ -99,6 +132,9 @@ class Space:
     group: str = ""
     notes: str = ""
     connection: Connection | None = None
+    atlas: Callable[[Frame], Atlas] | None = None
+    motion: FirstMotion | None = None
+    embedding: Callable[[Frame], Embedding] | None = None
 
     def __repr__(self) -> str:
         lines = [f"{self.name}: {self.title}", self.story, f"source: {self.source}"]

@@ -3,7 +3,8 @@
 from sympy import Symbol, cos, oo, pi, sin, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, box, diagonal
+from geomtorsion.spaces.embedding import Embedding
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, diagonal
 
 SOURCE = "M. O. Katanaev, Geometric theory of defects, Phys. Usp. 48 (2005) 675"
 
@@ -40,6 +41,10 @@ def space(name: str, title: str) -> Space:
             source=SOURCE,
             frame=frame,
             known=(*shared, KnownAnswer("torsion", {})),
+            embedding=_embedding,
+            motion=FirstMotion(
+                (1.66, 4.57, -1.07), (0.802, 0.535, 0.267), parameters={"alpha": 0.48}
+            ),
             group="defects in crystals",
             notes="The coframe is multivalued: after phi -> phi + 2 pi it is turned by "
             "2 pi alpha, so loops around the axis have no Burgers vector free of a base point.",
@@ -64,6 +69,19 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("torsion_axial", {}),
             KnownAnswer("torsion_scalar", 0),
         ),
+        embedding=_embedding,
         group="defects in crystals",
         notes="Single-valued; singular on the axis only.",
+    )
+
+
+def _embedding(frame: Frame) -> Embedding:
+    """As if nothing were cut out or put in: angles are right, circles are too long or too short."""
+    r, phi, z = frame.coordinates
+    return Embedding(
+        frame.coordinates,
+        place=(r * cos(phi), r * sin(phi), z),
+        axes=("x", "y", "z"),
+        isometric=False,
+        title="r, φ, z drawn as in flat space",
     )

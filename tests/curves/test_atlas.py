@@ -16,8 +16,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
-from geomtorsion.spaces import load
-from geomtorsion.spaces.atlases import ATLASES
+from geomtorsion.spaces import load, names
 from tests.chosen import one_in
 from tests.ode.engines import every_engine
 
@@ -46,7 +45,7 @@ POINTS = {
 def changes():
     """Every shipped space with every further chart that it has."""
     found = []
-    for name in ATLASES:
+    for name in names():
         atlas = atlas_of(load(name).frame)
         found += [(name, other) for other in atlas.makers if other != atlas.home]
     return found

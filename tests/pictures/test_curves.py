@@ -10,7 +10,7 @@ from geomtorsion.pictures.curves import caption, continued
 from geomtorsion.pictures.sphere import parted, towards
 from geomtorsion.pictures.style import SERIES, STROKES, mathematics, new_figure, number, save
 from geomtorsion.spaces import load, names
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.spaces.pair import solve_pair
 
 SHOWN = {

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 
 T, R, THETA, PHI = sp.symbols("t r theta phi")
 

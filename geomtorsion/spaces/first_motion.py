@@ -1,10 +1,10 @@
-"""first motions: a start, a velocity and a time with which to have a first look at a space."""
+"""first motion: a start, a velocity and a time for a first look at a space."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 import sympy as sp
@@ -13,66 +13,11 @@ from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.geometry import Frame
 from geomtorsion.geometry.validation import broken_relations
+from geomtorsion.spaces.registry import shipped
+from geomtorsion.spaces.space import FirstMotion
 
 # Directions of the legs, where nothing better is known.
 DIRECTION = (3, 2, 1, 2, 1, 2, 1)
-
-
-@dataclass(frozen=True)
-class FirstMotion:
-    """Where a motion begins, how, and for how long.
-
-    start: coordinates q^mu.
-    frame_velocity: u^i = e^i_mu q'^mu.
-    t: last value of the curve parameter; 2 where nothing better is known.
-    parameters: name -> number.
-
-    Examples
-    --------
-    >>> from geomtorsion.spaces import load
-    >>> first_motion(load("s2").frame).parameters
-    {'R': 1.0}
-    """
-
-    start: tuple[float, ...]
-    frame_velocity: tuple[float, ...]
-    t: float = 2.0
-    parameters: Mapping[str, float] = field(default_factory=dict)
-
-
-_RING = (0.0, 10.0, 1.5707963267948966, 0.0)
-
-_TILTED = (0.802, 0.535, 0.267)
-_BESIDE = (4.14, -1.36, -1.07)
-
-# Chosen so that the two kinds of curves part visibly, or agree on a long way; the later ones lie
-# well inside domains that are wider than what one looks at first.
-MOTIONS: dict[str, FirstMotion] = {
-    "so3": FirstMotion((0.3, 1.0, 0.2), (0.4, 0.3, 1.0), 5.0),
-    "r3xso3": FirstMotion((0.4, 1.0, 0.5, 0.0, 0.0, 0.0), (0.0, 0.6, 2.0, 0.8, 0.2, 0.8), 10.0),
-    "flat_polar": FirstMotion((1.0, 0.0), (0.3, 1.0), 8.0),
-    "flat_cylindrical": FirstMotion((1.0, 0.0, 0.0), (0.1, 1.0, 0.2), 9.0),
-    "flat_spherical": FirstMotion((2.0, 1.9, 0.0), (0.1, -0.3, 1.0), 9.0),
-    "s2": FirstMotion((1.9, 0.0), (-0.2, 1.0), 6.0, {"R": 1.0}),
-    "s3": FirstMotion((0.5, 0.0, 0.0), (0.5, 1.0, 0.3), 5.0),
-    "heisenberg": FirstMotion((0.0, 0.0, 0.0), (1.0, 0.3, 1.0), 9.0),
-    "schwarzschild": FirstMotion(_RING, (1.0628, 0.0, 0.0, 0.36), 700.0, {"M": 1.0}),
-    "kerr": FirstMotion(_RING, (1.0284, 0.0, 0.0, 0.24), 700.0, {"M": 1.0, "a": 0.9}),
-    "so3_quaternion": FirstMotion((-0.09, 0.23, -0.27), _TILTED),
-    "so3_rodrigues": FirstMotion((-0.17, 0.45, -0.54), _TILTED),
-    "s7": FirstMotion(
-        (-0.17, 0.45, -0.54, 0.27, -0.37, 0.19, -0.76),
-        (0.612, 0.408, 0.204, 0.408, 0.204, 0.408, 0.204),
-    ),
-    "screw_dislocation": FirstMotion((4.14, 2.27, -1.07), _TILTED, parameters={"b": 0.48}),
-    "edge_dislocation": FirstMotion(_BESIDE, _TILTED, parameters={"b": 0.48}),
-    "edge_dislocation_elastic": FirstMotion(_BESIDE, _TILTED, parameters={"b": 0.48, "nu": 0.16}),
-    "wedge_disclination": FirstMotion((1.66, 4.57, -1.07), _TILTED, parameters={"alpha": 0.48}),
-    "schwarzschild_isotropic": FirstMotion(
-        (-1.72, 0.63, 0.73, 0.93), (1.25, 0.5, 0.25, 0.5), parameters={"M": 0.43}
-    ),
-    "frw": FirstMotion((-0.34, 0.73, 0.73, 4.0), (1.25, 0.5, 0.25, 0.5), parameters={"k": -0.37}),
-}
 
 
 def first_motion(
@@ -112,9 +57,9 @@ def first_motion(
 
 def _first_motion(frame: Frame) -> FirstMotion:
     """The same for parameters of its own."""
-    chosen = MOTIONS.get(frame.name or "")
-    if chosen is not None and _fits(chosen, frame):
-        return chosen
+    space = shipped(frame)
+    if space is not None and space.motion is not None and _fits(space.motion, frame):
+        return space.motion
     point = {symbol: float(value) for symbol, value in frame.sample_point.items()}
     rounded = {symbol: round(value, 2) for symbol, value in point.items()}
     if all(relation.subs(rounded) == sp.true for relation in frame.domain):
