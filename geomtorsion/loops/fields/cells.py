@@ -11,7 +11,12 @@ import numpy as np
 
 from geomtorsion.loops.fields.circuits import Field, unexplained
 from geomtorsion.loops.fields.grid import Grid
-from geomtorsion.loops.fields.noise import Noise, along, significances
+from geomtorsion.loops.fields.noise import (
+    Noise,
+    along,
+    independent_significances,
+    significances,
+)
 from geomtorsion.loops.fields.sides import Spread, on_grid, sides
 from geomtorsion.loops.quadrature import ROUNDING
 
@@ -66,10 +71,7 @@ class Plaquettes:
         """
         if self.shared:
             return self._joint_significance
-        sigmas = np.hypot(self.sigmas, self.interpolation)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shares = np.where(self.vectors == 0, 0.0, self.vectors / sigmas)
-        return np.sqrt((shares**2).sum(axis=0))
+        return independent_significances(self.vectors, self.sigmas, self.interpolation)
 
     @property
     def _joint_significance(self) -> np.ndarray:

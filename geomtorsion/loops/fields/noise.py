@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, sqrt
+from math import comb, inf, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
@@ -143,6 +143,19 @@ def significances(
     return np.sqrt((shares**2).sum(axis=-1))
 
 
+def independent_significances(
+    vectors: np.ndarray, sigmas: np.ndarray, other: np.ndarray
+) -> np.ndarray:
+    """|b| in units of its errors, for components with independent noise, shape (places...).
+
+    vectors, sigmas: shape (rows, places...). other: the other error of each component, shape
+    (places...). NaN where b is unknown, infinite where b has no error.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(vectors == 0, 0.0, vectors / np.hypot(sigmas, other))
+    return np.sqrt((shares**2).sum(axis=0))
+
+
 def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
     """Covariances of all components, checked, shape (rows, columns, rows, columns, grid or 1...).
 
@@ -256,16 +269,29 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
 def estimated(values: np.ndarray, grid: Grid) -> np.ndarray:
     """Standard deviation of each component, from differences of sixth order.
 
+    values: shape (rows, columns, grid...). Returns shape (rows, columns, 1, ...).
+    """
+    return estimated_from_parts([(values, grid)])
+
+
+def estimated_from_parts(parts: Sequence[tuple[np.ndarray, Grid]]) -> np.ndarray:
+    """Standard deviation of each component, from differences of sixth order in parts of one field.
+
     sigma = median |difference| / (0.6745 sqrt(sum of squared binomials)), the least along the axes:
     what is smooth over seven nodes cancels, and the median knows nothing of cores and cuts.
 
-    values: shape (rows, columns, grid...). Returns shape (rows, columns, 1, ...).
+    parts: values of shape (rows, columns, grid...) with their grids. Returns shape
+    (rows, columns, 1, ...).
     """
-    flat = values.reshape(-1, *grid.shape)
-    best = np.full(len(flat), np.inf)
-    for pick in _differences(grid):
-        best = np.minimum(best, [spread(pick(one)) for one in flat])
-    return best.reshape(*values.shape[:2], *(1,) * grid.dimension)
+    dimension = parts[0][1].dimension
+    best = np.full(parts[0][0].shape[:2], np.inf)
+    picks = [(values, _differences(grid)) for values, grid in parts]
+    for axis in range(dimension):
+        for i, k in np.ndindex(*best.shape):
+            numbers = np.concatenate([pick[axis](values[i, k]) for values, pick in picks])
+            best[i, k] = min(best[i, k], spread(numbers))
+    _check_estimate(best)
+    return best.reshape(*best.shape, *(1,) * dimension)
 
 
 def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
@@ -274,13 +300,17 @@ def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
     values: shape (rows, columns, grid...). Returns shape (rows, columns, rows, columns, 1, ...).
     """
     flat = values.reshape(-1, *grid.shape)
-    found = [robust_covariance([pick(one) for one in flat]) for pick in _differences(grid)]
-    best = min(found, key=np.trace)
+    numbers = [[pick(one) for one in flat] for pick in _differences(grid)]
+    found = [robust_covariance(rows) for rows in numbers if rows[0].size]
+    best = min(found, key=np.trace, default=np.full((len(flat),) * 2, np.inf))
+    _check_estimate(best)
     return best.reshape(*values.shape[:2] * 2, *(1,) * grid.dimension)
 
 
 def spread(numbers: np.ndarray) -> float:
-    """Standard deviation of numbers about 0, by the median of their sizes."""
+    """Standard deviation of numbers about 0, by the median of their sizes; infinite of none."""
+    if not numbers.size:
+        return inf
     return float(np.median(np.abs(numbers))) / MEDIAN
 
 
@@ -302,8 +332,17 @@ def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
     return (vectors * np.maximum(values, 0)) @ vectors.T
 
 
+def _check_estimate(found: np.ndarray) -> None:
+    """Refuse an estimate for which there were no differences."""
+    if not np.isfinite(found).all():
+        raise GridError(
+            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
+            "but there are none. Give sigma as a number or an array."
+        )
+
+
 def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
-    """For each axis what makes known differences of sixth order, with the variance of one node."""
+    """For each axis the known differences of sixth order, scaled to the variance of one node."""
     found = []
     for axis, points in enumerate(grid.shape):
         order = min(SMOOTH, points - 1)
@@ -319,11 +358,5 @@ def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
         ) -> np.ndarray:  # fmt: skip
             return np.diff(np.moveaxis(one, axis, -1), order, axis=-1)[known] / scale
 
-        if known.any():
-            found.append(pick)
-    if not found:
-        raise GridError(
-            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
-            "but there are none. Give sigma as a number or an array."
-        )
+        found.append(pick)
     return found
