@@ -267,16 +267,10 @@ def _variance(
     matrices: Sequence[csr_array],
 ) -> np.ndarray:
     """Variance of one component of torsion, shape of the grid (or what broadcasts to it)."""
-    if noise.origins and not grid.has_holes:
-        # Differences along two axes commute: the torsion of what they are taken of is none.
-        return np.zeros((1,) * grid.dimension)
     total = np.zeros(grid.shape)
     for matrix, (k, m) in zip(matrices, (plane, plane[::-1]), strict=True):
         variances = noise.at_nodes(row, m, grid.shape)
         total += along(matrix.power(2), variances, k)
-    if noise.origins:
-        # An upper bound beside holes, as neighbours are not independent.
-        return total
     # The two derivatives share the node at which they are taken.
     one, two = (
         on_grid(t.diagonal().reshape(grid.shape[k], -1), grid.shape, k)

@@ -153,9 +153,9 @@ def _touched(grid: Grid, axis: int) -> np.ndarray:
 def displaced_torsion(
     grid: Grid, rows: int, order: int, plane: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Torsion at the nodes, its error and its sigma, as `cells.torsion`: second derivatives commute.
+    """Torsion at the nodes, its error and its sigma, as `cells.torsion`.
 
-    NaN where there are not enough known nodes in a row.
+    Zero, as second derivatives commute; NaN where there are not enough known nodes in a row.
     """
     found = np.zeros((rows, *grid.shape))
     for axis in plane:

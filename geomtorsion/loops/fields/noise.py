@@ -32,14 +32,10 @@ class Noise:
 
     rows: frame indices. terms: {(i, mu, j, nu): covariance of e^i_mu and e^j_nu at each node, with
     axes of length 1 where nothing varies}; those that are not there are zero.
-    origins: one matrix for each column mu where the values are not independent themselves, but
-    sums of independent ones along the axis mu (of a displacement, say), which the terms are of;
-    shape (N_mu * lines, N_mu * lines), one line standing for all where no line is special.
     """
 
     rows: int
     terms: Mapping[Pair, np.ndarray]
-    origins: tuple[csr_array, ...] = ()
 
     @classmethod
     def of_sigma(cls, sigma: np.ndarray) -> Noise:
@@ -59,13 +55,6 @@ class Noise:
         """Covariance of e^i_mu with e^j_nu for these mu and nu, by (i, j)."""
         return {(i, j): c for (i, k, j, m), c in self.terms.items() if (k, m) == columns}
 
-    @classmethod
-    def of_origins(cls, sigma: np.ndarray, origins: tuple[csr_array, ...]) -> Noise:
-        """Of columns that are made of one vector at the nodes, sigma (rows, grid or 1...)."""
-        columns = range(len(origins))
-        terms = {(i, k, i, m): s**2 for i, s in enumerate(sigma) for k in columns for m in columns}
-        return cls(len(sigma), terms, origins)
-
     @property
     def joins_columns(self) -> bool:
         """Whether different columns have anything to do with each other."""
@@ -74,27 +63,15 @@ class Noise:
     def at_nodes(self, row: int, column: int, shape: tuple[int, ...]) -> np.ndarray:
         """Variance of one component at every node, shape of the grid."""
         key = (row, column, row, column)
-        found = np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
-        return along(self.origins[column].power(2), found, column) if self.origins else found
+        return np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
 
-    def in_a_row(self, shape: tuple[int, ...]) -> Noise:
-        """The same for nodes by their numbers, without origins: what they join is left out."""
-        rows, columns = self.rows, len(shape)
-        if self.origins:
-            kinds = np.ndindex(rows, columns)
-            return Noise(rows, {(i, k, i, k): self.at_nodes(i, k, shape).ravel() for i, k in kinds})
-        return Noise(rows, {pair: c.ravel() for pair, c in self.terms.items()})
+    def in_a_row(self) -> Noise:
+        """The same for nodes by their numbers."""
+        return Noise(self.rows, {pair: c.ravel() for pair, c in self.terms.items()})
 
     def of_sum(self, weights: np.ndarray) -> np.ndarray:
         """Covariance of a sum over nodes with weights (columns, grid...), shape (rows, rows)."""
         shape = weights.shape[1:]
-        if self.origins:
-            weights = np.stack(
-                [
-                    along(m.T.tocsr(), w, k)
-                    for k, (m, w) in enumerate(zip(self.origins, weights, strict=True))
-                ]
-            )
         nodes = np.flatnonzero(weights.any(axis=0))
         flat = weights.reshape(len(weights), -1)[:, nodes]
         found = np.zeros((self.rows, self.rows))
@@ -106,7 +83,7 @@ class Noise:
     def of_sums(self, weights: Sequence[csr_array]) -> np.ndarray:
         """Covariances of many sums over nodes in a row, shape (sums, rows, rows).
 
-        weights: of the nodes, one matrix (sums, nodes) for each column. Without origins.
+        weights: of the nodes, one matrix (sums, nodes) for each column.
         """
         count = weights[0].shape[0]
         found = np.zeros((count, self.rows, self.rows))

@@ -91,7 +91,7 @@ def test_noise_and_strain_are_no_cuts():
 
 @pytest.mark.parametrize("share", [pytest.param(0.01, marks=pytest.mark.slow), 0.04])
 def test_noisy_displacements(share):
-    """Some per cent of a lattice vector: declared jumps are whole, found ones have their scatter."""
+    """Some per cent of a lattice vector: declared jumps are whole, found ones scatter."""
     rng = np.random.default_rng(1)
     loop = Loop.circle([0, 0], 2)
     found, errors = [], []
@@ -220,7 +220,8 @@ def test_a_screw_in_space():
     found = grid.burgers_map(8)
     inside = found.known & (np.abs(found.vectors).max(axis=0) > 0)
     assert inside.any()
-    assert found.vectors[:, inside].T == pytest.approx(np.tile([0, 0, 1.0], (inside.sum(), 1)))
+    expected = np.tile([0, 0, 1.0], (inside.sum(), 1))
+    assert found.vectors[:, inside] == pytest.approx(expected.T)
     assert grid.burgers(Loop.circle([5.4, 5.3, 2.2], 3)).vector == pytest.approx([0, 0, 1])
     assert not grid.burgers(Loop.circle([5.4, 8.6, 2.2], 1.5, (0, 2))).vector.any()
     ring = np.array([[5.4 + 3 * np.cos(t), 5.3 + 3 * np.sin(t), 2.2] for t in np.arange(6)])
