@@ -13,13 +13,14 @@ from functools import cached_property
 from itertools import product
 from math import prod
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.blocks import digest_of_arrays, open_ledger, read_array, run_blocks, write_array
-from geomtorsion.errors import CheckpointError, GridError
+from geomtorsion.errors import CheckpointError, GridError, LimitError
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import (
@@ -41,6 +42,9 @@ from geomtorsion.loops.quadrature import PIECE
 # Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
 # field: the median over so many has an error of half a per cent.
 SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
+# Files in one folder, whose numbers are in memory: more than any disk has room for, with blocks as
+# large as they are made by themselves.
+MOST_BLOCKS = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -330,6 +334,7 @@ def blocked_map(
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]
+    _check_disk(made, left)
     run_blocks(made.compute, left, workers, client)
     return made
 
@@ -415,6 +420,12 @@ def _checked(
     blocks = _several(block, d, "block", 1)
     check_length(names, grid, order)
     components = (found.shape[0], d)
+    blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
+    if blocks_needed > MOST_BLOCKS:
+        raise LimitError(
+            f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
+            f"{found.shape}. Give larger blocks, or a part of the field."
+        )
     noise = checks.array(sigma, "sigma", GridError)
     if noise.shape not in ((), components) or (noise < 0).any():
         raise GridError(
@@ -439,6 +450,18 @@ def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
             f"{name}: one number or {count} were needed, but {checks.shown(given)} came."
         )
     return tuple(checks.count(n, name, GridError, least) for n in rows)
+
+
+def _check_disk(made: BlockMap, left: Sequence[Sequence[int]]) -> None:
+    """Refuse a map whose blocks find no room: not after hours of work."""
+    places = sum(prod(b - a for a, b in made.span(number)) for number in left)
+    needed = 8 * (2 * made.source.shape[0] + 1) * places
+    free = disk_usage(made.folder).free
+    if needed > free:
+        raise LimitError(
+            f"{made.folder}: expected {needed:,} free bytes for the blocks of the map, got "
+            f"{free:,}. Make room, name another disk, or give a part of the field."
+        )
 
 
 def _open_ledger(made: BlockMap) -> None:

@@ -283,8 +283,8 @@ class Samples:
         """Write a file that `read` reads back, of the format that its name ends in.
 
         Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
-        covariance sigma alone. Of a displacement the coframe is kept, not the displacement: circuits
-        through what is read interpolate it.
+        covariance sigma alone. Of a displacement the coframe is kept, not the displacement:
+        circuits through what is read interpolate it.
 
         Raises
         ------
