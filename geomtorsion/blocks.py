@@ -19,7 +19,7 @@ import numpy as np
 
 from geomtorsion.errors import CheckpointError, FileFormatError, LimitError
 from geomtorsion.files import read_json_text, read_text, write_text, written
-from geomtorsion.progress import PATIENCE, bar
+from geomtorsion.progress import PATIENCE, bar, ignore_interrupts
 
 LEDGER = "ledger.json"
 # Zeros that are written at once.
@@ -158,9 +158,14 @@ def _run(
         yield from map(compute, left)
     else:
         try:
-            with ProcessPoolExecutor(workers) as pool:
-                for future in as_completed([pool.submit(compute, number) for number in left]):
-                    yield future.result()
+            with ProcessPoolExecutor(workers, initializer=ignore_interrupts) as pool:
+                try:
+                    for future in as_completed([pool.submit(compute, number) for number in left]):
+                        yield future.result()
+                except BaseException:
+                    # Else all that is left would be done before the block ends.
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    raise
         except BrokenProcessPool:
             # Since Python 3.14 new processes read the script again on Linux, too.
             raise LimitError(

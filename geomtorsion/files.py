@@ -154,6 +154,10 @@ def _beside(path: Path) -> Iterator[Path]:
     try:
         yield part
         part.replace(place)
+    except GeomtorsionError as error:
+        # Whoever writes knows the other name alone.
+        error.args = tuple(str(said).replace(str(part), str(path)) for said in error.args)
+        raise
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)

@@ -95,7 +95,7 @@ def save_grid(path: Path, contents: Contents) -> None:
             f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
             f"{path.suffix!r}."
         )
-    FORMATS[kind][1](path if path.suffix else path.with_suffix(".npz"), contents)
+    FORMATS[kind][1](path, contents)
 
 
 def holds_covariance(path: Path) -> bool:

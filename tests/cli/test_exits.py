@@ -61,6 +61,50 @@ def test_ctrl_c_ends_quietly(tmp_path):
     assert error == "geomtorsion: stopped\n"
 
 
+# Says when each of these modules begins to load: the package, what takes long, and a command.
+SAYS_WHEN_IT_LOADS = """
+import runpy, sys
+sys.orig_argv[:] = ["python", "-m", "geomtorsion"]
+sys.argv[:] = ["geomtorsion", "curve", "s2"]
+class Say:
+    def find_spec(self, name, path=None, target=None):
+        if name == "%s": print("loads", flush=True)
+sys.meta_path.insert(0, Say())
+runpy.run_module("geomtorsion", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.parametrize(
+    "module", ["sympy", "geomtorsion.exact.field", "typer", "geomtorsion.curves.problem"]
+)
+def test_ctrl_c_while_modules_are_loaded(module):
+    """Code 130 and one line, before anything of the command is there to say so."""
+    code = SAYS_WHEN_IT_LOADS % module
+    with process(run=("-c", code), start_new_session=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "loads\n"
+        running.send_signal(signal.SIGINT)
+        _, error = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert error == "geomtorsion: stopped\n"
+
+
+def test_a_program_that_imports_the_package_gets_its_interrupt():
+    """Only the command ends by itself."""
+    code = (
+        "import geomtorsion, signal\n"
+        "assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n"
+        "try: print('ready', flush=True); signal.pause()\n"
+        "except KeyboardInterrupt: print('mine')\n"
+    )
+    with process(run=("-c", code)) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "ready\n"
+        running.send_signal(signal.SIGINT)
+        out, _ = running.communicate(timeout=60)
+    assert out == "mine\n"
+
+
 def test_a_closed_pipe_ends_quietly():
     """`geomtorsion ... | head -1` shows no traceback."""
     with process("geometry", "kerr") as running:

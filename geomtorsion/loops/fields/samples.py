@@ -294,6 +294,8 @@ class Samples:
             The library for the format is not installed.
         """
         file = checks.file_name(path)
+        if file.name and not file.suffix:
+            file = file.with_suffix(".npz")
         options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
         if isinstance(self.covariance, np.ndarray) and holds_covariance(file):
             options["covariance"] = self.covariance
