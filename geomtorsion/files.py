@@ -135,7 +135,8 @@ directory. Name a file in a folder that is there.
         if isinstance(error, GeomtorsionError):
             raise
         remedy = "Name another folder" if is_folder else "Name a file in a folder that is there"
-        if error.errno in _FULL:
+        # NumPy says of a full disk only that an element was not written.
+        if error.errno is None or error.errno in _FULL:
             remedy = "Make room, or name another disk"
         raise FileFormatError(
             f"{cut(str(found))}: it cannot be written: {error.strerror or error}. {remedy}."
