@@ -111,6 +111,11 @@ def open_in_blocks(
             "map is made at once. Leave out blocks and resume."
         )
     frame = field.frame
+    if frame.displacement is not None:
+        raise GridError(
+            f"blocks: expected a coframe or a distortion, got a displacement in {path.name}, whose "
+            "circuits are sums of its jumps. Leave out --blocks."
+        )
     noise = np.zeros((frame.rows, frame.dimension))
     if frame.sigma is not None:
         wide = np.broadcast_to(frame.sigma, frame.coframe[:, : frame.dimension].shape)

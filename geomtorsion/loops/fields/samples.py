@@ -273,7 +273,9 @@ class Samples:
         """
         check_order(order)
         found = read_grid(checks.file_name(path))
-        make = cls.from_distortion if found.is_distortion else cls
+        make: Any = cls.from_distortion if found.is_distortion else cls
+        if found.is_displacement:
+            make = cls.from_displacement
         try:
             return make(found.axes, found.values, order, found.names, **found.options)
         except GridError as error:
@@ -283,8 +285,8 @@ class Samples:
         """Write a file that `read` reads back, of the format that its name ends in.
 
         Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
-        covariance sigma alone. Of a displacement the coframe is kept, not the displacement:
-        circuits through what is read interpolate it.
+        covariance sigma alone. Of a displacement .npz keeps the displacement itself; all others
+        keep the coframe, and circuits through what is read interpolate it.
 
         Raises
         ------
@@ -304,8 +306,21 @@ class Samples:
         if any(self.periodic):
             options["periodic"] = np.array(self.periodic)
         contents = Contents(list(self.axes), self.coframe, tuple(self.names), False, options)
+        if self.displacement is not None and file.suffix.lower() == ".npz":
+            contents = self._as_displacement(self.displacement, options)
         with written(file) as target:
             save_grid(target, contents)
+
+    def _as_displacement(self, found: Displacement, options: dict[str, Any]) -> Contents:
+        """The displacement as a file keeps it: with its own noise, and its jumps as declared."""
+        kept = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
+        if found.variances is not None:
+            kept["sigma"] = np.sqrt(found.variances)[:, None]
+        if isinstance(found.branch, str):
+            kept["branch"] = np.full((1, self.rows), np.nan)
+        elif found.branch is not None:
+            kept["branch"] = found.jumps.vectors
+        return Contents(list(self.axes), found.values, tuple(self.names), False, kept, True)
 
     # -- what it is -------------------------------------------------------------------------------
 

@@ -8,6 +8,8 @@ import pytest
 import geomtorsion as gt
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop, SampledFrame
+from geomtorsion.measured import open_measured
+from geomtorsion.measured.in_blocks import open_in_blocks
 from tests.loops.edge_dislocation import displacement
 
 B = 0.286
@@ -284,3 +286,29 @@ def test_displacements_that_are_none(u, options, message):
     """Each with its own message."""
     with pytest.raises(GridError, match=message):
         SampledFrame.from_displacement([AXIS, AXIS], u, **options)
+
+
+@pytest.mark.parametrize("branch", [None, "find", B, [[B, 0]]])
+@pytest.mark.parametrize("sigma", [None, "estimate", 0.01])
+def test_a_file_keeps_the_displacement(tmp_path, branch, sigma):
+    """What is read has the same circuits, bit by bit, with the same errors and holes."""
+    u = edge(X, Y) + 0.005 * np.random.default_rng(0).standard_normal((2, *X.shape))
+    u[:, 50:53, 10:14] = np.nan
+    made = SampledFrame.from_displacement(
+        [AXIS, AXIS], u, branch=branch, sigma=sigma, unit="nm", names=("x", "z")
+    )
+    made.save(tmp_path / "u.npz")
+    read = SampledFrame.read(tmp_path / "u.npz")
+    loop = Loop.circle([0, 0], 2)
+    one, two = made.burgers(loop), read.burgers(loop)
+    assert np.array_equal(one.vector, two.vector)
+    assert two.error == pytest.approx(one.error, rel=1e-9)
+    assert np.array_equal(made.coframe, read.coframe, equal_nan=True)
+    assert (read.source, read.unit, read.names) == (made.source, "nm", ("x", "z"))
+    squares = [frame.burgers_map(6) for frame in (made, read)]
+    assert np.array_equal(squares[0].vectors, squares[1].vectors, equal_nan=True)
+    assert open_measured(tmp_path / "u.npz").survey(6).vectors[..., 0] == pytest.approx(
+        squares[0].vectors, nan_ok=True
+    )
+    with pytest.raises(GridError, match="blocks: expected a coframe or a distortion"):
+        open_in_blocks(tmp_path / "u.npz")
