@@ -63,7 +63,8 @@ def read_grid(path: Path) -> Contents:
     dimension of the grid. .npz may hold a `displacement` of shape (rows, N_1, ..., N_d) in its
     place, and the vectors of its jumps, `branch` (NaN where they are looked for). .csv: see
     `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). All may hold sigma,
-    units, periods and a source; .npz, .h5 and .nc a covariance in its place, and a mask, 1 at each node where nothing is known.
+    units, periods and a source; .npz, .h5 and .nc a covariance in its place, and a mask, 1 at each
+    node where nothing is known.
 
     Raises
     ------
