@@ -6,6 +6,12 @@ its pages tutorials/first_tetrad is the place to begin, howto/tetrad_file is for
 and api/index lists every public name; `error.page` of an error names the one that helps.
 """
 
+# ruff: noqa: E402  # Ctrl-C ends the command quietly from here on, whatever takes long to load
+
+from geomtorsion.cli.interrupts import begin_command
+
+begin_command()
+
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

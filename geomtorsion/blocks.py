@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geomtorsion.errors import CheckpointError, FileFormatError, LimitError
-from geomtorsion.files import read_json_text, read_text
-from geomtorsion.progress import PATIENCE, bar
+from geomtorsion.files import read_json_text, read_text, write_text, written
+from geomtorsion.progress import PATIENCE, bar, ignore_interrupts
 
 LEDGER = "ledger.json"
+# Zeros that are written at once.
+ZEROS = bytes(2**20)
 
 
 def open_ledger(folder: Path, described: Mapping[str, Any]) -> bool:
@@ -37,9 +39,7 @@ def open_ledger(folder: Path, described: Mapping[str, Any]) -> bool:
     ledger = folder / LEDGER
     folder.mkdir(parents=True, exist_ok=True)
     if not ledger.is_file():
-        part = ledger.with_suffix(f".{os.getpid()}.part")
-        part.write_text(json.dumps(described), encoding="utf-8")
-        part.replace(ledger)
+        write_text(ledger, json.dumps(described))
         return False
     try:
         known = read_json_text(read_text(ledger), str(ledger))
@@ -85,10 +85,30 @@ def digest_of_arrays(parts: Iterable[np.ndarray]) -> str:
 
 def write_array(path: Path, values: np.ndarray) -> None:
     """An NPY file that is there whole or not at all."""
-    part = path.with_suffix(f".{os.getpid()}.part")
-    with part.open("wb") as stream:
+    with written(path) as part, part.open("wb") as stream:
         np.save(stream, values)
-    part.replace(path)
+
+
+@contextmanager
+def array_on_disk(path: Path, shape: Sequence[int]) -> Iterator[np.ndarray]:
+    """A new NPY file of doubles, as a mapped array that is filled within the block.
+
+    Zeros are written first: a full disk then ends in an error of the system, where a mapped page
+    that finds no room would kill the process.
+
+    Raises
+    ------
+    FileFormatError
+        There is no room for it.
+    """
+    with written(path) as part:
+        whole = np.lib.format.open_memmap(part, "w+", float, tuple(shape))
+        with part.open("r+b") as stream:
+            stream.seek(whole.nbytes and part.stat().st_size - whole.nbytes)
+            for first in range(0, whole.nbytes, len(ZEROS)):
+                stream.write(ZEROS[: whole.nbytes - first])
+        yield whole
+        whole.flush()
 
 
 def read_array(path: Path, shape: Sequence[int | None], dtype: Any = float) -> np.ndarray | None:
@@ -138,9 +158,14 @@ def _run(
         yield from map(compute, left)
     else:
         try:
-            with ProcessPoolExecutor(workers) as pool:
-                for future in as_completed([pool.submit(compute, number) for number in left]):
-                    yield future.result()
+            with ProcessPoolExecutor(workers, initializer=ignore_interrupts) as pool:
+                try:
+                    for future in as_completed([pool.submit(compute, number) for number in left]):
+                        yield future.result()
+                except BaseException:
+                    # Else all that is left would be done before the block ends.
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    raise
         except BrokenProcessPool:
             # Since Python 3.14 new processes read the script again on Linux, too.
             raise LimitError(

@@ -6,13 +6,16 @@ where there is one, the line or the part.
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from glob import escape
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
@@ -92,9 +95,16 @@ def read_text(
     return text
 
 
+# What the system says of a disk that has no room, or a file that may not grow.
+_FULL = frozenset({errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)})
+
+
 @contextmanager
 def written(path: object, *, is_folder: bool = False) -> Iterator[Path]:
-    """The path of a file, or of a folder that is made, while it is written.
+    """A path to write a file to, or a folder that is made.
+
+    The file is written beside its place under another name with the same ending, and moved there
+    at the end: it is whole, or as it was before, and an error leaves nothing behind.
 
     Raises
     ------
@@ -117,14 +127,58 @@ directory. Name a file in a folder that is there.
     try:
         if is_folder:
             found.mkdir(parents=True, exist_ok=True)
-        yield found
+            yield found
+        else:
+            with _beside(found) as part:
+                yield part
     except OSError as error:
         if isinstance(error, GeomtorsionError):
             raise
-        remedy = "another folder" if is_folder else "a file in a folder that is there"
+        remedy = "Name another folder" if is_folder else "Name a file in a folder that is there"
+        # NumPy says of a full disk only that an element was not written.
+        if error.errno is None or error.errno in _FULL:
+            remedy = "Make room, or name another disk"
         raise FileFormatError(
-            f"{cut(str(found))}: it cannot be written: {error.strerror or error}. Name {remedy}."
+            f"{cut(str(found))}: it cannot be written: {error.strerror or error}. {remedy}."
         ) from None
+
+
+@contextmanager
+def _beside(path: Path) -> Iterator[Path]:
+    """A name beside a file, which takes its place when the block ends without an error."""
+    place = path.resolve() if path.is_symlink() else path
+    if place.exists() and not place.is_file():
+        # A device or a pipe is written to, never replaced. A folder is refused by the system.
+        yield place
+        return
+    part = place.with_name(f".{place.stem}.{os.getpid()}.part{place.suffix}")
+    try:
+        yield part
+        part.replace(place)
+    except GeomtorsionError as error:
+        # Whoever writes knows the other name alone.
+        error.args = tuple(str(said).replace(str(part), str(path)) for said in error.args)
+        raise
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def left_parts(path: Path) -> list[Path]:
+    """What killed processes have left of a file that they were writing."""
+    return sorted(path.parent.glob(f".{escape(path.stem)}.*.part{escape(path.suffix)}"))
+
+
+def write_text(path: str | PathLike[str], text: str) -> None:
+    """Write a file of UTF-8 text, whole or not at all; see `written`.
+
+    Raises
+    ------
+    FileFormatError
+        The system does not let it be written there.
+    """
+    with written(path) as file:
+        file.write_text(text, "utf-8")
 
 
 # -- TOML -----------------------------------------------------------------------------------------

@@ -1,18 +1,34 @@
 """cli: what a person types."""
 
+import io
+import os
 import sys
-from io import TextIOWrapper
 
-from geomtorsion.cli.app import app
+from geomtorsion.cli.interrupts import INTERRUPTED, stop_quietly
 
 
 def main() -> None:
     """Entry point of the command ``geomtorsion``."""
+    stop_quietly()
+    # Loaded here: the package loads this file before all others, to be ready for Ctrl-C.
+    from multiprocessing import active_children
+
+    # As above.
+    from geomtorsion.cli.app import app
+
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
+        if isinstance(stream, io.TextIOWrapper):
             # A name that the terminal cannot show becomes a question mark, not a traceback.
             stream.reconfigure(errors="replace")
-    app()
+    try:
+        app()
+    except SystemExit as end:
+        if end.code == INTERRUPTED and not active_children():
+            # At once: what was interrupted half-way says more when Python tidies up.
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(INTERRUPTED)
+        raise
 
 
 __all__ = ["main"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import IntEnum
@@ -10,6 +11,7 @@ from pathlib import Path
 import typer
 
 from geomtorsion.checks import cut
+from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import GeomtorsionError
 
 # In a checkout and in the source distribution; a wheel has no pages.
@@ -25,29 +27,57 @@ class ExitCode(IntEnum):
 
     failed = 1
     wrong_input = 2
-    interrupted = 130
+    interrupted = INTERRUPTED
+
+
+@contextmanager
+def interruptible(came: list[bool]) -> Iterator[None]:
+    """Raise KeyboardInterrupt on Ctrl-C within the block, so that work is tidied up.
+
+    came: gets an entry then, as libraries in C may make another error of it.
+    """
+    if signal.getsignal(signal.SIGINT) is not stop_at_once:
+        yield
+        return
+
+    def interrupt(*_: object) -> None:
+        came.append(True)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, stop_at_once)
 
 
 @contextmanager
 def clean_exits() -> Iterator[None]:
     """End with 2 on an error of this package or of a file, and with 130 on Ctrl-C."""
+    came: list[bool] = []
     try:
-        yield
-    except GeomtorsionError as error:
-        typer.echo(f"geomtorsion: {error}", err=True)
-        if pages := more_on(error):
-            typer.echo(pages, err=True)
-        raise typer.Exit(ExitCode.wrong_input) from None
-    except BrokenPipeError:
-        # `| head` closed the pipe: typer ends without a word.
+        with interruptible(came):
+            yield
+    except typer.Exit:
         raise
-    except OSError as error:
-        name = f": {cut(str(error.filename))}" if error.filename else ""
-        typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
-        raise typer.Exit(ExitCode.wrong_input) from None
     except KeyboardInterrupt:
         stopped()
         raise typer.Exit(ExitCode.interrupted) from None
+    except Exception as error:
+        if came:
+            stopped()
+            raise typer.Exit(ExitCode.interrupted) from None
+        if isinstance(error, GeomtorsionError):
+            typer.echo(f"geomtorsion: {error}", err=True)
+            if pages := more_on(error):
+                typer.echo(pages, err=True)
+            raise typer.Exit(ExitCode.wrong_input) from None
+        # `| head` closed the pipe: typer ends without a word.
+        if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
+            name = f": {cut(str(error.filename))}" if error.filename else ""
+            typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
+            raise typer.Exit(ExitCode.wrong_input) from None
+        raise
 
 
 def more_on(error: GeomtorsionError, site: Path = SITE) -> str:

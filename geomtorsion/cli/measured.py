@@ -16,7 +16,7 @@ from geomtorsion.checks import cut, shown
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError, GridError, ImageError, OrientationError
-from geomtorsion.files import UNSIGNED
+from geomtorsion.files import UNSIGNED, write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
 from geomtorsion.measured import Closure, Measured, Survey, open_measured
@@ -175,7 +175,7 @@ def measured_burgers(field: Measured, loops: Sequence[Loop], output: Path | None
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
         target = output / "burgers.json"
-        target.write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+        write_text(target, json.dumps(document, indent=2) + "\n")
         written = [target]
         if can_draw():
             written.append(output / "circuits.png")
@@ -250,7 +250,7 @@ def write_survey(
         write_table(survey, paths[0])
         progress("arrays")
         write_arrays(survey, paths[1])
-        paths[2].write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+        write_text(paths[2], json.dumps(document, indent=2) + "\n")
         if can_draw():
             progress("picture")
             paths.append(folder / f"map.{picture}")

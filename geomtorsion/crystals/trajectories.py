@@ -18,7 +18,7 @@ from geomtorsion.crystals.known_grains import KnownGrains
 from geomtorsion.crystals.reading import crystal_of
 from geomtorsion.crystals.reports import Json, crystal_report, known_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError
-from geomtorsion.files import read_json_text, read_text
+from geomtorsion.files import read_json_text, read_text, write_text
 from geomtorsion.loops import DislocationNetwork
 
 SETTINGS = "settings.json"
@@ -77,11 +77,11 @@ def reports(
             if kept is not None:
                 # Of a run without a frame nothing is left: what was wrong can be mended.
                 kept.parent.mkdir(parents=True, exist_ok=True)
-                _write(kept.with_name(SETTINGS), said)
+                write_text(kept.with_name(SETTINGS), said)
                 if "grains" in report:
                     write_array(kept.with_suffix(".npy"), known.owner)
                 # What stands in it comes last: where it is, all is.
-                _write(kept, json.dumps(report))
+                write_text(kept, json.dumps(report))
         yield report, frame.lines
     seen(total, total)
 
@@ -153,10 +153,3 @@ def forget(folder: Path) -> None:
         folder.rmdir()
     except OSError as error:
         raise GeomtorsionError(f"{folder}: it holds other files, which stay: {error}") from None
-
-
-def _write(target: Path, text: str) -> None:
-    """A file that is whole or not there."""
-    half = target.with_suffix(".part")
-    half.write_text(text, "utf-8")
-    half.replace(target)

@@ -17,7 +17,7 @@ from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
-from geomtorsion.files import read_json_text, read_text, read_toml
+from geomtorsion.files import read_json_text, read_text, read_toml, written
 
 # Keys of a file.
 KEYS = ("student", "name", "seed", "answers")
@@ -417,8 +417,7 @@ def _write(
 ) -> None:
     """Write the table aside and put it in place at once: it is never half a table."""
     table.parent.mkdir(parents=True, exist_ok=True)
-    aside = table.with_name(f".{table.name}.part")
-    with aside.open("w", encoding="utf-8", newline="") as file:
+    with written(table) as aside, aside.open("w", encoding="utf-8", newline="") as file:
         if table.suffix == ".json":
             whole = {
                 "counted": list(numbers),
@@ -430,4 +429,3 @@ def _write(
             writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
-    os.replace(aside, table)

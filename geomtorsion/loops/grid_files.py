@@ -25,6 +25,7 @@ from geomtorsion.loops.fields.contents import (
     module,
     periodic_names,
 )
+from geomtorsion.loops.fields.displacement import FIND
 from geomtorsion.npz import ArrayForm, read_npz, text_of
 
 FORMS = {
@@ -32,6 +33,8 @@ FORMS = {
     "axis_*": ArrayForm((None,)),
     "coframe": ArrayForm((None, None, ...), optional=True),
     "distortion": ArrayForm((None, None, ...), optional=True),
+    "displacement": ArrayForm((None, None, ...), optional=True),
+    "branch": ArrayForm((None, None), optional=True),
     "sigma": ArrayForm((None, None, ...), optional=True),
     "covariance": ArrayForm((None, None, None, None, ...), optional=True),
     "mask": ArrayForm((None, None, ...), "biu", optional=True),
@@ -57,9 +60,11 @@ def read_grid(path: Path) -> Contents:
     they stand in the file). .h5, .hdf5: the same as data sets (extra `files`); an attribute `names`
     lists the axes, which may be left out if they are x, y, ... .nc: a variable `coframe` or
     `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for each
-    dimension of the grid. .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk`
-    (extra `files`). All may hold sigma, units, periods and a source; .npz, .h5 and
-    .nc a covariance in its place, and a mask, 1 at each node where nothing is known.
+    dimension of the grid. .npz may hold a `displacement` of shape (rows, N_1, ..., N_d) in its
+    place, and the vectors of its jumps, `branch` (NaN where they are looked for). .csv: see
+    `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). All may hold sigma,
+    units, periods and a source; .npz, .h5 and .nc a covariance in its place, and a mask, 1 at each
+    node where nothing is known.
 
     Raises
     ------
@@ -95,7 +100,7 @@ def save_grid(path: Path, contents: Contents) -> None:
             f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
             f"{path.suffix!r}."
         )
-    FORMATS[kind][1](path if path.suffix else path.with_suffix(".npz"), contents)
+    FORMATS[kind][1](path, contents)
 
 
 def holds_covariance(path: Path) -> bool:
@@ -107,7 +112,7 @@ def _npz(path: Path) -> Contents:
     """A grid from an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
     arrays = read_npz(path, FORMS, message=message)
-    key = key_of(path, arrays)
+    key = "displacement" if "displacement" in arrays else key_of(path, arrays)
     if "names" in arrays:
         names = tuple(str(name) for name in arrays["names"])
     else:
@@ -126,12 +131,18 @@ def _npz(path: Path) -> Contents:
         )
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
     options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
-    return Contents(axes, arrays[key], names, key == "distortion", options)
+    if key == "displacement" and "branch" in arrays:
+        # A vector that is not known is looked for.
+        branch = arrays["branch"]
+        options["branch"] = FIND if np.isnan(branch).all() else branch
+    values = arrays[key]
+    return Contents(axes, values, names, key == "distortion", options, key == "displacement")
 
 
 def _write_npz(path: Path, contents: Contents) -> None:
     """A grid as an NPZ file."""
-    arrays: dict[str, Any] = {"coframe": contents.values, "names": np.array(contents.names)}
+    key = "displacement" if contents.is_displacement else "coframe"
+    arrays: dict[str, Any] = {key: contents.values, "names": np.array(contents.names)}
     for name, axis in zip(contents.names, contents.axes, strict=True):
         arrays[f"axis_{name}"] = axis
     arrays |= {key: np.asarray(value) for key, value in contents.options.items()}

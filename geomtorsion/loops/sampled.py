@@ -20,6 +20,13 @@ from geomtorsion.loops.fields.circuits import (
     sampled_burgers,
     sampled_edges,
 )
+from geomtorsion.loops.fields.displaced import (
+    displaced_burgers,
+    displaced_circuits,
+    displaced_cochain,
+    displaced_edges,
+    displaced_torsion,
+)
 from geomtorsion.loops.fields.holes import Hole
 from geomtorsion.loops.fields.samples import Samples
 from geomtorsion.loops.loop import Loop
@@ -45,6 +52,8 @@ class SampledFrame(Samples):
     periodic: one truth value for each axis, or names of axes; the period is N steps, so that the
         first node is not repeated at the end.
     source, sigma_source: where the values and sigma come from, in words.
+    displacement: what the values were made of by `from_displacement`. Circuits are then sums of its
+        jumps, without interpolation.
     unit, vector_unit: of the axes, and of what integrals of the coframe are (if not given, the
         same); any text, shown with results.
 
@@ -158,7 +167,10 @@ class SampledFrame(Samples):
         for k, side in zip(pair, sides, strict=True):
             checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
         units = (self.unit, self.vector_unit)
-        return cells.circuits(self._field, pair, (int(sides[0]), int(sides[1])), units)
+        whole = int(sides[0]), int(sides[1])
+        if self.displacement is not None:
+            return displaced_circuits(self._grid, self.displacement, pair, whole, units)
+        return cells.circuits(self._field, pair, whole, units)
 
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
@@ -167,7 +179,7 @@ class SampledFrame(Samples):
         differences of another order, with the noise where sigma is known. NaN at nodes that have
         not three known nodes in a row.
         """
-        curl, difference, sigmas = cells.torsion(self._field, self._plane(plane))
+        curl, difference, sigmas = self._torsion(self._plane(plane))
         return curl, np.hypot(difference, sigmas) if self.sigma is not None else difference
 
     @cached_property
@@ -182,8 +194,14 @@ class SampledFrame(Samples):
     @cached_property
     def nye_noise(self) -> np.ndarray:
         """Standard deviation of the Nye tensor by noise, its floor; zero without sigma."""
-        found = [cells.torsion(self._field, pair)[2] for pair in self._nye_planes]
+        found = [self._torsion(pair)[2] for pair in self._nye_planes]
         return np.stack(found, axis=1)
+
+    def _torsion(self, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Torsion at the nodes, its distance from another order, and its sigma."""
+        if self.displacement is not None:
+            return displaced_torsion(self._grid, self.rows, self.order, plane)
+        return cells.torsion(self._field, plane)
 
     @property
     def _nye_planes(self) -> tuple[tuple[int, int], ...]:
@@ -240,6 +258,8 @@ class SampledFrame(Samples):
                 "cochain: a value on every edge is needed, but the grid has holes. Use "
                 ".plaquettes() or .burgers(loop)."
             )
+        if self.displacement is not None:
+            return displaced_cochain(self._grid, self.displacement)
         return edge_cochain(self._field)
 
     def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
@@ -252,6 +272,8 @@ class SampledFrame(Samples):
         GridError
             An edge leaves the grid or touches a hole; the message names the point.
         """
+        if self.displacement is not None:
+            return displaced_edges(self._field, self.displacement, starts, ends)
         return sampled_edges(self._field, starts, ends)
 
     def burgers(self, loop: Loop) -> SampledBurgers:
@@ -264,6 +286,8 @@ class SampledFrame(Samples):
             the point and the nodes.
         """
         checks.instance(loop, Loop, "loop")
+        if self.displacement is not None:
+            return displaced_burgers(self._grid, self.displacement, loop, self.vector_unit)
         return sampled_burgers(self._field, loop, self.vector_unit)
 
     def _plane(self, plane: Sequence[int]) -> tuple[int, int]:

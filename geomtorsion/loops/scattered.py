@@ -15,7 +15,7 @@ from geomtorsion.errors import LONGEST_SHOWN, GridError
 from geomtorsion.loops.cochain import Cochain
 from geomtorsion.loops.fields.circuits import SampledBurgers, unexplained
 from geomtorsion.loops.fields.displacement import lattice_vectors
-from geomtorsion.loops.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise
+from geomtorsion.loops.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
 from geomtorsion.loops.fields.grid import Grid, mask_of, numbers
 from geomtorsion.loops.fields.noise import noise_of, robust_covariance, spread
 from geomtorsion.loops.fields.samples import strain_and_rotation
@@ -226,7 +226,7 @@ class ScatteredFrame:
                 assert found is not None
                 variances = np.array([found.at_nodes(i, 0, grid.shape) for i in range(rows)])
                 width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)
-                noise = JumpNoise(_chances(rest, width), vectors)
+                noise = JumpNoise(chances_of(rest, width), vectors)
         steps = steps + mesh.steps @ np.eye(rows, d).T
         errors = ROUNDING * np.abs(steps).max(axis=1, initial=0.0)
         cochain = Cochain(mesh.complex, steps, errors)
@@ -485,14 +485,3 @@ def _estimated(
     if covariance is None:
         return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
     return sigma, robust_covariance(rows), said
-
-
-def _chances(rest: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Chances that noise has carried a whole number to the next, shape of the rests.
-
-    What is left of a difference is noise about 0, or noise about the next whole number.
-    """
-    away = 1 - 2 * np.abs(rest)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(sigma > 0, away / (2 * sigma**2), np.where(away > 0, np.inf, 0.0))
-    return scipy.special.expit(-share)

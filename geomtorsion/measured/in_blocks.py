@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.blocks import digest_of
+from geomtorsion.blocks import array_on_disk, digest_of
 from geomtorsion.errors import CheckpointError, GeomtorsionError, GridError
-from geomtorsion.files import read_json_text, read_text
+from geomtorsion.files import left_parts, read_json_text, read_text, write_text, written
 from geomtorsion.loops import BlockMap, blocked_map
+from geomtorsion.loops.fields.blocks import Parts, estimated_sigma
 from geomtorsion.loops.fields.sources import Source
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.measured.fields import SampledField, layer_names
@@ -34,14 +35,16 @@ class BlockedField:
 
     given: values of shape (rows, columns, grid...), an array or the path of an .npy or Zarr array.
     starts, steps: coordinates of the first node and from one to the next. names: of the axes.
-    sigma: noise of every value. digest: of the file.
+    sigma: noise of each component, shape (rows, columns along the grid); sigma_source: how it is
+    known. digest: of the file.
     """
 
     given: Any
     starts: tuple[float, ...]
     steps: tuple[float, ...]
     names: tuple[str, ...]
-    sigma: float
+    sigma: np.ndarray
+    sigma_source: str
     order: int
     periodic: tuple[bool, ...]
     unit: str
@@ -53,8 +56,11 @@ class BlockedField:
         """What it is."""
         shape = Source.of(self.given, None).shape
         sizes = " x ".join(map(str, shape[2:]))
-        noise = f"{self.sigma:.3g}" if self.sigma else "not known: errors are those of the grid"
-        return (f"a field of {sizes} nodes, {shape[0]} rows, in blocks", f"noise: {noise}")
+        levels = " to ".join(dict.fromkeys(f"{f(self.sigma):.3g}" for f in (np.min, np.max)))
+        return (
+            f"a field of {sizes} nodes, {shape[0]} rows, in blocks",
+            f"noise: {levels} ({self.sigma_source})",
+        )
 
     @property
     def block(self) -> int:
@@ -82,17 +88,18 @@ def open_in_blocks(
         It is no grid, or its noise is not the same everywhere.
     """
     if is_array(path):
-        shape = Source.of(path, None).shape[2:]
-        d = len(shape)
+        source = Source.of(path, None)
+        d = len(source.shape) - 2
         spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
-        if isinstance(sigma, str):
-            raise GridError(
-                "sigma: of a field in blocks it is not estimated: a number of 0 or more was "
-                "needed. Estimate it from a part, or leave it out."
-            )
-        noise = 0.0 if sigma is None else checks.number(sigma, "sigma", GridError)
+        if sigma is None or isinstance(sigma, str):
+            checks.choice(sigma or "estimate", ["estimate"], "sigma", GridError)
+            noise = estimated_sigma(source)
+            said = "the median of sixth differences along the axes, in a sample of the field"
+        else:
+            value = checks.number(sigma, "sigma", GridError)
+            noise, said = np.full((source.shape[0], d), value), "given"
         return BlockedField(
-            str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise,
+            str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise, said,
             4 if order is None else order, (False,) * d, unit, unit, digest_of(path),
         )  # fmt: skip
     if steps is not None:
@@ -104,11 +111,25 @@ def open_in_blocks(
             "map is made at once. Leave out blocks and resume."
         )
     frame = field.frame
-    levels = np.zeros(1) if frame.sigma is None else np.unique(frame.sigma)
-    if len(levels) > 1:
+    if frame.displacement is not None:
         raise GridError(
-            "sigma: of a field in blocks the noise must be the same everywhere, but that of the "
-            f"file is {levels[0]:.3g} to {levels[-1]:.3g}. Give one number."
+            f"blocks: expected a coframe or a distortion, got a displacement in {path.name}, whose "
+            "circuits are sums of its jumps. Leave out --blocks."
+        )
+    noise = np.zeros((frame.rows, frame.dimension))
+    if frame.sigma is not None:
+        wide = np.broadcast_to(frame.sigma, frame.coframe[:, : frame.dimension].shape)
+        known = wide[:, :, ~np.asarray(frame.mask)]
+        low, noise = known.min(axis=-1), known.max(axis=-1)
+        if (low < noise).any():
+            raise GridError(
+                "sigma: of a field in blocks the noise must be the same everywhere, but that of "
+                f"the file is {low.min():.3g} to {noise.max():.3g}. Give one number."
+            )
+    if frame.covariance is not None:
+        raise GridError(
+            "covariance: expected independent noise for a map in blocks, got a covariance in the "
+            "file. Give --sigma, or leave out --blocks."
         )
     # Blocks are listed as coordinates increase; circuits run so anyway.
     starts = tuple(float(min(axis[0], axis[-1])) for axis in frame.axes)
@@ -116,7 +137,7 @@ def open_in_blocks(
     values = np.where(np.asarray(frame.mask), np.nan, frame.coframe)[(..., *turned)]
     steps = tuple(abs(float(x)) for x in frame.steps)
     return BlockedField(
-        values, starts, steps, tuple(frame.names), float(levels[0]), frame.order,
+        values, starts, steps, tuple(frame.names), noise, frame.sigma_source, frame.order,
         tuple(frame.periodic), frame.unit, frame.vector_unit, digest_of(path),
     )  # fmt: skip
 
@@ -180,8 +201,8 @@ class BlockedRun:
                 f"{folder} holds a map of another run: {', '.join(differ)} differ. Give the same "
                 "file and options, or --overwrite to begin anew."
             )
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps(run.described), "utf-8")
+        with written(kept.parent, is_folder=True):
+            write_text(kept, json.dumps(run.described))
         return run
 
     @property
@@ -192,7 +213,7 @@ class BlockedRun:
             "block": self.block,
             "size": self.size,
             "plane": list(self.plane),
-            "sigma": self.field.sigma,
+            "sigma": self.field.sigma.tolist(),
             "order": self.field.order,
             "steps": list(self.field.steps),
         }
@@ -211,31 +232,38 @@ class BlockedRun:
                 _clear(self.folder)
             raise
 
-    def finish(self, made: BlockMap) -> BlockedSurvey:
-        """The map as one array on disk, map.npy; the blocks go."""
-        rows = made.source.shape[0]
+    def finish(
+        self, made: BlockMap, report: Callable[[BlockedSurvey], Any] = lambda found: found
+    ) -> Any:
+        """Write the map as one array, map.npy, report it, and remove the blocks.
+
+        report: writes what else belongs to the map. Until it has returned the blocks stay, so that
+        a run that is stopped can be resumed. Returned is what it returns: without it the survey.
+        """
         path = self.folder / "map.npy"
-        whole = np.lib.format.open_memmap(path, "w+", float, (rows + 1, *made.places))
-        for number, values in made:
-            whole[(slice(None), *(slice(*ends) for ends in made.span(number)))] = values
-        whole.flush()
+        with array_on_disk(path, (2 * made.source.shape[0] + 1, *made.places)) as whole:
+            for number, values in made:
+                whole[(slice(None), *(slice(*ends) for ends in made.span(number)))] = values
+        found = report(BlockedSurvey(self.field, path, self.size, self.plane))
         _clear(self.folder)
-        return BlockedSurvey(self.field, path, self.size, self.plane)
+        return found
 
 
 def _clear(folder: Path) -> None:
     """Remove blocks, and nothing else."""
     inner = folder / BLOCKS
-    for pattern in ("block-*.npy", "block-*.part", "ledger*", RUN):
+    for pattern in ("block-*.npy", ".*.part*", "ledger*", RUN):
         for path in inner.glob(pattern):
             path.unlink()
+    for path in left_parts(folder / "map.npy"):
+        path.unlink()
     if inner.is_dir() and not any(inner.iterdir()):
         inner.rmdir()
 
 
 @dataclass(frozen=True, eq=False)
 class BlockedSurvey:
-    """A finished map on disk: b^i of every circuit and, last, its error, (rows + 1, places...)."""
+    """A finished map on disk: `Parts` of every circuit, shape (2 * rows + 1, places...)."""
 
     field: BlockedField
     path: Path
@@ -258,20 +286,17 @@ class BlockedSurvey:
         whose median and floor are those of the thinned survey.
 
         drawn: places along an axis at most; pictures have no more pixels.
-        Errors of a map in blocks, of the largest component, hold noise and grid together: as if all
-        components had as much, they stand as `sigma`.
         """
         field, values = self.field, self.values
-        rows = len(values) - 1
+        rows = len(values) // 2
         others = [k for k in range(len(field.names)) if k not in self.plane]
         counts, best = np.zeros(2, dtype=np.int64), (-1.0, (0,) * (values.ndim - 1))
         # Slab by slab along the first axis: never all at once.
         for k in range(values.shape[1]):
-            b, error = values[:rows, k], values[rows, k]
-            sizes = np.linalg.norm(b, axis=0)
+            parts = Parts.of(values[:, k])
+            sizes = np.linalg.norm(parts.vectors, axis=0)
             known = np.isfinite(sizes)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                far = sizes / error > noise_level(rows)
+            far = parts.significance > noise_level(rows)
             counts += (int(known.sum()), int((far & known).sum()))
             if known.any():
                 place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
@@ -291,10 +316,8 @@ class BlockedSurvey:
             field.starts[k] + field.steps[k] * (half + step * np.arange(n))
             for k, step, n in zip(self.plane, every, part.shape[1:3], strict=True)
         )
-        vectors, error = part[:rows], part[rows]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            sizes = np.linalg.norm(vectors, axis=0)
-            significance = np.where(sizes == 0, 0.0, sizes / error)
+        parts = Parts.of(part)
+        vectors = parts.vectors
         flat = set(self.plane) == {0, 1} and rows > 1
         layer = layer_names([field.names[k] for k in others],
                             [field.starts[k] + field.steps[k] * at[k] for k in others])  # fmt: skip
@@ -306,9 +329,9 @@ class BlockedSurvey:
             vectors=vectors,
             components=tuple(f"b{k}" for k in range(rows)),
             arrows=vectors[list(self.plane)] if flat else None,
-            sigma=error * np.sqrt(rows),
-            grid_error=np.zeros_like(error),
-            significance=significance,
+            sigma=np.linalg.norm(parts.sigmas, axis=0),
+            grid_error=parts.interpolation,
+            significance=parts.significance,
             area=self.area,
             unit=field.unit,
             vector_unit=field.vector_unit,

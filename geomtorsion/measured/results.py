@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.files import written
 from geomtorsion.loops import Loop
 
 
@@ -259,7 +260,7 @@ def write_table(survey: Survey, path: Path) -> None:
     header += ["layer"] * layered
     header += [*survey.components, "b_per_area", "noise_floor", "grid_error", "significance"]
     density, floor = survey.density, survey.floor
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         file.write(f"# unit: {survey.unit}\n# vector_unit: {survey.vector_unit}\n")
         file.write(f"# area: {survey.area!r}\n")
         writer = csv.writer(file, lineterminator="\n")
@@ -302,5 +303,5 @@ def write_arrays(survey: Survey, path: Path) -> None:
     if survey.arrows is not None:
         arrays["in_plane"] = survey.arrows
     arrays["first_centres"], arrays["second_centres"] = survey.centres
-    with path.open("wb") as stream:
+    with written(path) as part, part.open("wb") as stream:
         np.savez_compressed(stream, **arrays)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.errors import MissingExtraError
 from geomtorsion.files import written
 from geomtorsion.ode.engines import Engine, Stiff, Taylor
@@ -50,7 +51,11 @@ def write_solution(
     }
     times = times.astype(float)
     grid = times if times[0] == 0 else np.concatenate(([0.0], times))
-    with written(path) as file:
+    found = checks.file_name(path)
+    # As numpy names files of arrays.
+    if found.name and found.suffix != ".npz":
+        found = found.with_name(f"{found.name}.npz")
+    with written(found) as part, part.open("wb") as file:
         np.savez_compressed(
             file, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
         )

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TextIO
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.files import write_text, written
 from geomtorsion.pictures.curves import (
     attitude_picture,
     coordinates_picture,
@@ -84,15 +85,15 @@ def write_curves(
             figures[f"{name}.{form}"] = draw(pair)
     facts = metadata(pair) | {"table": "curve.csv", "pictures": list(figures)}
     # From here on nothing can fail but the disk.
-    directory.mkdir(parents=True, exist_ok=True)
-    written = [directory / "curve.csv", directory / "curve.json"]
-    with written[0].open("w", encoding="utf-8", newline="") as file:
-        _write_csv(file, table)
-    written[1].write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    for name, figure in figures.items():
-        save(figure, directory / name)
-        written.append(directory / name)
-    return written
+    paths = [directory / "curve.csv", directory / "curve.json"]
+    with written(directory, is_folder=True):
+        with written(paths[0]) as part, part.open("w", encoding="utf-8", newline="") as file:
+            _write_csv(file, table)
+        write_text(paths[1], json.dumps(facts, indent=2, ensure_ascii=False) + "\n")
+        for name, figure in figures.items():
+            save(figure, directory / name)
+            paths.append(directory / name)
+    return paths
 
 
 def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:

@@ -18,7 +18,7 @@ from sympy.core.relational import Relational
 
 from geomtorsion import checks
 from geomtorsion.errors import GeomtorsionError, StartError
-from geomtorsion.files import written
+from geomtorsion.files import write_text, written
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
@@ -339,6 +339,6 @@ def write_report(
     }
     # From here on nothing can fail but the disk.
     with written(directory, is_folder=True) as target:
-        (target / "geometry.json").write_text(json.dumps(data, indent=2) + "\n", "utf-8")
-        (target / "index.html").write_text(html, "utf-8")
+        write_text(target / "geometry.json", json.dumps(data, indent=2) + "\n")
+        write_text(target / "index.html", html)
     return target / "index.html"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.errors import FileFormatError, MissingExtraError
+from geomtorsion.files import written
 from geomtorsion.pictures.style import SERIES, STYLE, new_figure
 
 if TYPE_CHECKING:
@@ -118,18 +119,12 @@ def write_film(
     axes: Axes3D = figure.add_axes((0.0, 0.02, 1.0, 0.9), projection="3d")
     scene = _Stage(axes, turn, positions, np.asarray(sides, dtype=float))
     label = figure.text(0.5, 0.955, "", ha="center", fontsize=11)
-    # Written aside and moved into place: a film that is interrupted leaves no broken file.
-    partial = path.with_name(f".{path.name}{path.suffix}")
-    try:
-        with _saving(writer, figure, partial):
-            for count, k in enumerate(chosen.tolist()):
-                scene.show(k)
-                label.set_text(f"{title}   t = {clock[k]:.3g} s".strip())
-                writer.grab_frame()
-                progress((count + 1) / frames)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with written(path) as partial, _saving(writer, figure, partial):
+        for count, k in enumerate(chosen.tolist()):
+            scene.show(k)
+            label.set_text(f"{title}   t = {clock[k]:.3g} s".strip())
+            writer.grab_frame()
+            progress((count + 1) / frames)
     return frames
 
 

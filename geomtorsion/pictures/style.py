@@ -165,6 +165,8 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
         try:
             with written(path) as file:
                 figure.savefig(file, dpi=dpi, metadata=metadata)
+        except FileFormatError:
+            raise
         except ValueError as error:
             raise FileFormatError(
                 f"{path.name}: {error}. A picture is a .png, .svg or .pdf: name it like that."

@@ -49,7 +49,7 @@ def write_csv(path: Path, table: Mapping[str, Iterable[float | str]]) -> None:
     ...     path.read_text()
     't,engine\n0.0,a\n0.1,b\n'
     """
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table)
         rows = zip(*table.values(), strict=True)

@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion.errors import FileFormatError, SceneError
-from geomtorsion.files import written
+from geomtorsion.files import write_text, written
 from geomtorsion.pictures import style as pictures
 from geomtorsion.pictures.scene_film import block_sides, write_film
 from geomtorsion.pictures.style import save
@@ -67,17 +67,17 @@ def write_run(
         for name, (draw, _) in drawings(result).items():
             progress(f"drawing {name}")
             figures[f"{name}.{form}"] = draw(result)
-    directory.mkdir(parents=True, exist_ok=True)
-    written = [directory / name for name in (TABLE, ARRAYS, FACTS, SCENE)]
-    write_csv(written[0], result.columns())
-    result.save(written[1])
+    with written(directory, is_folder=True):
+        paths = [directory / name for name in (TABLE, ARRAYS, FACTS, SCENE)]
+    write_csv(paths[0], result.columns())
+    result.save(paths[1])
     facts = metadata(result) | {"table": TABLE, "pictures": list(figures)}
-    written[2].write_text(json.dumps(facts, indent=2, ensure_ascii=False) + "\n", "utf-8")
-    write_file(result.scene, written[3])
+    write_text(paths[2], json.dumps(facts, indent=2, ensure_ascii=False) + "\n")
+    write_file(result.scene, paths[3])
     for name, figure in figures.items():
         save(figure, directory / name, DPI)
-        written.append(directory / name)
-    return written
+        paths.append(directory / name)
+    return paths
 
 
 def metadata(result: SceneResult) -> dict[str, Any]:
@@ -149,8 +149,7 @@ def write_file(scene: Scene, path: str | PathLike[str], story: str = "") -> None
         Something in the scene cannot be written down: an expression that is no text, a function.
     """
     text = to_toml(scene, story)
-    with written(path) as file:
-        file.write_text(text, "utf-8")
+    write_text(path, text)
 
 
 def to_toml(scene: Scene, story: str = "") -> str:

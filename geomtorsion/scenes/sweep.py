@@ -14,7 +14,6 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
-from geomtorsion.files import written
 from geomtorsion.ode import solve_many
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.scene_over_time import sweep_picture
@@ -104,8 +103,7 @@ class SceneSweep:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the table, every digit kept."""
-        with written(path) as file:
-            write_csv(file, self.columns())
+        write_csv(checks.file_name(path), self.columns())
 
     def plot(
         self,

@@ -7,8 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import geomtorsion as gt
 from geomtorsion import errors
 from geomtorsion.cli.exits import more_on
 from tests.cli.running import run
@@ -59,6 +61,85 @@ def test_ctrl_c_ends_quietly(tmp_path):
         _, error = running.communicate(timeout=60)
     assert running.returncode == 130
     assert error == "geomtorsion: stopped\n"
+
+
+# Says when each of these modules begins to load: the package, what takes long, and a command.
+SAYS_WHEN_IT_LOADS = """
+import runpy, sys
+sys.orig_argv[:] = ["python", "-m", "geomtorsion"]
+sys.argv[:] = ["geomtorsion", "curve", "s2"]
+class Say:
+    def find_spec(self, name, path=None, target=None):
+        if name == "%s": print("loads", flush=True)
+sys.meta_path.insert(0, Say())
+runpy.run_module("geomtorsion", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.parametrize(
+    "module", ["sympy", "geomtorsion.exact.field", "typer", "geomtorsion.curves.problem"]
+)
+def test_ctrl_c_while_modules_are_loaded(module):
+    """Code 130 and one line, before anything of the command is there to say so."""
+    code = SAYS_WHEN_IT_LOADS % module
+    with process(run=("-c", code), start_new_session=True) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "loads\n"
+        running.send_signal(signal.SIGINT)
+        _, error = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert error == "geomtorsion: stopped\n"
+
+
+def test_a_program_that_imports_the_package_gets_its_interrupt():
+    """Only the command ends by itself."""
+    code = (
+        "import geomtorsion, signal\n"
+        "assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n"
+        "try: print('ready', flush=True); signal.pause()\n"
+        "except KeyboardInterrupt: print('mine')\n"
+    )
+    with process(run=("-c", code)) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == "ready\n"
+        running.send_signal(signal.SIGINT)
+        out, _ = running.communicate(timeout=60)
+    assert out == "mine\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["map", "field.npz"], "map.csv"),
+        (["map", "field.npy", "--blocks", "30"], "block-0-0.npy"),
+        pytest.param(
+            ["burgers", "field.npz", "--loop", "circle 20,20:9"],
+            "circuits.png",
+            marks=pytest.mark.slow,
+        ),
+        (["curve", "s2"], "curve.csv"),
+        pytest.param(
+            ["run", "lagrange_cusp", "--t", "0.1"], "checkpoint.npz", marks=pytest.mark.slow
+        ),
+        pytest.param(["report", "s2"], "geometry.json", marks=pytest.mark.slow),
+    ],
+    ids=lambda x: x if isinstance(x, str) else x[0],
+)
+def test_a_full_disk_ends_with_the_name_of_the_file(tmp_path, arguments, named):
+    """Code 2, one message that names the file, and no part of it is left behind."""
+    resource = pytest.importorskip("resource")
+    values = 1 + np.random.default_rng(0).normal(size=(2, 2, 40, 40))
+    np.save(tmp_path / "field.npy", values)
+    gt.SampledFrame([np.arange(40.0)] * 2, values).save(tmp_path / "field.npz")
+    given = [str(tmp_path / x) if x.startswith("field") else x for x in arguments]
+    room = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))  # noqa: E731
+    with process(*given, "-o", str(tmp_path / "out"), preexec_fn=room) as running:
+        _, error = running.communicate(timeout=120)
+    assert running.returncode == 2
+    assert f"{named}: " in error
+    assert "cannot be written" in error
+    assert "Traceback" not in error
+    assert not [x for x in tmp_path.rglob("*") if "part" in x.name]
 
 
 def test_a_closed_pipe_ends_quietly():

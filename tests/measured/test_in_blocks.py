@@ -57,6 +57,63 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
     assert not (tmp_path / "o" / BLOCKS).exists()
 
 
+def noisy(n: int, defects: bool) -> np.ndarray:
+    """The identity with white noise, unlike in each component; with defects, five of b = 0.2."""
+    rng = np.random.default_rng(7)
+    found = np.eye(2)[:, :, None, None] + np.array([[1e-3, 2e-3], [1e-5, 4e-5]])[
+        ..., None, None
+    ] * rng.standard_normal((2, 2, n, n))
+    if defects:
+        x, y = np.meshgrid(*[np.arange(float(n))] * 2, indexing="ij")
+        for a, b in rng.uniform(30, n - 30, (5, 2)):
+            one, two = x - a + 0.31, y - b + 0.17
+            found[0] += 0.2 / (2 * np.pi) * np.array([-two, one]) / (one**2 + two**2)
+    return found
+
+
+@pytest.mark.parametrize(("n", "defects"), [(300, False), (200, True), (620, False)])
+def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
+    """Noise alone passes in 0.1 % of all circuits, by either route; defects stand out in both.
+
+    The larger field has more nodes than the sample from which its noise is estimated.
+    """
+    whole = noisy(n, defects)
+    np.save(tmp_path / "field.npy", whole)
+    made = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8)
+    survey, numbers = made.finish(made.compute()).survey()
+    SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
+    once = open_measured(tmp_path / "field.npz").survey(8)
+    # The sample gives each sigma within two per cent, a small field the very same.
+    exact = n < 500
+    assert survey.significance == pytest.approx(once.significance, rel=1e-6 if exact else 0.1)
+    assert survey.sigma == pytest.approx(once.sigma, rel=1e-9 if exact else 0.02)
+    assert survey.grid_error == pytest.approx(
+        once.grid_error, rel=1e-6, abs=1e-9 if exact else 1e-4
+    )
+    share = numbers["significant"] / numbers["known"]
+    assert share == pytest.approx(once.significant.mean(), abs=0 if exact else 3e-4)
+    if defects:
+        # Each defect is inside 64 circuits.
+        found = np.linalg.norm(survey.vectors, axis=0) > 0.15
+        assert survey.significant[found].mean() > 0.9
+        assert found.sum() > 5 * 50
+    else:
+        assert 0 < share < 2e-3
+
+
+def test_noise_of_a_volume_is_estimated_from_a_sample(tmp_path):
+    """Three axes, of which one is short, with a hole over a half: each sigma within 3 per cent."""
+    sigma = np.array([[1e-3, 2e-3, 3e-3]])
+    whole = sigma[..., None, None, None] * np.random.default_rng(3).standard_normal(
+        (1, 3, 9, 200, 190)
+    )
+    whole[..., 90:] = np.nan
+    np.save(tmp_path / "field.npy", whole)
+    field = open_in_blocks(tmp_path / "field.npy")
+    assert field.sigma == pytest.approx(sigma, rel=0.03)
+    assert "in a sample of the field" in field.about[1]
+
+
 def test_a_volume_and_its_strongest_layer(tmp_path):
     """A plane of a grid of three axes: the picture is of the layer in which b is largest."""
     axes = [np.arange(9.0), np.arange(10.0), np.arange(7.0)]
@@ -120,6 +177,23 @@ def test_stopped_by_hand(tmp_path):
     assert b"Traceback" not in said
 
 
+def test_stopped_while_the_report_is_written(tmp_path):
+    """The map is done, its report is not: the blocks are there still, and the run is resumed."""
+    path = grid(tmp_path, sigma=0.1)
+    made = run(path, tmp_path / "o", 5)
+
+    def killed(found: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        made.finish(made.compute(), killed)
+    first = (tmp_path / "o" / "map.npy").read_bytes()
+    again = run(path, tmp_path / "o", None, resume=True)
+    again.finish(again.compute())
+    assert (tmp_path / "o" / "map.npy").read_bytes() == first
+    assert not (tmp_path / "o" / BLOCKS).exists()
+
+
 def test_a_run_is_taken_up_as_it_was(tmp_path):
     """Another file or size is refused; begun anew it is not."""
     path = grid(tmp_path, sigma=0.1)
@@ -142,8 +216,19 @@ def test_what_is_no_field_is_refused(tmp_path):
     assert not is_array(tmp_path / "image.npy")
     np.save(tmp_path / "field.npy", values())
     assert is_array(tmp_path / "field.npy")
-    with pytest.raises(GridError, match="sigma: .* not estimated"):
-        open_in_blocks(tmp_path / "field.npy", sigma="estimate")
+    with pytest.raises(GridError, match="sigma: .*estimate.* was needed"):
+        open_in_blocks(tmp_path / "field.npy", sigma="guess")
+    np.save(tmp_path / "unknown.npy", np.full((2, 2, 30, 30), np.nan))
+    with pytest.raises(GridError, match="sigma: rows of seven known nodes"):
+        open_in_blocks(tmp_path / "unknown.npy")
+    np.save(tmp_path / "infinite.npy", np.where(values() > 1, np.inf, values()))
+    with pytest.raises(GridError, match="infinite at node"):
+        open_in_blocks(tmp_path / "infinite.npy")
+    SampledFrame([np.arange(60.0), np.arange(50.0)], values(), covariance=np.eye(4)).save(
+        tmp_path / "joined.npz"
+    )
+    with pytest.raises(GridError, match="covariance: expected independent noise"):
+        open_in_blocks(tmp_path / "joined.npz")
     sigmas = np.linspace(1, 2, 11 * 13).reshape(11, 13)
     with pytest.raises(GridError, match="the same everywhere, but .* 1 to 2"):
         open_in_blocks(grid(tmp_path, sigma=sigmas))

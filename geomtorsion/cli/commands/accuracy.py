@@ -29,6 +29,7 @@ from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint
 from geomtorsion.cli.terminal import working
 from geomtorsion.cli.values import engine_of, numbers, start_lines, start_options
 from geomtorsion.errors import StartError
+from geomtorsion.files import write_text
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
@@ -131,7 +132,7 @@ def _write(table: CostTable, folder: Path, form: str) -> None:
     """Table as data, and the picture where matplotlib is installed."""
     folder.mkdir(parents=True, exist_ok=True)
     data, picture = folder / "accuracy.json", folder / f"accuracy.{form}"
-    data.write_text(json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n", "utf-8")
+    write_text(data, json.dumps(table.to_json(), indent=2, ensure_ascii=False) + "\n")
     say_written([data])
     if can_draw():
         save(table.plot(), picture)

@@ -31,6 +31,7 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
+from geomtorsion.files import write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.loop_files import (
@@ -369,5 +370,5 @@ def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], fol
     except MissingExtraError as error:
         names.clear()
         typer.echo(f"no pictures: {error}", err=True)
-    target.write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+    write_text(target, json.dumps(document, indent=2) + "\n")
     typer.echo(f"wrote {target}{' and ' + ', '.join(names) if names else ''}", err=True)

@@ -30,6 +30,7 @@ from geomtorsion.crystals.blocked import forget_blocks
 from geomtorsion.crystals.reports import Json, followed
 from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
+from geomtorsion.files import write_text, written
 from geomtorsion.loops import DislocationNetwork
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
@@ -325,34 +326,34 @@ def _save(document: Json, net: DislocationNetwork, folder: Path) -> None:
     """JSON of all frames, tracks of several, and the last one as lines and pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     frames, name = document["frames"], document["file"]
-    written = [folder / "crystal.json", folder / "crystal.html"]
-    written[0].write_text(json.dumps(document, indent=1) + "\n", "utf-8")
+    paths = [folder / "crystal.json", folder / "crystal.html"]
+    write_text(paths[0], json.dumps(document, indent=1) + "\n")
     title = name if len(frames) == 1 else f"{name}, frame {frames[-1]['frame']}"
-    written[1].write_text(crystal_page(frames[-1], title), "utf-8")
+    write_text(paths[1], crystal_page(frames[-1], title))
     if len(frames) > 1:
-        written.append(folder / "tracks.csv")
-        _write_tracks(frames, written[-1])
+        paths.append(folder / "tracks.csv")
+        _write_tracks(frames, paths[-1])
     left_out = []
     if net.lines:
         for end in (".vtk", ".data", ".ca"):
             try:
                 net.save(folder / f"lines{end}")
-                written.append(folder / f"lines{end}")
+                paths.append(folder / f"lines{end}")
             except GeomtorsionError as error:
                 left_out.append(f"no lines{end}: {error}")
         try:
             save(draw_lines(net), folder / "crystal.png")
-            written.append(folder / "crystal.png")
+            paths.append(folder / "crystal.png")
         except MissingExtraError as error:
             left_out.append(f"no picture: {error}")
     for text in left_out:
         typer.echo(text, err=True)
-    typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
+    typer.echo(f"wrote {', '.join(map(str, paths))}", err=True)
 
 
 def _write_tracks(frames: list[Json], path: Path) -> None:
     """One row for each line of each frame."""
-    with path.open("w", encoding="utf-8", newline="") as stream:
+    with written(path) as part, part.open("w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream)
         table.writerow(["frame", "track", "b1", "b2", "b3", "family", "length", "kind"])
         for frame in frames:

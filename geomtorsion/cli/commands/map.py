@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -44,9 +44,10 @@ from geomtorsion.cli.options import (
 )
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
+from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.measured import is_array
-from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
+from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, BlockedSurvey, open_in_blocks
 from geomtorsion.measured.results import summary
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
@@ -203,29 +204,33 @@ def _in_blocks(
             resume=wanted.resume, overwrite=wanted.overwrite,
         )  # fmt: skip
         made = run.compute(wanted.workers)
+        with working("writing") as progress:
+            progress("map.npy, summary and picture")
+            numbers, lines, written = run.finish(made, lambda found: _report(found, form.value))
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
     except KeyboardInterrupt:
         done = len(list((output / BLOCKS).glob("block-*.npy")))
-        stopped(f"; {done} blocks are in {output / BLOCKS}; go on with --resume")
+        stopped(f"; {done} blocks are in {output / BLOCKS}; go on with --resume" if done else "")
         raise typer.Exit(ExitCode.interrupted) from None
-    with working("writing") as progress:
-        progress("map.npy")
-        found = run.finish(made)
-        progress("summary and picture")
-        survey, numbers = found.survey()
-        document = {"about": list(field.about), **numbers, "circles": []}
-        written = [found.path, output / "map.json"]
-        written[1].write_text(json.dumps(document, indent=2) + "\n", "utf-8")
-        if can_draw():
-            written.append(output / f"map.{form.value}")
-            save(draw_survey(survey), written[-1])
     if as_json:
-        typer.echo(json.dumps(document, indent=2))
+        typer.echo(json.dumps(numbers, indent=2))
     else:
-        lines = (*field.about, *survey_lines(survey, numbers))
         typer.echo("\n".join(wrapped(line) for line in lines))
     say_on_error(written)
+
+
+def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str], list[Path]]:
+    """Write map.json and a picture beside map.npy; the numbers, the same in words, the files."""
+    survey, numbers = found.survey()
+    about = found.field.about
+    document = {"about": list(about), **numbers, "circles": []}
+    written = [found.path, found.path.with_suffix(".json")]
+    write_text(written[1], json.dumps(document, indent=2) + "\n")
+    if can_draw():
+        written.append(found.path.with_suffix(f".{form}"))
+        save(draw_survey(survey), written[-1])
+    return document, [*about, *survey_lines(survey, numbers)], written
 
 
 def _numbers(text: str) -> list[float]:

@@ -16,6 +16,7 @@ from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
+from geomtorsion.files import write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import DislocationNetwork, LineFamily, Loop
 from geomtorsion.loops.loop_files import loop_from_data
@@ -224,5 +225,5 @@ def _save(
     except MissingExtraError as error:
         typer.echo(f"no picture: {error}", err=True)
         written.pop()
-    written[0].write_text(json.dumps(document, indent=2) + "\n", "utf-8")
+    write_text(written[0], json.dumps(document, indent=2) + "\n")
     typer.echo(f"wrote {' and '.join(map(str, written))}", err=True)

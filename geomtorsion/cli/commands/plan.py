@@ -11,6 +11,7 @@ from geomtorsion.cli.options import SpaceOrScene, Watch, argument, option
 from geomtorsion.cli.scene_sources import is_scene, open_scene, space_or_hint, start_angles
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.files import write_text
 from geomtorsion.scenes import StateSelection
 
 # How the nodes of a scene's graph are drawn by Graphviz.
@@ -47,7 +48,7 @@ def plan(
         lines = [str(shown), *start_angles(scene)]
         typer.echo(_dot(shown) if dot else "\n".join(lines))
         if output is not None:
-            output.write_text(shown.draw(), "utf-8")
+            write_text(output, shown.draw())
             typer.echo(f"wrote {output}")
         return
     if quantity is None:

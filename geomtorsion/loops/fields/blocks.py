@@ -13,13 +13,14 @@ from functools import cached_property
 from itertools import product
 from math import prod
 from pathlib import Path
+from shutil import disk_usage
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.blocks import digest_of_arrays, open_ledger, read_array, run_blocks, write_array
-from geomtorsion.errors import CheckpointError, GridError
+from geomtorsion.errors import CheckpointError, GridError, LimitError
 from geomtorsion.loops.fields.cells import circuits, torsion
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.grid import (
@@ -29,8 +30,50 @@ from geomtorsion.loops.fields.grid import (
     other_order,
     periodic_axes,
 )
-from geomtorsion.loops.fields.noise import Noise
+from geomtorsion.loops.fields.noise import (
+    SMOOTH,
+    Noise,
+    estimated_from_parts,
+    independent_significances,
+)
 from geomtorsion.loops.fields.sources import Source
+from geomtorsion.loops.quadrature import PIECE
+
+# Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
+# field: the median over so many has an error of half a per cent.
+SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
+# Files in one folder, whose numbers are in memory: more than any disk has room for, with blocks as
+# large as they are made by themselves.
+MOST_BLOCKS = 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """What a map in blocks keeps of each circuit (or node).
+
+    vectors: b^i (or torsion); sigmas: its standard deviation by noise; shape (rows, places...).
+    interpolation: the error of the grid, of the largest component, shape (places...).
+    """
+
+    vectors: np.ndarray
+    sigmas: np.ndarray
+    interpolation: np.ndarray
+
+    @classmethod
+    def of(cls, values: np.ndarray) -> Parts:
+        """The parts of one array of shape (2 * rows + 1, places...)."""
+        rows = len(values) // 2
+        return cls(values[:rows], values[rows:-1], values[-1])
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Noise (one standard deviation) and grid together, of the largest component."""
+        return np.hypot(self.interpolation, self.sigmas.max(axis=0))
+
+    @property
+    def significance(self) -> np.ndarray:
+        """|b| in units of its errors, as for `Plaquettes`."""
+        return independent_significances(self.vectors, self.sigmas, self.interpolation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +82,8 @@ class BlockMap:
 
     folder: of the blocks and the ledger. block: places in each block along each axis.
     size: edges of the circuits, or (0, 0) for torsion at the nodes; plane: the two axes.
-    steps, order, periodic, sigma: as for `SampledFrame`. stride: nodes from one place to the next
-    along each axis.
+    steps, order, periodic: as for `SampledFrame`. sigma: noise of each component, shape
+    (rows, columns along the grid). stride: nodes from one place to the next along each axis.
     """
 
     source: Source
@@ -51,7 +94,7 @@ class BlockMap:
     plane: tuple[int, int]
     order: int
     periodic: tuple[bool, ...]
-    sigma: float
+    sigma: np.ndarray
     reference: np.ndarray
     stride: tuple[int, ...]
 
@@ -95,16 +138,11 @@ class BlockMap:
         return tuple((k * b, min((k + 1) * b, n)) for k, b, n in triples)
 
     def compute(self, number: tuple[int, ...]) -> tuple[int, ...]:
-        """One block: b^i (or torsion), and the error, shape (rows + 1, places...)."""
+        """One block of the map, written to its file: `Parts` as one array."""
         low, values = self._read(number, beside_holes=False)
         if np.isnan(values).any():
             low, values = self._read(number, beside_holes=True)
-        if np.isinf(values).any():
-            place = np.argwhere(np.isinf(values))[0, 2:] + low
-            raise GridError(
-                f"source: finite values were needed, but one is infinite at node "
-                f"{tuple(place.tolist())}. Write NaN where nothing is known."
-            )
+        _check_finite(values, low)
         found = self._of(self._field(values))
         inner = [
             slice(first * stride - begin, (last - 1) * stride + 1 - begin, stride)
@@ -154,23 +192,21 @@ class BlockMap:
 
     def _field(self, values: np.ndarray) -> Field:
         """A block with its halo as a field of its own, less what is subtracted everywhere."""
-        d, shape = len(self.steps), values.shape[2:]
-        holes = np.asarray(np.isnan(values).any(axis=(0, 1)))
-        bent = values - self.reference.reshape(*self.reference.shape, *(1,) * d)
-        bent[:, :, holes] = 0
-        axes = tuple(np.arange(float(n)) for n in shape)
-        grid = Grid(axes, tuple("xyzuvw"[:d]), (False,) * d, holes, self.steps)
-        same = np.full((*values.shape[:2], *(1,) * d), self.sigma)
-        noise = Noise.of_sigma(same) if self.sigma else None
+        grid = _grid_of(values, self.steps)
+        bent = values - self.reference.reshape(*self.reference.shape, *(1,) * len(self.steps))
+        bent[:, :, grid.holes] = 0
+        noise = None
+        if self.sigma.any():
+            noise = Noise.of_sigma(self.sigma.reshape(*self.sigma.shape, *(1,) * len(self.steps)))
         return Field(grid, bent, self.reference, noise, self.order, self._other, 0.0)
 
     def _of(self, field: Field) -> np.ndarray:
-        """What is asked for, with its error behind it."""
+        """The map of a field: `Parts` as one array."""
         if self.size == (0, 0):
             curl, difference, sigmas = torsion(field, self.plane)
-            return np.concatenate([curl, np.hypot(difference, sigmas).max(axis=0)[None]])
+            return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
         found = circuits(field, self.plane, self.size)
-        return np.concatenate([found.vectors, found.errors[None]])
+        return np.concatenate([found.vectors, found.sigmas, found.interpolation[None]])
 
     def read(self) -> np.ndarray:
         """The whole map, shape (rows + 1, places...): b^i (or torsion), and last the error.
@@ -188,11 +224,13 @@ class BlockMap:
             )
         found = np.empty((self.source.shape[0] + 1, *self.places))
         for number, values in self:
-            found[(slice(None), *(slice(*ends) for ends in self.span(number)))] = values
+            parts = Parts.of(values)
+            whole = np.concatenate([parts.vectors, parts.errors[None]])
+            found[(slice(None), *(slice(*ends) for ends in self.span(number)))] = whole
         return found
 
     def __iter__(self) -> Iterator[tuple[tuple[int, ...], np.ndarray]]:
-        """The finished blocks one by one."""
+        """The finished blocks one by one, each `Parts` as one array."""
         for number in self.done:
             yield number, np.load(self.file(number), allow_pickle=False)
 
@@ -217,7 +255,7 @@ class BlockMap:
             "plane": list(self.plane),
             "order": self.order,
             "periodic": list(self.periodic),
-            "sigma": self.sigma,
+            "sigma": self.sigma.tolist(),
             "stride": list(self.stride),
             "reference": [[float(x).hex() for x in row] for row in self.reference],
         }
@@ -238,7 +276,7 @@ def blocked_map(
     *,
     shape: Sequence[int] | None = None,
     periodic: Any = (),
-    sigma: float = 0.0,
+    sigma: float | np.ndarray = 0.0,
     stride: int | Sequence[int] = 1,
     workers: int = 1,
     client: Any = None,
@@ -261,7 +299,8 @@ def blocked_map(
     size
         Cells along the sides of the circuits; 0: the torsion at all nodes instead.
     sigma
-        Standard deviation of the noise of every value. Rounding is not in the errors.
+        Standard deviation of the noise of every value: one number, or one for each component, shape
+        (rows, columns along the grid). Rounding is not in the errors.
     stride
         Nodes from one place to the next, one number or one for each axis: the size, for circuits
         that lie side by side.
@@ -295,8 +334,54 @@ def blocked_map(
     checks.count(workers, "workers", GridError, 1)
     _open_ledger(made)
     left = [number for number in made.numbers if not made.file(number).is_file()]
+    _check_disk(made, left)
     run_blocks(made.compute, left, workers, client)
     return made
+
+
+def estimated_sigma(source: Source) -> np.ndarray:
+    """Noise of each component, shape (rows, columns along the grid), from a sample of the field.
+
+    The estimate is that of `SampledFrame(sigma="estimate")`, from all nodes of a small field, and
+    from windows spread evenly over a large one.
+    """
+    shape = source.shape[2:]
+    d = len(shape)
+    windows = [[(0, n)] for n in shape]
+    if prod(shape) > SAMPLE:
+        # Windows as wide as sixth differences need, or wider.
+        side = max(SMOOTH + 1, round(WINDOW ** (1 / d)))
+        count = max(2, round((SAMPLE / WINDOW) ** (1 / d)))
+        sides = [min(n, side) for n in shape]
+        windows = [
+            [(int(k), int(k) + m) for k in np.unique(np.linspace(0, n - m, count).astype(int))]
+            for n, m in zip(shape, sides, strict=True)
+        ]
+    parts = []
+    for window in product(*windows):
+        low, high = zip(*window, strict=True)
+        values = source.read(low, high)[:, :d]
+        _check_finite(values, low)
+        parts.append((values, _grid_of(values, (1.0,) * d)))
+    return estimated_from_parts(parts).reshape(source.shape[0], d)
+
+
+def _grid_of(values: np.ndarray, steps: tuple[float, ...]) -> Grid:
+    """The grid of a block with its holes."""
+    shape = values.shape[2:]
+    holes = np.asarray(np.isnan(values).any(axis=(0, 1)))
+    axes = tuple(np.arange(float(n)) for n in shape)
+    return Grid(axes, tuple("xyzuvw"[: len(shape)]), (False,) * len(shape), holes, steps)
+
+
+def _check_finite(values: np.ndarray, low: Sequence[int]) -> None:
+    """Refuse infinite values in a block whose first node is low."""
+    if np.isinf(values).any():
+        place = np.argwhere(np.isinf(values))[0, 2:] + low
+        raise GridError(
+            f"source: finite values were needed, but one is infinite at node "
+            f"{tuple(place.tolist())}. Write NaN where nothing is known."
+        )
 
 
 def _checked(
@@ -309,7 +394,7 @@ def _checked(
     order: int,
     shape: Sequence[int] | None,
     periodic: Any,
-    sigma: float,
+    sigma: float | np.ndarray,
     stride: int | Sequence[int],
 ) -> BlockMap:
     """Everything that was given, looked at once."""
@@ -334,14 +419,25 @@ def _checked(
         checks.count(side, "size", GridError, 0, grid[k] - 1)
     blocks = _several(block, d, "block", 1)
     check_length(names, grid, order)
-    noise = checks.number(sigma, "sigma", GridError)
-    if noise < 0:
-        raise GridError(f"sigma: 0 or more was needed, but {noise:.6g} came.")
+    components = (found.shape[0], d)
+    blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
+    if blocks_needed > MOST_BLOCKS:
+        raise LimitError(
+            f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
+            f"{found.shape}. Give larger blocks, or a part of the field."
+        )
+    noise = checks.array(sigma, "sigma", GridError)
+    if noise.shape not in ((), components) or (noise < 0).any():
+        raise GridError(
+            f"sigma: 0 or more was needed, as one number or in shape {components}, but "
+            f"{checks.shown(sigma)} came."
+        )
     # The same everywhere, so that blocks agree: a constant part closes exactly, unrounded.
     reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
     return BlockMap(
         found, str(folder), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
-        (pair[0], pair[1]), order, wraps, noise, reference, _several(stride, d, "stride", 1),
+        (pair[0], pair[1]), order, wraps, np.broadcast_to(noise, components), reference,
+        _several(stride, d, "stride", 1),
     )  # fmt: skip
 
 
@@ -356,11 +452,23 @@ def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
     return tuple(checks.count(n, name, GridError, least) for n in rows)
 
 
+def _check_disk(made: BlockMap, left: Sequence[Sequence[int]]) -> None:
+    """Refuse a map whose blocks find no room: not after hours of work."""
+    places = sum(prod(b - a for a, b in made.span(number)) for number in left)
+    needed = 8 * (2 * made.source.shape[0] + 1) * places
+    free = disk_usage(made.folder).free
+    if needed > free:
+        raise LimitError(
+            f"{made.folder}: expected {needed:,} free bytes for the blocks of the map, got "
+            f"{free:,}. Make room, name another disk, or give a part of the field."
+        )
+
+
 def _open_ledger(made: BlockMap) -> None:
     """Begin a folder, or take up what is in it."""
     if not open_ledger(Path(made.folder), made.ledger):
         return
-    expected = prod(made.block) * (made.source.shape[0] + 1) * 8
+    expected = prod(made.block) * (2 * made.source.shape[0] + 1) * 8
     for number in made.done:
         # A file that somebody has cut is done again.
         if made.file(number).stat().st_size > expected + 1000 or not _whole(made, number):
@@ -369,5 +477,5 @@ def _open_ledger(made: BlockMap) -> None:
 
 def _whole(made: BlockMap, number: tuple[int, ...]) -> bool:
     """Whether a block has the size that it must have."""
-    wanted = (made.source.shape[0] + 1, *(b - a for a, b in made.span(number)))
+    wanted = (2 * made.source.shape[0] + 1, *(b - a for a, b in made.span(number)))
     return read_array(made.file(number), wanted) is not None

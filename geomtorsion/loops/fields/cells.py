@@ -11,7 +11,12 @@ import numpy as np
 
 from geomtorsion.loops.fields.circuits import Field, unexplained
 from geomtorsion.loops.fields.grid import Grid
-from geomtorsion.loops.fields.noise import Noise, along, significances
+from geomtorsion.loops.fields.noise import (
+    Noise,
+    along,
+    independent_significances,
+    significances,
+)
 from geomtorsion.loops.fields.sides import Spread, on_grid, sides
 from geomtorsion.loops.quadrature import ROUNDING
 
@@ -66,10 +71,7 @@ class Plaquettes:
         """
         if self.shared:
             return self._joint_significance
-        sigmas = np.hypot(self.sigmas, self.interpolation)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            shares = np.where(self.vectors == 0, 0.0, self.vectors / sigmas)
-        return np.sqrt((shares**2).sum(axis=0))
+        return independent_significances(self.vectors, self.sigmas, self.interpolation)
 
     @property
     def _joint_significance(self) -> np.ndarray:
@@ -100,6 +102,42 @@ class Plaquettes:
         return f"Plaquettes({places} circuits of {sides} cells{holes}{units})"
 
 
+@dataclass(frozen=True, eq=False)
+class Rectangles:
+    """All rectangular circuits of a size in a plane of a grid, as sums over their four sides."""
+
+    grid: Grid
+    plane: tuple[int, int]
+    size: tuple[int, int]
+
+    @property
+    def area(self) -> float:
+        """Of one circuit; negative where one axis of the plane decreases."""
+        steps = [self.grid.steps[k] * m for k, m in zip(self.plane, self.size, strict=True)]
+        return steps[0] * steps[1]
+
+    def four(self, one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Near and far side along the first axis, and along the second, of each circuit.
+
+        one, two: something of all sides along the first axis, and along the second, (..., sides).
+        """
+        grid, (a, b) = self.grid, self.plane
+        near_a, far_a = _pair(one, b - grid.dimension, self.size[1], grid.periodic[b])
+        near_b, far_b = _pair(two, a - grid.dimension, self.size[0], grid.periodic[a])
+        return near_a, far_a, near_b, far_b
+
+    def rounds(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+        """Sums round circuits, in the sense in which the coordinates increase."""
+        near_a, far_a, near_b, far_b = self.four(one, two)
+        # Along a decreasing axis the circuits run round the other way.
+        return float(np.sign(self.area)) * ((far_b - near_b) - (far_a - near_a))
+
+    def sums(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+        """Sums over the four sides, whichever way they are run through."""
+        near_a, far_a, near_b, far_b = self.four(one, two)
+        return near_a + far_a + near_b + far_b
+
+
 def circuits(
     sampled: Field,
     plane: tuple[int, int],
@@ -107,24 +145,10 @@ def circuits(
     units: tuple[str, str] = ("", ""),
 ) -> Plaquettes:
     """All circuits of a size; the cost grows with its logarithm."""
-    grid, (a, b) = sampled.grid, plane
+    grid = sampled.grid
     side_a, side_b = (sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
-    area = grid.steps[a] * grid.steps[b] * size[0] * size[1]
-    # Along a decreasing axis the circuits run round the other way.
-    sign = float(np.sign(area))
-
-    def four(one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, ...]:
-        near_a, far_a = _pair(one, b - grid.dimension, size[1], grid.periodic[b])
-        near_b, far_b = _pair(two, a - grid.dimension, size[0], grid.periodic[a])
-        return near_a, far_a, near_b, far_b
-
-    def rounds(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        near_a, far_a, near_b, far_b = four(one, two)
-        return sign * ((far_b - near_b) - (far_a - near_a))
-
-    def sums(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        near_a, far_a, near_b, far_b = four(one, two)
-        return near_a + far_a + near_b + far_b
+    lines = Rectangles(grid, plane, size)
+    four, rounds, sums = lines.four, lines.rounds, lines.sums
 
     def spread(one: Spread, two: Spread) -> dict[tuple[int, int], np.ndarray]:
         found = {}
@@ -169,7 +193,7 @@ def circuits(
     if side_a.noise is not None:
         errors = np.hypot(interpolation, sigmas.max(axis=0))
     return Plaquettes(
-        vectors, errors, abs(area), plane, sigmas, interpolation, known, size, units, shared
+        vectors, errors, abs(lines.area), plane, sigmas, interpolation, known, size, units, shared
     )
 
 
@@ -243,16 +267,10 @@ def _variance(
     matrices: Sequence[csr_array],
 ) -> np.ndarray:
     """Variance of one component of torsion, shape of the grid (or what broadcasts to it)."""
-    if noise.origins and not grid.has_holes:
-        # Differences along two axes commute: the torsion of what they are taken of is none.
-        return np.zeros((1,) * grid.dimension)
     total = np.zeros(grid.shape)
     for matrix, (k, m) in zip(matrices, (plane, plane[::-1]), strict=True):
         variances = noise.at_nodes(row, m, grid.shape)
         total += along(matrix.power(2), variances, k)
-    if noise.origins:
-        # An upper bound beside holes, as neighbours are not independent.
-        return total
     # The two derivatives share the node at which they are taken.
     one, two = (
         on_grid(t.diagonal().reshape(grid.shape[k], -1), grid.shape, k)

@@ -263,8 +263,6 @@ def _sigma(field: Field, axis: int, matrix: csr_array) -> np.ndarray:
     noise, shape = field.noise, field.grid.shape
     if noise is None:
         return np.zeros((1,) * len(shape))
-    if noise.origins:
-        matrix = matrix @ noise.origins[axis]
     squares = matrix.power(2)
     every = [c for (i, j), c in noise.between((axis, axis)).items() if i == j]
     variances = [along(squares, np.broadcast_to(c, shape), axis) for c in every]
@@ -320,7 +318,7 @@ def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeInt
     (fine, other), (coarse,) = summed(2, True), summed(1, False)
     errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
     if field.noise is not None:
-        covariance = field.noise.in_a_row(grid.shape).of_sums(sums)
+        covariance = field.noise.in_a_row().of_sums(sums)
         variances = np.diagonal(covariance, axis1=1, axis2=2).max(axis=1)
         errors = np.hypot(errors, np.sqrt(variances))
     rounding = ROUNDING * np.abs(fine).max(axis=1)

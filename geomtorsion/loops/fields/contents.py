@@ -26,8 +26,9 @@ TEXTS = ("unit", "vector_unit", "source")
 class Contents:
     """Axes and values of a frame.
 
-    values: the coframe, or a distortion, shape (rows, columns, grid...).
-    options: sigma, periodic and texts, where there are any.
+    values: the coframe, or a distortion, shape (rows, columns, grid...), or a displacement, shape
+    (rows, grid...).
+    options: sigma, periodic and texts, where there are any; branch, of a displacement.
     """
 
     axes: list[np.ndarray]
@@ -35,6 +36,7 @@ class Contents:
     names: tuple[str, ...]
     is_distortion: bool
     options: Mapping[str, Any]
+    is_displacement: bool = False
 
 
 def key_of(path: Path, arrays: Iterable[str]) -> str:

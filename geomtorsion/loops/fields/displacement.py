@@ -1,79 +1,149 @@
-"""Displacement: distortions from displacements, which jump by lattice vectors across cuts."""
+"""Displacement: what a field of displacements on a grid says, with jumps by lattice vectors."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.errors import GridError
+from geomtorsion.loops.fields.edge_noise import chances_of
 from geomtorsion.loops.fields.grid import Grid, numbers
+from geomtorsion.loops.fields.noise import along, spread
 from geomtorsion.loops.fields.sides import on_grid
 from geomtorsion.loops.fields.stencils import applied
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-
 # An edge compares itself with the median of so many neighbours: two on each side.
 NEIGHBOURS = 5
+# Standard error of the median of normal numbers, in units of that of their mean.
+OF_MEDIAN = float(np.sqrt(np.pi / 2))
+# What asks for jumps to be looked for.
+FIND = "find"
 
 
 @dataclass(frozen=True, eq=False)
-class Distortion:
-    """What a displacement has become.
+class Jumps:
+    """Lattice vectors by which a displacement jumps.
 
-    values: d_mu u^i, shape (rows, d, grid...), NaN where it is not known.
-    origins: matrices that take a displacement to its derivative along each axis.
-    jumps: the vectors by which it jumps, shape (k, rows); edges: how many jump by each.
+    vectors: shape (k, rows). scatter, bias: standard errors of vectors that were found in the
+    values, and their errors by smooth strain, of the same shape; zero where they were declared.
+    """
+
+    vectors: np.ndarray
+    scatter: np.ndarray
+    bias: np.ndarray
+
+    @classmethod
+    def declared(cls, vectors: np.ndarray) -> Jumps:
+        """Jumps that are known without an error."""
+        return cls(vectors, np.zeros_like(vectors), np.zeros_like(vectors))
+
+    def sums(self, times: np.ndarray) -> np.ndarray:
+        """Sums of so many of each vector, shape (rows, ...), for times of shape (k, ...)."""
+        return np.einsum("ki,k...->i...", self.vectors, times)
+
+    def covariance(self, times: np.ndarray, chances: np.ndarray) -> np.ndarray:
+        """Covariance of such sums, shape (..., rows, rows).
+
+        chances: that noise has changed a number, added up over all edges of a circuit, (k, ...).
+        """
+        wrong = np.einsum("k...,ki,kj->...ij", chances, self.vectors, self.vectors)
+        own = np.einsum("k...,ki->...i", times**2, self.scatter**2)
+        return wrong + own[..., None] * np.eye(self.vectors.shape[1])
+
+    def errors(self, times: np.ndarray) -> np.ndarray:
+        """Error of the largest component of such sums by smooth strain, shape (...)."""
+        return np.einsum("ki,k...->i...", self.bias, np.abs(times)).max(axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """A displacement at the nodes of a grid, and by how many lattice vectors each edge jumps.
+
+    The integral of the coframe along an edge is the difference of the displacement less the jump.
+    Round a circuit the differences cancel, and b is a sum of whole lattice vectors.
+
+    values: u^i at the nodes, shape (rows, grid...). branch: the jumps as they were declared.
+    coframe: 1 + d u without the jumps, at the nodes, NaN in holes. sigma: its standard deviation by
+    noise, of the same shape, or None.
+    times: by how many of the vectors each edge jumps, shape (k, edges...), one array for each axis.
+    chances: that noise has changed such a number, of the same shapes; zero without noise.
+    variances: of u by noise, shape (rows, grid...), or None.
+    source: what was found, in words.
     """
 
     values: np.ndarray
-    origins: tuple[csr_array, ...]
-    jumps: np.ndarray
-    edges: tuple[int, ...]
-
-    @property
-    def said(self) -> str:
-        """What was found, in words."""
-        pairs = zip(self.jumps.tolist(), self.edges, strict=True)
-        found = [f"({', '.join(f'{x:.6g}' for x in b)}) on {n} edges" for b, n in pairs]
-        return f"a displacement; jumps: {', '.join(found) or 'none'}"
+    branch: object
+    coframe: np.ndarray
+    sigma: np.ndarray | None
+    jumps: Jumps
+    times: tuple[np.ndarray, ...]
+    chances: tuple[np.ndarray, ...]
+    variances: np.ndarray | None
+    source: str
 
 
-def distortion_of(displacement: np.ndarray, grid: Grid, order: int, branch: object) -> Distortion:
-    """The derivatives of a displacement, without its jumps.
+def displacement_of(
+    values: np.ndarray, grid: Grid, order: int, branch: object, variances: np.ndarray | None = None
+) -> Displacement:
+    """A displacement with its jumps and its derivatives without them.
 
     Cells round which the jumps do not close hold a core, or a difference that noise has spoilt:
     their corners become holes.
 
     branch: the lattice vectors by which it may jump, shape (k, rows), or one length for all
-    directions; None: they are looked for.
+    directions; "find": they are looked for; None: it has one value at each place.
+    variances: of the values by noise, shape (rows, grid...).
     """
-    steps = [_differences(displacement, 1 + k, grid.periodic[k]) for k in range(grid.dimension)]
+    rows, d = values.shape[0], grid.dimension
+    steps = [differences(values, 1 + k, grid.periodic[k]) for k in range(d)]
     # Smooth fields may change by more than a lattice vector from node to node: jumps are what
     # stands out from the neighbours along the line.
     bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
-    if branch is None:
-        vectors = _found(steps, bent, grid)
-        times = [_nearest(rest, vectors) for rest in bent]
+    if branch is None or (isinstance(branch, str) and branch == FIND):
+        jumps = _found(steps, bent, grid)
+        inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
+        times = [_nearest(rest, jumps.vectors) for rest in bent]
     else:
-        vectors = lattice_vectors(branch, len(displacement))
-        inverse = np.linalg.pinv(vectors.T)
-        times = [np.rint(np.einsum("ki,i...->k...", inverse, rest)) for rest in bent]
-        times = [np.nan_to_num(number) for number in times]
-    counts = sum(np.count_nonzero(x, axis=tuple(range(1, x.ndim))) for x in times)
-    steps = [
-        step - np.einsum("ki,k...->i...", vectors, number)
-        for step, number in zip(steps, times, strict=True)
-    ]
+        jumps = Jumps.declared(lattice_vectors(branch, rows))
+        inverse = np.linalg.pinv(jumps.vectors.T)
+        shares = (np.einsum("ki,i...->k...", inverse, rest) for rest in bent)
+        times = [np.nan_to_num(np.rint(share)) for share in shares]
+    source = f"a displacement; jumps: {_listed(jumps.vectors, times) or 'none'}"
+    if branch is None and len(jumps.vectors):
+        seen = _listed(jumps.vectors[:1], [x[:1] for x in times])
+        source = (
+            f"a displacement; jumps: none declared. Steps of {seen} stand out: if they are jumps, "
+            "declare them as branch"
+        )
+        jumps, inverse = Jumps.declared(np.zeros((0, rows))), np.zeros((0, rows))
+        times = [x[:0] for x in times]
+    steps = [step - jumps.sums(number) for step, number in zip(steps, times, strict=True)]
     holes = grid.holes.copy()
     for _, corners in _open_cells(times, grid):
         holes[tuple(corners.T)] = True
     whole = Grid(grid.axes, grid.names, grid.periodic, holes)
-    return _derived(steps, whole, order, vectors, np.asarray(counts))
+    coframe, sigma = _derived(steps, whole, order, variances)
+    chances = [np.zeros_like(x) for x in times]
+    if variances is not None and len(inverse):
+        for k, (rest, number) in enumerate(zip(bent, times, strict=True)):
+            both = variances + np.roll(variances, -1, 1 + k)
+            both = both if grid.periodic[k] else np.delete(both, -1, 1 + k)
+            width = np.sqrt(np.einsum("ki,i...->k...", inverse**2, both))
+            away = np.einsum("ki,i...->k...", inverse, rest) - number
+            chances[k] = np.nan_to_num(chances_of(away, width))
+    return Displacement(
+        values, branch, coframe, sigma, jumps, tuple(times), tuple(chances), variances, source
+    )
+
+
+def _listed(vectors: np.ndarray, times: list[np.ndarray]) -> str:
+    """Vectors with how many edges jump by them, in words."""
+    counts = sum(np.count_nonzero(x, axis=tuple(range(1, x.ndim))) for x in times)
+    pairs = zip(vectors.tolist(), np.asarray(counts).tolist(), strict=True)
+    return ", ".join(f"({', '.join(f'{x:.6g}' for x in b)}) on {n} edges" for b, n in pairs)
 
 
 def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.ndarray]]:
@@ -83,8 +153,8 @@ def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.n
     """
     for a, b in combinations(range(grid.dimension), 2):
         wraps = grid.periodic
-        one = _differences(times[b], 1 + a, wraps[a])
-        two = _differences(times[a], 1 + b, wraps[b])
+        one = differences(times[b], 1 + a, wraps[a])
+        two = differences(times[a], 1 + b, wraps[b])
         cells = np.argwhere((one != two).any(axis=0))
         corners = np.repeat(cells[None], 4, axis=0)
         corners[1::2, :, a] += 1
@@ -95,22 +165,25 @@ def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.n
 
 
 def _derived(
-    steps: list[np.ndarray], grid: Grid, order: int, vectors: np.ndarray, counts: np.ndarray
-) -> Distortion:
-    """Derivatives at the nodes from differences along the edges."""
-    values = np.empty((len(steps[0]), grid.dimension, *grid.shape))
-    origins = []
+    steps: list[np.ndarray], grid: Grid, order: int, variances: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The coframe at the nodes from differences along the edges, and its standard deviations."""
+    rows, d = len(steps[0]), grid.dimension
+    coframe = np.empty((rows, d, *grid.shape))
+    sigma = None if variances is None else np.empty_like(coframe)
     for k, step in enumerate(steps):
         rule = grid.rule(order, k, slopes=True)
         lines = rule.holes.shape[1]
         found = applied(rule.matrix_of_steps, np.nan_to_num(step), 1 + k, lines) / grid.steps[k]
         found[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
-        values[:, k] = found
-        origins.append(rule.matrix / grid.steps[k])
-    return Distortion(values, tuple(origins), vectors, tuple(counts.tolist()))
+        coframe[:, k] = found
+        if sigma is not None and variances is not None:
+            squares = (rule.matrix / grid.steps[k]).power(2)
+            sigma[:, k] = [np.sqrt(along(squares, row, k)) for row in variances]
+    return coframe + np.eye(rows, d).reshape(rows, d, *(1,) * d), sigma
 
 
-def _differences(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
+def differences(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
     """From each node to the next one."""
     return np.roll(values, -1, axis) - values if periodic else np.diff(values, axis=axis)
 
@@ -150,7 +223,7 @@ def lattice_vectors(branch: object, rows: int) -> np.ndarray:
     return found
 
 
-def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> np.ndarray:
+def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps:
     """The vectors by which steps stand out from their neighbours, the largest first.
 
     A step may be a jump if it stands out more than each of its neighbours does. A vector counts if
@@ -162,8 +235,8 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> np.nd
         np.isfinite(size) & (size > _of_neighbours(step, 1 + k))
         for k, (step, size) in enumerate(zip(steps, away, strict=True))
     ]
-    sharp = [_without_cubic(step, 1 + k) for k, step in enumerate(steps)]
-    vectors: list[np.ndarray] = []
+    smooth = [_of_near_and_far(step, 1 + k) for k, step in enumerate(steps)]
+    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     least = 0.0
     while any(x.any() for x in open_):
         k = int(np.argmax([np.where(o, x, 0).max() for o, x in zip(open_, away, strict=True)]))
@@ -173,13 +246,26 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> np.nd
             break
         times = [_near(rest, seed) * o for rest, o in zip(bent, open_, strict=True)]
         left_open = sum(count for count, _ in _open_cells([x[None] for x in times], grid))
-        if left_open < sum(np.count_nonzero(x) for x in times):
-            jumps = [(x * s)[:, x != 0] for x, s in zip(times, sharp, strict=True)]
-            vectors.append(np.nanmedian(np.concatenate(jumps, axis=1), axis=1))
+        # Without the cubic, and the line, through the neighbours.
+        sharp, blunt = (
+            np.concatenate(
+                [((s - p[n]) * x)[:, x != 0] for s, p, x in zip(steps, smooth, times, strict=True)],
+                axis=1,
+            )
+            for n in (0, 1)
+        )
+        known = np.isfinite(sharp).all(axis=0)
+        if left_open < sum(np.count_nonzero(x) for x in times) and known.any():
+            sharp, blunt = sharp[:, known], blunt[:, known]
+            vector = np.median(sharp, axis=1)
+            wide = [spread(row) for row in sharp - vector[:, None]]
+            scatter = OF_MEDIAN * np.array(wide) / np.sqrt(sharp.shape[1])
+            found.append((vector, scatter, np.abs(np.median(blunt, axis=1) - vector)))
         else:
             least = max(least, float(away[k][place]) / 2)
         open_ = [o & (x == 0) for o, x in zip(open_, times, strict=True)]
-    return np.array(vectors).reshape(-1, len(bent[0]))
+    table = np.array(found).reshape(-1, 3, len(bent[0]))
+    return Jumps(table[:, 0], table[:, 1], table[:, 2])
 
 
 def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
@@ -190,13 +276,16 @@ def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis(np.fmax.reduce(sizes, axis=0), -1, axis - 1)
 
 
-def _without_cubic(steps: np.ndarray, axis: int) -> np.ndarray:
-    """Steps less what two neighbours on each side say of them, NaN where there are not both."""
+def _of_near_and_far(steps: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """What two neighbours on each side, and one on each side, say of a step; NaN without them."""
     moved = np.moveaxis(steps, axis, -1)
-    found = np.full_like(moved, np.nan)
+    found = []
     left, right = moved[..., 1:-3] + moved[..., 3:-1], moved[..., :-4] + moved[..., 4:]
-    found[..., 2:-2] = moved[..., 2:-2] - (4 * left - right) / 6
-    return np.moveaxis(found, -1, axis)
+    for inner in ((4 * left - right) / 6, left / 2):
+        whole = np.full_like(moved, np.nan)
+        whole[..., 2:-2] = inner
+        found.append(np.moveaxis(whole, -1, axis))
+    return found[0], found[1]
 
 
 def _near(rest: np.ndarray, vector: np.ndarray) -> np.ndarray:

@@ -70,3 +70,14 @@ class JumpNoise:
     def difference(self, chains: csr_array) -> np.ndarray:
         """There is no other rule."""
         return np.zeros((chains.shape[0], self.vectors.shape[1]))
+
+
+def chances_of(rest: np.ndarray, sigma: np.ndarray) -> np.ndarray:
+    """Chances that noise has carried a whole number to the next, shape of the rests.
+
+    What is left of a difference is noise about 0, or noise about the next whole number.
+    """
+    away = 1 - 2 * np.abs(rest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(sigma > 0, away / (2 * sigma**2), np.where(away > 0, np.inf, 0.0))
+    return scipy.special.expit(-share)

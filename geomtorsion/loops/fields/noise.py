@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from math import comb, sqrt
+from math import comb, inf, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
@@ -32,14 +32,10 @@ class Noise:
 
     rows: frame indices. terms: {(i, mu, j, nu): covariance of e^i_mu and e^j_nu at each node, with
     axes of length 1 where nothing varies}; those that are not there are zero.
-    origins: one matrix for each column mu where the values are not independent themselves, but
-    sums of independent ones along the axis mu (of a displacement, say), which the terms are of;
-    shape (N_mu * lines, N_mu * lines), one line standing for all where no line is special.
     """
 
     rows: int
     terms: Mapping[Pair, np.ndarray]
-    origins: tuple[csr_array, ...] = ()
 
     @classmethod
     def of_sigma(cls, sigma: np.ndarray) -> Noise:
@@ -59,13 +55,6 @@ class Noise:
         """Covariance of e^i_mu with e^j_nu for these mu and nu, by (i, j)."""
         return {(i, j): c for (i, k, j, m), c in self.terms.items() if (k, m) == columns}
 
-    @classmethod
-    def of_origins(cls, sigma: np.ndarray, origins: tuple[csr_array, ...]) -> Noise:
-        """Of columns that are made of one vector at the nodes, sigma (rows, grid or 1...)."""
-        columns = range(len(origins))
-        terms = {(i, k, i, m): s**2 for i, s in enumerate(sigma) for k in columns for m in columns}
-        return cls(len(sigma), terms, origins)
-
     @property
     def joins_columns(self) -> bool:
         """Whether different columns have anything to do with each other."""
@@ -74,27 +63,15 @@ class Noise:
     def at_nodes(self, row: int, column: int, shape: tuple[int, ...]) -> np.ndarray:
         """Variance of one component at every node, shape of the grid."""
         key = (row, column, row, column)
-        found = np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
-        return along(self.origins[column].power(2), found, column) if self.origins else found
+        return np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
 
-    def in_a_row(self, shape: tuple[int, ...]) -> Noise:
-        """The same for nodes by their numbers, without origins: what they join is left out."""
-        rows, columns = self.rows, len(shape)
-        if self.origins:
-            kinds = np.ndindex(rows, columns)
-            return Noise(rows, {(i, k, i, k): self.at_nodes(i, k, shape).ravel() for i, k in kinds})
-        return Noise(rows, {pair: c.ravel() for pair, c in self.terms.items()})
+    def in_a_row(self) -> Noise:
+        """The same for nodes by their numbers."""
+        return Noise(self.rows, {pair: c.ravel() for pair, c in self.terms.items()})
 
     def of_sum(self, weights: np.ndarray) -> np.ndarray:
         """Covariance of a sum over nodes with weights (columns, grid...), shape (rows, rows)."""
         shape = weights.shape[1:]
-        if self.origins:
-            weights = np.stack(
-                [
-                    along(m.T.tocsr(), w, k)
-                    for k, (m, w) in enumerate(zip(self.origins, weights, strict=True))
-                ]
-            )
         nodes = np.flatnonzero(weights.any(axis=0))
         flat = weights.reshape(len(weights), -1)[:, nodes]
         found = np.zeros((self.rows, self.rows))
@@ -106,7 +83,7 @@ class Noise:
     def of_sums(self, weights: Sequence[csr_array]) -> np.ndarray:
         """Covariances of many sums over nodes in a row, shape (sums, rows, rows).
 
-        weights: of the nodes, one matrix (sums, nodes) for each column. Without origins.
+        weights: of the nodes, one matrix (sums, nodes) for each column.
         """
         count = weights[0].shape[0]
         found = np.zeros((count, self.rows, self.rows))
@@ -141,6 +118,19 @@ def significances(
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
     return np.sqrt((shares**2).sum(axis=-1))
+
+
+def independent_significances(
+    vectors: np.ndarray, sigmas: np.ndarray, other: np.ndarray
+) -> np.ndarray:
+    """|b| in units of its errors, for components with independent noise, shape (places...).
+
+    vectors, sigmas: shape (rows, places...). other: the other error of each component, shape
+    (places...). NaN where b is unknown, infinite where b has no error.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(vectors == 0, 0.0, vectors / np.hypot(sigmas, other))
+    return np.sqrt((shares**2).sum(axis=0))
 
 
 def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
@@ -256,16 +246,29 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
 def estimated(values: np.ndarray, grid: Grid) -> np.ndarray:
     """Standard deviation of each component, from differences of sixth order.
 
+    values: shape (rows, columns, grid...). Returns shape (rows, columns, 1, ...).
+    """
+    return estimated_from_parts([(values, grid)])
+
+
+def estimated_from_parts(parts: Sequence[tuple[np.ndarray, Grid]]) -> np.ndarray:
+    """Standard deviation of each component, from differences of sixth order in parts of one field.
+
     sigma = median |difference| / (0.6745 sqrt(sum of squared binomials)), the least along the axes:
     what is smooth over seven nodes cancels, and the median knows nothing of cores and cuts.
 
-    values: shape (rows, columns, grid...). Returns shape (rows, columns, 1, ...).
+    parts: values of shape (rows, columns, grid...) with their grids. Returns shape
+    (rows, columns, 1, ...).
     """
-    flat = values.reshape(-1, *grid.shape)
-    best = np.full(len(flat), np.inf)
-    for pick in _differences(grid):
-        best = np.minimum(best, [spread(pick(one)) for one in flat])
-    return best.reshape(*values.shape[:2], *(1,) * grid.dimension)
+    dimension = parts[0][1].dimension
+    best = np.full(parts[0][0].shape[:2], np.inf)
+    picks = [(values, _differences(grid)) for values, grid in parts]
+    for axis in range(dimension):
+        for i, k in np.ndindex(*best.shape):
+            numbers = np.concatenate([pick[axis](values[i, k]) for values, pick in picks])
+            best[i, k] = min(best[i, k], spread(numbers))
+    _check_estimate(best)
+    return best.reshape(*best.shape, *(1,) * dimension)
 
 
 def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
@@ -274,13 +277,17 @@ def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
     values: shape (rows, columns, grid...). Returns shape (rows, columns, rows, columns, 1, ...).
     """
     flat = values.reshape(-1, *grid.shape)
-    found = [robust_covariance([pick(one) for one in flat]) for pick in _differences(grid)]
-    best = min(found, key=np.trace)
+    numbers = [[pick(one) for one in flat] for pick in _differences(grid)]
+    found = [robust_covariance(rows) for rows in numbers if rows[0].size]
+    best = min(found, key=np.trace, default=np.full((len(flat),) * 2, np.inf))
+    _check_estimate(best)
     return best.reshape(*values.shape[:2] * 2, *(1,) * grid.dimension)
 
 
 def spread(numbers: np.ndarray) -> float:
-    """Standard deviation of numbers about 0, by the median of their sizes."""
+    """Standard deviation of numbers about 0, by the median of their sizes; infinite of none."""
+    if not numbers.size:
+        return inf
     return float(np.median(np.abs(numbers))) / MEDIAN
 
 
@@ -302,8 +309,17 @@ def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
     return (vectors * np.maximum(values, 0)) @ vectors.T
 
 
+def _check_estimate(found: np.ndarray) -> None:
+    """Refuse an estimate for which there were no differences."""
+    if not np.isfinite(found).all():
+        raise GridError(
+            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
+            "but there are none. Give sigma as a number or an array."
+        )
+
+
 def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
-    """For each axis what makes known differences of sixth order, with the variance of one node."""
+    """For each axis the known differences of sixth order, scaled to the variance of one node."""
     found = []
     for axis, points in enumerate(grid.shape):
         order = min(SMOOTH, points - 1)
@@ -319,11 +335,5 @@ def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
         ) -> np.ndarray:  # fmt: skip
             return np.diff(np.moveaxis(one, axis, -1), order, axis=-1)[known] / scale
 
-        if known.any():
-            found.append(pick)
-    if not found:
-        raise GridError(
-            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
-            "but there are none. Give sigma as a number or an array."
-        )
+        found.append(pick)
     return found

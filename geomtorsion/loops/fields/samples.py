@@ -17,7 +17,7 @@ from geomtorsion.files import written
 from geomtorsion.loops.arcs import Parameters
 from geomtorsion.loops.fields.circuits import Field
 from geomtorsion.loops.fields.contents import TEXTS, Contents
-from geomtorsion.loops.fields.displacement import distortion_of
+from geomtorsion.loops.fields.displacement import Displacement, displacement_of
 from geomtorsion.loops.fields.grid import (
     REGULAR,
     Grid,
@@ -61,6 +61,7 @@ class Samples:
     unit: str = field(default="", kw_only=True)
     vector_unit: str = field(default="", kw_only=True)
     source: str = field(default="", kw_only=True)
+    displacement: Displacement | None = field(default=None, kw_only=True)
     noise: Noise | None = field(default=None, init=False)
     sigma_source: str = field(default="", init=False)
 
@@ -83,6 +84,13 @@ class Samples:
             values = np.where(unknown, np.nan, values)
         for key in ("unit", "vector_unit"):
             checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
+        if self.displacement is not None:
+            known = ~unknown
+            if not np.array_equal(values[..., known], self.displacement.coframe[..., known]):
+                raise GridError(
+                    "coframe: expected that of the displacement, got another. Make the frame anew "
+                    "by from_displacement, or by SampledFrame(axes, coframe)."
+                )
         given = noise_of(self.sigma, self.covariance, inner, grid)
         unit = self.vector_unit or self.unit
         found = (axes, values, names, unknown, wraps, unit, *given)
@@ -165,21 +173,26 @@ class Samples:
     ) -> Self:
         """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
 
-        A dislocation makes u jump by a lattice vector across a cut. Jumps are taken out edge by
-        edge before differences are formed: e = 1 + d u, as for `from_distortion`.
+        The coframe is e = 1 + d u, as for `from_distortion`. Its integral along an edge is the
+        difference of u, without interpolation. Where u has one value at each place, the
+        differences cancel round every circuit: b is zero, however steep u is and however noisy.
+
+        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are taken out
+        edge by edge, and b is a sum of whole lattice vectors.
 
         Parameters
         ----------
         branch
             Lattice vectors by which u may jump, shape (k, rows), one vector, or one length for all
-            axes. Without it the jumps are looked for: steps of one size that stand out from their
-            neighbours along the line, and make lines (`source` says which were found). Cells round
-            which jumps do not close hold a core, or a value that noise has spoilt: their corners
-            become holes.
+            axes. "find" looks for them: steps of one size that stand out from their neighbours
+            along the line, and make lines; the error of a vector that was found is in that of b.
+            Slip bands may look like that, and values alone do not tell one from the other. `source`
+            says what was found. Cells round which jumps do not close hold a core, or a value that
+            noise has spoilt: their corners become holes.
         options
             mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
-            one number, an array of the shape of the grid, or "estimate". Along a circuit
-            differences between neighbours cancel, and errors know it.
+            one number, an array of the shape of the grid, or "estimate". Noise changes b only where
+            it carries a difference beyond half of a lattice vector.
 
         Examples
         --------
@@ -187,9 +200,9 @@ class Samples:
         >>> axis = np.linspace(-3, 3, 40)
         >>> x, y = np.meshgrid(axis, axis, indexing="ij")
         >>> u = np.arctan2(y, x) / (2 * np.pi) * 0.286
-        >>> grid = SampledFrame.from_displacement([axis, axis], u[None])
-        >>> grid.burgers(Loop.circle([0, 0], 2)).vector.round(5), grid.source
-        (array([0.286]), 'a displacement; jumps: (0.285998) on 20 edges')
+        >>> grid = SampledFrame.from_displacement([axis, axis], u[None], branch=0.286)
+        >>> grid.burgers(Loop.circle([0, 0], 2)).vector, grid.source
+        (array([0.286]), 'a displacement; jumps: (0.286) on 20 edges')
         """
         values = numbers(displacement, "displacement")
         lines = [numbers(axis, "axis") for axis in axes]
@@ -203,12 +216,14 @@ class Samples:
         mask = mask_of(options.pop("mask", None), shape) | np.isnan(values).any(axis=0)
         sigma = options.pop("sigma", None)
         blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
-        found = distortion_of(np.where(mask, np.nan, values), blank._grid, order, branch)
+        variances = None
         if sigma is not None:
             given = _of_displacement(sigma, values, blank._grid)
-            options["covariance"] = Noise.of_origins(given, found.origins)
-        options["source"] = found.said
-        return cls.from_distortion(lines, found.values, order, names, **options)
+            variances = np.broadcast_to(given, values.shape) ** 2
+        known = np.where(mask, np.nan, values)
+        found = displacement_of(known, blank._grid, order, branch, variances)
+        options |= {"source": found.source, "displacement": found, "sigma": found.sigma}
+        return cls(lines, found.coframe, order, names, **options)
 
     @classmethod
     def from_strain_rotation(
@@ -258,7 +273,9 @@ class Samples:
         """
         check_order(order)
         found = read_grid(checks.file_name(path))
-        make = cls.from_distortion if found.is_distortion else cls
+        make: Any = cls.from_distortion if found.is_distortion else cls
+        if found.is_displacement:
+            make = cls.from_displacement
         try:
             return make(found.axes, found.values, order, found.names, **found.options)
         except GridError as error:
@@ -268,7 +285,8 @@ class Samples:
         """Write a file that `read` reads back, of the format that its name ends in.
 
         Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
-        covariance sigma alone, and so do all formats where it joins nodes (displacements).
+        covariance sigma alone. Of a displacement .npz keeps the displacement itself; all others
+        keep the coframe, and circuits through what is read interpolate it.
 
         Raises
         ------
@@ -278,6 +296,8 @@ class Samples:
             The library for the format is not installed.
         """
         file = checks.file_name(path)
+        if file.name and not file.suffix:
+            file = file.with_suffix(".npz")
         options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
         if isinstance(self.covariance, np.ndarray) and holds_covariance(file):
             options["covariance"] = self.covariance
@@ -286,8 +306,21 @@ class Samples:
         if any(self.periodic):
             options["periodic"] = np.array(self.periodic)
         contents = Contents(list(self.axes), self.coframe, tuple(self.names), False, options)
+        if self.displacement is not None and file.suffix.lower() == ".npz":
+            contents = self._as_displacement(self.displacement, options)
         with written(file) as target:
             save_grid(target, contents)
+
+    def _as_displacement(self, found: Displacement, options: dict[str, Any]) -> Contents:
+        """The displacement as a file keeps it: with its own noise, and its jumps as declared."""
+        kept = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
+        if found.variances is not None:
+            kept["sigma"] = np.sqrt(found.variances)[:, None]
+        if isinstance(found.branch, str):
+            kept["branch"] = np.full((1, self.rows), np.nan)
+        elif found.branch is not None:
+            kept["branch"] = found.jumps.vectors
+        return Contents(list(self.axes), found.values, tuple(self.names), False, kept, True)
 
     # -- what it is -------------------------------------------------------------------------------
 

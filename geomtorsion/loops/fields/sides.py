@@ -117,9 +117,6 @@ class _Rules:
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
         plain = plain_rule(self.order, points, periodic)
         matrix = plain.matrix - plain.other.matrix if less_other else plain.matrix
-        origin = self._plain_origin
-        if origin is not None:
-            matrix = matrix @ origin.matrix / self.grid.steps[self.axis]
         matrix = self.grid.steps[self.axis] * matrix
         count = len(plain.used) - (0 if periodic else self.edges - 1)
         rows = _windows(np.arange(count), 1, len(plain.used), self.edges, periodic) @ matrix
@@ -156,19 +153,11 @@ class _Rules:
             ends.append(found)
         return Spread(covariance, *ends)
 
-    @property
-    def _plain_origin(self) -> Rule | None:
-        """The slopes that values are of what noise is in, without any hole."""
-        if not self.noise.origins:
-            return None
-        points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
-        return plain_rule(self.order, points, periodic, slopes=True)
-
     def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
         """The squares of all weights times variances; the inner ones are one sum over a window."""
         along = self.axis
         # Nodes that an edge beyond the end of a sum reaches, and where rules are one-sided.
-        margin = self.order + 2 + (self.order + 1) * bool(self.noise.origins)
+        margin = self.order + 2
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
         inner = self.edges - 2 * margin + 1
         if inner < 1 or (periodic and self.edges > points - 2 * margin):
@@ -195,13 +184,6 @@ class _Rules:
         odd = (rule.used != plain.used) | (rule.shift != plain.shift)
         matrix = rule.matrix - self.other.matrix if less_other else rule.matrix
         step = self.grid.steps[self.axis]
-        slopes = self._plain_origin
-        if slopes is not None:
-            # Slopes near holes have other stencils, too.
-            own = self.grid.rule(self.order, self.axis, slopes=True)
-            strange = (own.used != slopes.used) | (own.shift != slopes.shift)
-            odd |= (abs(matrix) @ strange.ravel().astype(float) > 0).reshape(odd.shape)
-            matrix = matrix @ self.noise.origins[self.axis]
         periodic, lines = rule.periodic, rule.holes.shape[1]
         places = np.flatnonzero(window_sums(odd.astype(np.int32), self.edges, 0, periodic))
         found = _windows(places, lines, len(rule.used), self.edges, periodic) @ (step * matrix)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
@@ -12,9 +13,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.blocks import digest_of, digest_of_arrays
-from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.errors import FileFormatError, GridError, LimitError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.fields.contents import guarded, module
+from geomtorsion.npz import LARGEST_ARRAYS
 
 # Packings of Zarr that only pack: any other one might run what it finds.
 HARMLESS = frozenset(
@@ -48,6 +50,8 @@ class Source:
             raise GridError(
                 f"source: shape (rows, columns, N_1, N_2, ...) was needed, but {sizes} came."
             )
+        if 0 in sizes:
+            raise GridError(f"source: expected one node or more along each axis, got {sizes}.")
         return cls(given, sizes)
 
     @property
@@ -62,10 +66,16 @@ class Source:
 
     def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
         """The values of nodes from low to high; beyond the ends of an axis it begins again."""
+        shape = (*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True)))
+        if 8 * math.prod(shape) > LARGEST_ARRAYS:
+            raise LimitError(
+                f"source: expected parts of at most {LARGEST_ARRAYS:,} bytes, got "
+                f"{8 * math.prod(shape):,} bytes for {shape}. Give smaller blocks."
+            )
         pieces = [_pieces(a, b, n) for a, b, n in zip(low, high, self.shape[2:], strict=True)]
-        found = np.empty((*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True))))
+        found = np.empty(shape)
         is_function = callable(self.given)
-        array = self.given if is_function else opened(self.given)
+        array = self.given if is_function else opened(self.given, again=True)
         for parts in product(*pieces):
             there = tuple(slice(start, stop) for _, start, stop in parts)
             here = tuple(slice(place, place + stop - start) for place, start, stop in parts)
@@ -96,10 +106,11 @@ def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
     return [(a - low, a % points, a % points + b - a) for a, b in pairwise(ends)]
 
 
-def opened(given: Any, inner: str = "coframe") -> Any:
+def opened(given: Any, inner: str = "coframe", *, again: bool = False) -> Any:
     """An array in memory or on disk, of which parts are read when they are asked for.
 
-    inner: what the array is called in a Zarr group.
+    inner: what the array is called in a Zarr group. again: whether it was opened before, so that
+    its chunks need not be counted.
     """
     if not isinstance(given, str):
         found = given
@@ -111,7 +122,7 @@ def opened(given: Any, inner: str = "coframe") -> Any:
         path = Path(given)
         if not path.exists():
             raise FileFormatError(f"{path}: there is no such file.")
-        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, inner))
+        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, inner, again))
     if np.dtype(found.dtype).kind not in "fiu":
         raise GridError(f"source: real numbers were needed, but {found.dtype} came.")
     return found
@@ -122,29 +133,98 @@ def _npy(path: Path) -> np.ndarray:
     return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
-def _zarr(path: Path, called: str) -> Any:
-    """A Zarr array, or one in a group, if it is only packed."""
+@dataclass(frozen=True, eq=False)
+class ZarrArray:
+    """A Zarr array on disk, of which parts are read; damaged chunks are errors of ours."""
+
+    path: Path
+    array: Any
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length along each axis."""
+        return tuple(self.array.shape)
+
+    @property
+    def dtype(self) -> Any:
+        """Kind of the numbers."""
+        return self.array.dtype
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: Any) -> np.ndarray:
+        """A part, in memory."""
+        return guarded(self.path, lambda: np.asarray(self.array[index]))
+
+
+def _zarr(path: Path, called: str, again: bool) -> ZarrArray:
+    """A Zarr array, or one in a group, if it is only packed and all of it is there."""
     for inner in (path, path / called):
         for name in (".zarray", "zarr.json"):
             if (inner / name).is_file():
                 said = read_json_text(read_text(inner / name), str(inner / name))
+                if not isinstance(said, dict):
+                    raise FileFormatError(
+                        f"{inner / name}: expected a table, got {checks.shown(said)}. Write the "
+                        "array again."
+                    )
                 if name == ".zarray" or said.get("node_type") == "array":
                     _check_packing(inner, said)
-                    return module("zarr", path).open_array(str(inner), mode="r")
+                    array = module("zarr", path).open_array(str(inner), mode="r")
+                    if not again:
+                        _check_chunks(inner, array)
+                    return ZarrArray(inner, array)
     raise FileFormatError(
         f"{path}: neither an .npy file nor a Zarr array, nor one called {called}."
     )
 
 
-def _check_packing(path: Path, said: Any) -> None:
+def _check_packing(path: Path, said: dict[str, Any]) -> None:
     """Refuse packings that do more than pack."""
     listed = [said.get("compressor"), *(said.get("filters") or []), *(said.get("codecs") or [])]
     while listed:
         one = listed.pop()
         if one is None:
             continue
-        name = one.get("id") or one.get("name")
+        known = one if isinstance(one, dict) else {}
+        name = known.get("id") or known.get("name")
         if name not in HARMLESS:
             raise FileFormatError(f"{path}: packed by {checks.shown(name)}, which is not read.")
-        inner = one.get("configuration") or {}
+        inner = known.get("configuration") or {}
         listed += [*(inner.get("codecs") or []), *(inner.get("index_codecs") or [])]
+
+
+def _check_chunks(path: Path, array: Any) -> None:
+    """Refuse an array whose chunks are none, too large, or missing.
+
+    A missing chunk is read as the fill value of the array. That is right where it is NaN, a hole;
+    any other value would be taken for a measured one.
+    """
+    # Where chunks are packed into shards, a shard is a file.
+    sizes = getattr(array, "shards", None) or array.chunks
+    if not all(array.shape) or not all(sizes):
+        raise FileFormatError(
+            f"{path}: expected lengths of 1 or more, got the shape {tuple(array.shape)} in chunks "
+            f"of {tuple(sizes)}. Write the array again."
+        )
+    largest = math.prod(array.chunks) * array.dtype.itemsize
+    if largest > LARGEST_ARRAYS:
+        raise LimitError(
+            f"{path}: expected chunks of at most {LARGEST_ARRAYS:,} bytes, got {largest:,} bytes "
+            f"for {tuple(array.chunks)}. Write the array in smaller chunks."
+        )
+    fill = array.fill_value
+    if isinstance(fill, float | np.floating) and np.isnan(fill):
+        return
+    needed = math.prod(-(-n // m) for n, m in zip(array.shape, sizes, strict=True))
+    files = sum(1 for one in path.rglob("*") if one.is_file())
+    # Counting goes through all chunks that are declared, which may be more than ever end.
+    there = files if files < needed else array.nchunks_initialized * math.prod(array.chunks)
+    there = there if files < needed else there // math.prod(sizes)
+    if there < needed:
+        raise FileFormatError(
+            f"{path}: expected {needed:,} chunks, got at most {there:,}; the others would be read "
+            f"as {fill}. Copy the whole array, or write it again with the fill value NaN (which "
+            "is a hole), or with write_empty_chunks=True."
+        )

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geomtorsion.errors import CheckpointError, FileFormatError, GridError
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.loops import SampledFrame
 from geomtorsion.loops.fields.blocks import blocked_map
 from tests.chosen import one_in
@@ -201,6 +201,81 @@ def test_zarr(tmp_path):
         meta.write_text(json.dumps(said | {key: value}))
         with pytest.raises(FileFormatError, match="packed by 'pickle'"):
             blocked_map(tmp_path / "a2.zarr", tmp_path / "no", STEPS, 11)
+
+
+def zarr_array(path: Path, version: int, **options: object) -> list[Path]:
+    """An array of 16 chunks without holes, and the files of its chunks."""
+    zarr = pytest.importorskip("zarr")
+    given = {"chunks": (2, 2, 10, 8)} | options
+    made = zarr.create_array(
+        str(path), shape=FLAT.shape, dtype="f8", zarr_format=version, overwrite=True, **given
+    )
+    made[...] = FLAT
+    return sorted(x for x in path.rglob("*") if x.is_file() and not x.name.startswith((".z", "z")))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_missing_chunks_of_zarr_are_refused_or_holes(tmp_path, version):
+    """They were read as zeros, which gave significant circuits; with NaN as fill value, holes."""
+    path = tmp_path / "a.zarr"
+    zarr_array(path, version)[5].unlink()
+    with pytest.raises(FileFormatError, match=r"expected 16 chunks, got at most 15; .* read as 0"):
+        blocked_map(path, tmp_path / "no", STEPS, 11, 4)
+    zarr_array(path, version, fill_value=float("nan"))[5].unlink()
+    found = blocked_map(path, tmp_path / "one", STEPS, 11, 4).read()
+    whole = blocked_map(FLAT, tmp_path / "two", STEPS, 11, 4).read()
+    missing = np.isnan(found[0])
+    assert 0.05 < missing.mean() < 0.9
+    # Beside holes stencils are one-sided.
+    assert np.abs(found - whole)[:2, :, :1][~missing[None, :, :1].repeat(2, 0)].max() < 1
+    if version == 3:
+        zarr_array(path, 3, shards=(2, 2, 20, 16))[1].unlink()
+        with pytest.raises(FileFormatError, match="expected 4 chunks, got at most 3"):
+            blocked_map(path, tmp_path / "no", STEPS, 11, 4)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("key", ["shape", "chunks"])
+@pytest.mark.parametrize("value", [0, -3, 10**9, 10**30, "a", 2.5, None])
+@pytest.mark.parametrize("fill", [0.0, "NaN"])
+def test_declared_sizes_of_zarr_are_checked(tmp_path, version, key, value, fill):
+    """Shapes and chunks that are none, or larger than anything: errors of ours, at once."""
+    path = tmp_path / "a.zarr"
+    zarr_array(path, version)
+    file = path / (".zarray" if version == 2 else "zarr.json")
+    said = json.loads(file.read_text())
+    said["fill_value"] = fill
+    if version == 3 and key == "chunks":
+        said["chunk_grid"]["configuration"]["chunk_shape"][2] = value
+    else:
+        said[key][2] = value
+    file.write_text(json.dumps(said))
+    with pytest.raises((FileFormatError, LimitError, GridError)):
+        blocked_map(path, tmp_path / "out", STEPS, 500, 4)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("content", [b"", b"garbage", None])
+def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
+    """Empty, something else, or cut."""
+    path = tmp_path / "a.zarr"
+    chunk = zarr_array(path, version)[5]
+    chunk.write_bytes(chunk.read_bytes()[:100] if content is None else content)
+    with pytest.raises(FileFormatError, match=r"a.zarr: it cannot be read, it is truncated"):
+        blocked_map(path, tmp_path / "out", STEPS, 11, 4)
+    (path / ".zarray" if version == 2 else path / "zarr.json").write_text("[1]")
+    with pytest.raises(FileFormatError, match="expected a table"):
+        blocked_map(path, tmp_path / "out", STEPS, 11, 4)
+
+
+def test_a_map_that_finds_no_room_is_refused(tmp_path):
+    """Before the first block is computed: too many blocks, or more bytes than the disk has."""
+    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**5, 10**5))
+    with pytest.raises(LimitError, match="at most 1,000,000 blocks, got 100,000,000"):
+        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 10, shape=values.shape)
+    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**6, 10**6))
+    with pytest.raises(LimitError, match="expected .* free bytes for the blocks of the map"):
+        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 5000, shape=values.shape)
 
 
 def test_a_folder_of_another_run_is_refused(tmp_path):

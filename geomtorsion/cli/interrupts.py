@@ -1,0 +1,38 @@
+"""Interrupts: how Ctrl-C ends the command before its work has begun, and behind it.
+
+Loaded before everything else, and so without anything that takes time to load.
+"""
+
+import os
+import signal
+import sys
+
+# How a command ends on Ctrl-C: 128 and the number of the signal, as in shells.
+INTERRUPTED = 128 + signal.SIGINT
+
+
+def stop_at_once(*_: object) -> None:
+    """End the process with one line, while nothing needs tidying up."""
+    try:
+        os.write(2, b"geomtorsion: stopped\n")
+    finally:
+        os._exit(INTERRUPTED)
+
+
+def begin_command() -> None:
+    """Let Ctrl-C end the command quietly while it is imported and before it exits.
+
+    A program that imports the package, and a process that ignores Ctrl-C, are left alone.
+    """
+    given = sys.orig_argv
+    by_module = any(given[k : k + 2] == ["-m", "geomtorsion"] for k in range(len(given)))
+    name = os.path.basename(sys.argv[0]) if sys.argv else ""
+    by_script = name in ("geomtorsion", "geomtorsion.exe")
+    if by_module or by_script:
+        stop_quietly()
+
+
+def stop_quietly() -> None:
+    """Let Ctrl-C end the process at once, unless something else was made of it."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, stop_at_once)
