@@ -4,6 +4,9 @@ Generators take values in the integers modulo a prime of 256 bits that obey all 
 cos and sin lie on the circle, roots are roots.  This is a homomorphism: what is zero goes to zero,
 and what goes to a number that is not zero is not zero.  What is not zero goes to zero with a
 chance of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` tells.
+
+Of the numbers modulo a prime one half have no square root.  In the field of p**2 numbers all of
+them have one: it is taken where many square roots would have to be there at once.
 """
 
 from __future__ import annotations
@@ -14,7 +17,15 @@ from math import prod
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import sympy
-from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
+from flint import (
+    fmpq,
+    fmpz,
+    fmpz_mod_ctx,
+    fmpz_mod_poly_ctx,
+    fq_default,
+    fq_default_ctx,
+    fq_default_poly_ctx,
+)
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.element import in_order
@@ -47,10 +58,14 @@ class _PrimeError(_MovedError):
 
 
 class ModularPoint:
-    """A random point modulo a prime for the generators of a field, the same at every run."""
+    """A random point modulo a prime for the generators of a field, the same at every run.
 
-    def __init__(self, field: Tower) -> None:
+    extended: values lie in the field of p**2 numbers, in which all of the p have square roots.
+    """
+
+    def __init__(self, field: Tower, extended: bool = False) -> None:
         self._field = field
+        self._extended = extended
         self._place = self._number_of_prime = -1
         # Places since the last at which all generators had values.
         self._tried: int = 0
@@ -201,7 +216,7 @@ class ModularPoint:
         """The value of a polynomial of the present ring."""
         total, powers = self._zero, {}
         newest = len(self._field.generators) - 1
-        if poly.total_degree() < BITS:
+        if poly.total_degree() < BITS and not self._extended:
             # In whole numbers, which stay small enough: five times as fast for thousands of terms.
             values = [0] * (newest + 1 - len(self._values))
             values += [0 if value is None else int(value) for value in self._values[::-1]]
@@ -253,12 +268,17 @@ class ModularPoint:
             number = self._number_of_prime + 1
             order = order_for(self._field)
             prime = nth_prime(number, order)
-            ring = fmpz_mod_ctx(prime)
-            turn = root_of_unity(ring, prime, order)
-            modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), order, turn
+            ring: Any = fmpz_mod_ctx(prime)
+            turn: Any = root_of_unity(ring, prime, order)
+            polynomials: Any = fmpz_mod_poly_ctx(ring)
+            if self._extended:
+                ring = fq_default_ctx(prime, 2)
+                turn, polynomials = ring(int(turn)), fq_default_poly_ctx(ring)
+            modulo = prime, ring, polynomials, ring(0), order, turn
         else:
             number = self._number_of_prime
-            modulo = self._ring, self._polynomials, self._zero, self._order, self._turn
+            prime, ring, polynomials = self._prime, self._ring, self._polynomials
+            modulo = prime, ring, polynomials, self._zero, self._order, self._turn
             if moved:
                 oldest = self._field.generators[::-1]
                 values = [
@@ -268,7 +288,7 @@ class ModularPoint:
         # All at once: whoever interrupts finds the old place or the new one.
         self._place, self._number_of_prime, self._values = place, number, values
         self._tried = tried
-        self._ring, self._polynomials, self._zero, self._order, self._turn = modulo
+        self._prime, self._ring, self._polynomials, self._zero, self._order, self._turn = modulo
 
     def _degrees(self) -> list[int]:
         """The degrees of all algebraic generators."""
@@ -350,11 +370,12 @@ class ModularPoint:
         if generator.degree == 2 and not generator.middle:
             return self._square_root(generator.tail, tail)
         if not generator.middle:
-            whole = self._ring.modulus() - 1
+            # The number of those that are not zero where the value lies.
+            whole = self._prime - 1 if self._is_whole(tail) else self._prime**2 - 1
             shared = whole.gcd(fmpz(generator.degree))
             if shared == 1:
                 return tail ** pow(generator.degree, -1, int(whole))
-            if tail ** int(whole // shared) not in (0, 1):
+            if not self._extended and tail ** int(whole // shared) not in (0, 1):
                 # Euler's criterion: no power of this degree, told without a search for roots.
                 raise _MovedError
         relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
@@ -363,7 +384,11 @@ class ModularPoint:
         roots = self._roots(self._polynomials(relation))
         if not roots:
             raise _MovedError
-        return min(roots, key=int)
+        return min(roots, key=_in_order)
+
+    def _is_whole(self, value: fmpz_mod | fq_default) -> bool:
+        """Whether a value is one of the numbers modulo the prime."""
+        return not isinstance(value, fq_default) or not any(value.to_list()[1:])
 
     def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
         """The square root; that of a small whole number agrees with the roots of unity."""
@@ -378,11 +403,13 @@ class ModularPoint:
         if self._is_no_residue(value):
             raise _MovedError
         root = value.sqrt()
-        return min(root, -root, key=int)
+        return min(root, -root, key=_in_order)
 
-    def _is_no_residue(self, value: fmpz_mod) -> bool:
-        """Whether a number has no square root modulo the prime, by its Jacobi symbol."""
-        return fmpz(int(value)).jacobi(self._ring.modulus()) < 0
+    def _is_no_residue(self, value: fmpz_mod | fq_default) -> bool:
+        """Whether a number has no square root; modulo the prime by its Jacobi symbol."""
+        if isinstance(value, fq_default):
+            return not value.is_square()
+        return fmpz(int(value)).jacobi(self._prime) < 0
 
     def _root_of_prime(self, prime: int) -> fmpz_mod:
         """The positive square root of a small prime, as a Gauss sum."""
@@ -420,11 +447,42 @@ class ModularPoint:
         return int(size) / 2 ** (BITS - 1)
 
 
+def _in_order(value: fmpz_mod | fq_default) -> list[int]:
+    """What tells which of several values comes first."""
+    return list(map(int, value.to_list())) if isinstance(value, fq_default) else [int(value)]
+
+
 def point_of(field: Tower) -> ModularPoint:
     """The point of a field, made when it is asked for first."""
     point = field.tables.get("modular point")
     if point is None:
         point = field.tables["modular point"] = ModularPoint(field)
+    return point
+
+
+def roomy_point_of(field: Tower) -> ModularPoint:
+    """The point at which elements have values: where square roots are many, an extended one.
+
+    A point has n square roots in the numbers modulo a prime with a chance of 2**-n. In the extended
+    field that is so for roots of roots alone.
+
+    Raises
+    ------
+    NoPointError
+        roots of roots are many.
+    """
+    many = BITS.bit_length()
+    if len(field.generators) < many:
+        return point_of(field)
+    square = [g for g in field.generators if g.kind == "root" and g.degree == 2]
+    if len(square) < many:
+        return point_of(field)
+    inner = [field.generators_of(g.tail) for g in square if g.tail is not None]
+    if sum(any(g.kind == "root" and g.degree == 2 for g in found) for found in inner) > many:
+        raise NoPointError
+    point = field.tables.get("extended point")
+    if point is None:
+        point = field.tables["extended point"] = ModularPoint(field, extended=True)
     return point
 
 
