@@ -10,6 +10,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.mathematica import MCodePrinter
 from sympy.printing.numpy import NumPyPrinter
 
+from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
@@ -73,7 +74,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
         return f"{title}  {label} = 0"
     if not tensor.slots:
         value = expression_text(chosen.written(components[()]), greek=greek)
-        return f"{title}  {symbol} = {value}"
+        return f"{title}  {symbol} = {value}{open_mark(tensor, ())}"
     # Equal signs stand below each other.
     lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
     labels = {
@@ -84,7 +85,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     for index, element in components.items():
         gap = " " * (width - _width(labels[index]))
         value = expression_text(chosen.written(element), greek=greek)
-        lines.append(f"  {labels[index]}{gap} = {value}")
+        lines.append(f"  {labels[index]}{gap} = {value}{open_mark(tensor, index)}")
     total = len(chosen.nonzero)
     if total > len(components):
         rest = total - len(components)
@@ -122,7 +123,7 @@ def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sy
     entry, tensor = chosen.entry, chosen.tensor
     first, *rest = entry.name.split("_")
     name = first + "".join(part.capitalize() for part in rest)
-    comment = f"(* {entry.title}, slots {tensor.slots or 'none'} *)"
+    comment = f"(* {entry.title}, slots {tensor.slots or 'none'}{_open(chosen, first=1)} *)"
     printer = _MathematicaPrinter()
     written = {i: printer.doprint(x.sympy.xreplace(renamed)) for i, x in chosen.nonzero.items()}
     if not tensor.slots:
@@ -187,6 +188,14 @@ _OWN_NAMES = ("numpy", "result", "shape", "float", "complex")
 Names = Mapping[sympy.Basic, str]
 
 
+def _open(chosen: Quantity, first: int = 0) -> str:
+    """Which components may vanish or not, for a comment; first: the number of the first index."""
+    if not chosen.undecided:
+        return ""
+    places = ", ".join(str([k + first for k in index]) for index in chosen.undecided)
+    return f"; undecided whether zero: {places}"
+
+
 def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
     title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
@@ -234,6 +243,7 @@ def _description(chosen: Quantity, arguments: Names) -> str:
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
     if axes:
         text += f"; last axes ({axes}), slots {chosen.tensor.slots}"
+    text += _open(chosen)
     unknown = [f"{new} is {plain_text(old)}" for old, new in arguments.items() if not old.is_Symbol]
     return ". ".join([text, *unknown]) + "."
 

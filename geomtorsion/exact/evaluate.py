@@ -23,6 +23,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.roots import roots_restored
+from geomtorsion.exact.special import VALUES
 from geomtorsion.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
@@ -275,6 +276,8 @@ def arguments(generator: Generator) -> tuple[Element, ...]:
         return (argument,)
     if kind == "primitive":
         return argument[2]
+    if kind == "opaque" and type(generator.shown).__name__ in VALUES:
+        return argument
     return () if generator.tail is None else (generator.tail,)
 
 
@@ -293,16 +296,33 @@ def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
         return given(generator)
     if kind == "imaginary":
         return mpmath.mpc(0, 1)
-    if kind in ("opaque", "constant"):
+    named = VALUES.get(type(generator.shown).__name__) if kind == "opaque" else None
+    if kind == "constant" or (kind == "opaque" and named is None):
         return _by_sympy(generator, given)
     numbers = list(map(values, arguments(generator), repeat(given), repeat(known)))
     if kind == "log" and not numbers[0]:
         raise SingularPointError(f"{generator.shown} has no finite value here")
+    if named is not None:
+        return _of_name(generator, named, numbers)
     if kind == "root":
         return mpmath.root(numbers[0], generator.degree)
     if kind == "primitive":
         kind = type(generator.shown).__name__
     return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(*numbers)
+
+
+def _of_name(
+    generator: Generator, function: Callable[..., acb], numbers: list[mpmath.mpf]
+) -> mpmath.mpf:
+    """A function that is known by name, by Arb."""
+    with ball_precision(mpmath.mp.prec):
+        value = function(*(acb(_ball(number)) for number in numbers))
+    # With more bits, which are tried next, less is lost.
+    if not value.is_finite() or value.rel_accuracy_bits() < mpmath.mp.prec // 2:
+        raise SingularPointError(f"{generator.shown} has no finite value here")
+    if value.imag.is_zero():
+        return _number_of(value.real)
+    return mpmath.mpc(_number_of(value.real), _number_of(value.imag))
 
 
 def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:

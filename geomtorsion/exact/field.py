@@ -12,7 +12,7 @@ from flint import fmpq
 from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept, polynomials
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.element import PROVED, Certainty, Element, inside_out
+from geomtorsion.exact.element import PROVED, UNDECIDED, Certainty, Element, inside_out
 from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
@@ -22,6 +22,7 @@ from geomtorsion.exact.primes import BITS
 from geomtorsion.exact.reading import Reader, counted_as
 from geomtorsion.exact.roots import inverse, root
 from geomtorsion.exact.serialization import from_json, to_json
+from geomtorsion.exact.special import slope
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.writing import shortest, to_sympy
 
@@ -170,7 +171,7 @@ def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
 
 
 def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
+    return slope(field, generator, symbol)
 
 
 _RULES: dict[str, Rule] = {
@@ -416,8 +417,9 @@ class Field(Tower):
 
     def certainty(self, element: Element) -> Certainty:
         """How sure it is that an element vanishes or not."""
-        if not element.is_zero:
-            return PROVED
+        verdict = element.is_zero
+        if not verdict:
+            return UNDECIDED if verdict is None else PROVED
         whole = self.brief(element)
         if whole is not None and (not whole._num or algebraic_constants.vanishes(whole)):
             return PROVED

@@ -152,6 +152,11 @@ class ModularPoint:
                 self._fill(range(len(oldest)), search=False)
                 return bool(self._image(element) != value)
 
+    def leave(self) -> None:
+        """Other values for all generators."""
+        self._rests.clear()
+        self._settle()
+
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""
         while True:
@@ -172,14 +177,19 @@ class ModularPoint:
         while waiting:
             new = set(self._field.generators_of(waiting.pop())) - found
             found |= new
-            waiting += [generator.tail for generator in new if generator.tail is not None]
+            waiting += [inner for generator in new for inner in self._inner(generator)]
         oldest = self._field.generators[::-1]
         return [place for place, generator in enumerate(oldest) if generator in found]
+
+    def _inner(self, generator: Generator) -> list[Element]:
+        """What the value of a generator is made of: the other side of its relation."""
+        both = (generator.tail, self._field.meanings.get(generator.name))
+        return [element for element in both if element is not None]
 
     def _known(self, element: Element) -> fmpz_mod | None:
         """The value at the present place, if it is known."""
         image = element._image
-        return image[1] if image is not None and image[0] == self._place else None
+        return image[1] if image is not None and image[0] == (self._extended, self._place) else None
 
     def _image(self, element: Element) -> fmpz_mod:
         if not element.is_kept:
@@ -196,7 +206,7 @@ class ModularPoint:
                 total = total + value
             if recipe.below:
                 total = self._inverse(total)
-            one._image = (self._place, total)
+            one._image = ((self._extended, self._place), total)
         found = self._known(element)
         assert found is not None
         return found
@@ -209,7 +219,7 @@ class ModularPoint:
             for index, exponent in element._den:
                 below = self._polynomial(self._field.factors[index])
                 known = known * self._inverse(below) ** exponent
-            element._image = (self._place, known)
+            element._image = ((self._extended, self._place), known)
         return known
 
     def _polynomial(self, poly: fmpq_mpoly) -> fmpz_mod:
@@ -323,9 +333,10 @@ class ModularPoint:
         """The places of the generators with random values on which one rests, its own included."""
         if generator.name not in self._rests:
             generators, found = self._field.generators, frozenset[int]()
-            if generator.tail is not None:
-                inner = map(self._rests_on, self._field.generators_of(generator.tail))
-                found = found.union(*inner)
+            if self._inner(generator):
+                for element in self._inner(generator):
+                    inner = map(self._rests_on, self._field.generators_of(element))
+                    found = found.union(*inner)
             elif generator.depends or generator.kind == "constant":
                 found = frozenset([len(generators) - 1 - generators.index(generator)])
             self._rests[generator.name] = found
@@ -348,6 +359,11 @@ class ModularPoint:
             return self._partners[generator.name]
         if generator.degree:
             return self._algebraic(generator)
+        meaning = self._field.meanings.get(generator.name)
+        if meaning is not None:
+            # It may be made of younger generators, which were added when it was read.
+            self._fill(self._below([meaning]), search=False)
+            return self._image(meaning)
         if kind == "opaque" and not generator.depends:
             return self._trigonometric(generator)
         return self._random(generator)
@@ -460,6 +476,13 @@ def point_of(field: Tower) -> ModularPoint:
     return point
 
 
+def leave_point(field: Tower) -> None:
+    """Other values for all generators of a field, as one of them is found to depend on others."""
+    for name in ("modular point", "extended point"):
+        if name in field.tables:
+            field.tables[name].leave()
+
+
 def roomy_point_of(field: Tower) -> ModularPoint:
     """The point at which elements have values: where square roots are many, an extended one.
 
@@ -488,8 +511,18 @@ def roomy_point_of(field: Tower) -> ModularPoint:
 
 def degree(element: Element) -> int:
     """A bound on the degree of an element's numerator and denominator in what is random."""
-    field, found = element.field, {}
+    field = element.field
     weights: dict[str, int] = {}
+
+    def of_element(whole: Element) -> int:
+        found: dict[int, int] = {}
+        for one in in_order(whole, lambda x: id(x) in found):
+            recipe = one._recipe
+            assert recipe is not None
+            # Over one common denominator the degrees of all denominators add up.
+            sizes = (found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
+            found[id(one)] = sum(sizes)
+        return found[id(whole)] if whole.is_kept else of_polynomials(whole)
 
     def of_polynomials(one: Element) -> int:
         total = _total(field.lift(one))
@@ -506,14 +539,12 @@ def degree(element: Element) -> int:
         # cos and sin are quotients of degree two in the number that is chosen.
         if generator.name not in weights:
             own = 2 if generator.kind in ("cos", "sin", "cosh", "sinh") else 1
+            meaning = field.meanings.get(generator.name)
             if generator.degree and own == 1 and generator.tail is not None:
                 own = of_polynomials(generator.tail) + 1
+            elif meaning is not None:
+                own = of_element(meaning)
             weights[generator.name] = own
         return weights[generator.name]
 
-    for one in in_order(element, lambda x: id(x) in found):
-        recipe = one._recipe
-        assert recipe is not None
-        # Over one common denominator the degrees of all denominators add up.
-        found[id(one)] = sum(found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
-    return max(found[id(element)] if element.is_kept else of_polynomials(element), 1)
+    return max(of_element(element), 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -123,23 +123,46 @@ class Tensor:
         return place
 
     def nonzero(self) -> dict[Index, sp.Expr]:
-        """All components that do not vanish: index -> sympy expression."""
-        independent = self.components.independent.items()
-        own = {i: notation.named(self, i, value, notation.plain) for i, value in independent}
-        places = ((i, *self.components.representative(i)) for i in self.components.support)
-        return {i: own[first] if sign > 0 else -own[first] for i, sign, first in places}
+        """All components that are known not to vanish: index -> sympy expression.
+
+        Those of which that is not known are `undecided`.
+        """
+        components = self.components
+        return self._written(i for i in components.independent if i not in components.undecided)
+
+    def undecided(self) -> dict[Index, sp.Expr]:
+        """All components that may vanish or not, as no known relation tells: index -> expression.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y = sp.symbols("x y", positive=True)
+        >>> doubled = sp.gamma(2 * x) * sp.sqrt(sp.pi) - 4**x * sp.gamma(x) * sp.gamma(x + 1/sp.S(2)) / 2
+        >>> coframe = Frame([x, y], [[1, 0], [doubled, 1]]).coframe
+        >>> list(coframe.nonzero()), list(coframe.undecided()), coframe.certainty.proved
+        ([(0, 0), (1, 1)], [(1, 0)], False)
+        """
+        return self._written(self.components.undecided)
+
+    def _written(self, independent: Iterable[Index]) -> dict[Index, sp.Expr]:
+        """Components as expressions, with those that follow by symmetry."""
+        components, write = self.components, notation.plain
+        values = components.independent
+        own = {i: notation.named(self, i, values[i], write) for i in independent}
+        places = ((i, *components.representative(i)) for i in components.support)
+        return {i: own[k] if sign > 0 else -own[k] for i, sign, k in places if k in own}
 
     @cached_property
     def is_zero(self) -> bool | None:
         """Whether every component vanishes; None if that cannot be decided."""
-        verdicts = [value.is_zero for value in self.components.independent.values()]
-        if any(verdict is False for verdict in verdicts):
+        if len(self.components.independent) > len(self.components.undecided):
             return False
-        return None if verdicts else True
+        return None if self.components.undecided else True
 
     @cached_property
     def certainty(self) -> Certainty:
-        """How sure it is which components vanish: proved, or up to a chance of error that is told.
+        """How sure it is which components vanish: proved, up to a chance of error, or undecided.
 
         Examples
         --------
@@ -149,8 +172,9 @@ class Tensor:
         >>> print(Frame([x, y], [[1, x], [0, 1]]).anholonomy.certainty)
         proved
         """
-        _ = self.components.independent
-        return least_certain(value.certainty for value in self.components.zeros.values())
+        found = [value.certainty for value in self.components.undecided.values()]
+        found += [value.certainty for value in self.components.zeros.values()]
+        return least_certain(found)
 
     def to_sympy(self, *, short: bool = False) -> sp.ImmutableDenseNDimArray | sp.Expr:
         """All components as a sympy array (an expression for a scalar).
