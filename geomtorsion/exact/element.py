@@ -226,15 +226,11 @@ class Element:
             return True
         if self._level is None or element._level is None:
             return (self - element).is_zero is True
-        # Denominators are canonical, so different ones mean different elements.
-        is_same = self._den == element._den
-        if is_same:
-            if self._level != element._level:
-                self._field.lift(self)
-                self._field.lift(element)
-            is_same = bool(self._num == element._num)
-        # That holds of generators that are known to be independent.
-        return is_same or (not self._field.all_sure and (self - element).is_zero is True)
+        field = self._field
+        # Denominators are canonical, so different ones mean different elements, where all
+        # generators are known to be independent.
+        is_same = self._den == element._den and field.lift(self) == field.lift(element)
+        return is_same or (not field.all_sure and (self - element).is_zero is True)
 
     def __hash__(self) -> int:
         if self._hash is None:
@@ -249,9 +245,8 @@ class Element:
     def is_zero(self) -> bool | None:
         """True or False, decided; None where an opaque function or constant leaves it open.
 
-        Opaque are functions known by their derivative and some relations alone (erf, Bessel; see
-        `special`), constants such as atan(2), and odd roots of expressions with roots. Where it is
-        None, `certainty` is not proved.
+        Opaque are functions of which some relations are known (erf, Bessel; see `special`),
+        constants such as atan(2), and odd roots of expressions with roots.
         """
         if self._level is None:
             return self._field.decide_zero(self)

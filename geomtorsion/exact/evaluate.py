@@ -23,7 +23,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.roots import roots_restored
-from geomtorsion.exact.special import VALUES
+from geomtorsion.exact.special_values import VALUES, number
 from geomtorsion.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
@@ -296,33 +296,22 @@ def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
         return given(generator)
     if kind == "imaginary":
         return mpmath.mpc(0, 1)
-    named = VALUES.get(type(generator.shown).__name__) if kind == "opaque" else None
-    if kind == "constant" or (kind == "opaque" and named is None):
+    name = type(generator.shown).__name__
+    if kind == "constant" or (kind == "opaque" and name not in VALUES):
         return _by_sympy(generator, given)
     numbers = list(map(values, arguments(generator), repeat(given), repeat(known)))
     if kind == "log" and not numbers[0]:
         raise SingularPointError(f"{generator.shown} has no finite value here")
-    if named is not None:
-        return _of_name(generator, named, numbers)
+    if kind == "opaque":
+        try:
+            return number(name, *numbers)
+        except ZeroDivisionError:
+            raise SingularPointError(f"{generator.shown} has no finite value here") from None
     if kind == "root":
         return mpmath.root(numbers[0], generator.degree)
     if kind == "primitive":
         kind = type(generator.shown).__name__
     return getattr(mpmath, "cos" if kind == "chebyshev" else kind)(*numbers)
-
-
-def _of_name(
-    generator: Generator, function: Callable[..., acb], numbers: list[mpmath.mpf]
-) -> mpmath.mpf:
-    """A function that is known by name, by Arb."""
-    with ball_precision(mpmath.mp.prec):
-        value = function(*(acb(_ball(number)) for number in numbers))
-    # With more bits, which are tried next, less is lost.
-    if not value.is_finite() or value.rel_accuracy_bits() < mpmath.mp.prec // 2:
-        raise SingularPointError(f"{generator.shown} has no finite value here")
-    if value.imag.is_zero():
-        return _number_of(value.real)
-    return mpmath.mpc(_number_of(value.real), _number_of(value.imag))
 
 
 def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:

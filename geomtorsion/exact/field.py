@@ -17,7 +17,7 @@ from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
-from geomtorsion.exact.modular import point_of, roomy_point_of
+from geomtorsion.exact.points import point_of, roomy_point_of
 from geomtorsion.exact.primes import BITS
 from geomtorsion.exact.reading import Reader, counted_as
 from geomtorsion.exact.roots import inverse, root

@@ -13,7 +13,7 @@ import sympy
 from geomtorsion.errors import AllowanceError, ExpressionError, GeomtorsionError
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
-from geomtorsion.exact.modular import roomy_point_of
+from geomtorsion.exact.points import roomy_point_of
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly

@@ -28,6 +28,7 @@ from flint import (
 )
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
+from geomtorsion.exact.degrees import degree
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
@@ -466,85 +467,3 @@ class ModularPoint:
 def _in_order(value: fmpz_mod | fq_default) -> list[int]:
     """What tells which of several values comes first."""
     return list(map(int, value.to_list())) if isinstance(value, fq_default) else [int(value)]
-
-
-def point_of(field: Tower) -> ModularPoint:
-    """The point of a field, made when it is asked for first."""
-    point = field.tables.get("modular point")
-    if point is None:
-        point = field.tables["modular point"] = ModularPoint(field)
-    return point
-
-
-def leave_point(field: Tower) -> None:
-    """Other values for all generators of a field, as one of them is found to depend on others."""
-    for name in ("modular point", "extended point"):
-        if name in field.tables:
-            field.tables[name].leave()
-
-
-def roomy_point_of(field: Tower) -> ModularPoint:
-    """The point at which elements have values: where square roots are many, an extended one.
-
-    A point has n square roots in the numbers modulo a prime with a chance of 2**-n. In the extended
-    field that is so for roots of roots alone.
-
-    Raises
-    ------
-    NoPointError
-        roots of roots are many.
-    """
-    many = BITS.bit_length()
-    if len(field.generators) < many:
-        return point_of(field)
-    square = [g for g in field.generators if g.kind == "root" and g.degree == 2]
-    if len(square) < many:
-        return point_of(field)
-    inner = [field.generators_of(g.tail) for g in square if g.tail is not None]
-    if sum(any(g.kind == "root" and g.degree == 2 for g in found) for found in inner) > many:
-        raise NoPointError
-    point = field.tables.get("extended point")
-    if point is None:
-        point = field.tables["extended point"] = ModularPoint(field, extended=True)
-    return point
-
-
-def degree(element: Element) -> int:
-    """A bound on the degree of an element's numerator and denominator in what is random."""
-    field = element.field
-    weights: dict[str, int] = {}
-
-    def of_element(whole: Element) -> int:
-        found: dict[int, int] = {}
-        for one in in_order(whole, lambda x: id(x) in found):
-            recipe = one._recipe
-            assert recipe is not None
-            # Over one common denominator the degrees of all denominators add up.
-            sizes = (found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
-            found[id(one)] = sum(sizes)
-        return found[id(whole)] if whole.is_kept else of_polynomials(whole)
-
-    def of_polynomials(one: Element) -> int:
-        total = _total(field.lift(one))
-        return total + sum(e * _total(field.factors[i]) for i, e in one._den)
-
-    def _total(poly: fmpq_mpoly) -> int:
-        return sum(
-            int(d) * weight(generator)
-            for d, generator in zip(poly.degrees(), field.generators, strict=True)
-            if d
-        )
-
-    def weight(generator: Generator) -> int:
-        # cos and sin are quotients of degree two in the number that is chosen.
-        if generator.name not in weights:
-            own = 2 if generator.kind in ("cos", "sin", "cosh", "sinh") else 1
-            meaning = field.meanings.get(generator.name)
-            if generator.degree and own == 1 and generator.tail is not None:
-                own = of_polynomials(generator.tail) + 1
-            elif meaning is not None:
-                own = of_element(meaning)
-            weights[generator.name] = own
-        return weights[generator.name]
-
-    return max(of_element(element), 1)

@@ -24,7 +24,7 @@ from geomtorsion.exact.functions import RootOfSquare, jet, opaque, smooth_form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
-from geomtorsion.exact.modular import leave_point
+from geomtorsion.exact.points import leave_point
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
 from geomtorsion.exact.special import meaning, undone

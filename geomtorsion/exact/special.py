@@ -1,4 +1,4 @@
-"""Special functions: their derivatives, their numbers, and the relations that tie them together.
+"""Special functions: their derivatives, and the relations that tie them together.
 
 Bessel functions of neighbouring orders, gamma functions of neighbouring arguments, W and exp(W) are
 generators of their own, so that their numbers are those of the functions themselves: J_20 made of
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import mpmath
 import sympy
-from flint import acb, fmpq
+from flint import fmpq
 from mpmath.libmp import to_rational
 
 from geomtorsion.errors import ExpressionError, GeomtorsionError
@@ -34,39 +34,6 @@ if TYPE_CHECKING:
     Meaning = Callable[[Tower, tuple[Element, ...]], Element | None]
     # The partial derivatives of a function, one for each argument; None where it has none.
     Slopes = Callable[[Tower, tuple[Element, ...]], tuple[Element | None, ...]]
-
-
-# Numbers of functions by Arb, by the names of sympy's classes; mpmath takes ten seconds for Y_2 with
-# 200 digits.
-VALUES: dict[str, Callable[..., acb]] = {
-    "besselj": lambda n, z: z.bessel_j(n),
-    "bessely": lambda n, z: z.bessel_y(n),
-    "besseli": lambda n, z: z.bessel_i(n),
-    "besselk": lambda n, z: z.bessel_k(n),
-    "erf": acb.erf,
-    "erfc": acb.erfc,
-    "erfi": acb.erfi,
-    "erf2": lambda x, y: y.erf() - x.erf(),
-    "LambertW": lambda z, branch=0: z.lambertw(int(float(acb(branch).real))),
-    "gamma": acb.gamma,
-    "loggamma": acb.lgamma,
-    "polygamma": lambda m, z: z.polygamma(m),
-    "factorial": lambda x: (x + 1).gamma(),
-    "beta": lambda x, y: x.gamma() * y.gamma() * (x + y).rgamma(),
-    "uppergamma": lambda s, x: x.gamma_upper(s),
-    "lowergamma": lambda s, x: x.gamma_lower(s),
-    "Ei": acb.ei,
-    "expint": lambda n, x: x.expint(n),
-    "li": acb.li,
-    "Si": acb.si,
-    "Ci": acb.ci,
-    "Shi": acb.shi,
-    "Chi": acb.chi,
-    "airyai": acb.airy_ai,
-    "airybi": acb.airy_bi,
-    "airyaiprime": lambda x: x.airy_ai(derivative=1),
-    "airybiprime": lambda x: x.airy_bi(derivative=1),
-}
 
 
 def slope(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:

@@ -292,9 +292,7 @@ class Components:
                     _ = one.nonzero
             # What was asked for before is not computed again.
             found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
-            for index, value in self._bulk().items():
-                if not self._vanishes(index, value):
-                    found[index] = value
+            found |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
             self._known.update(found)
             return found
         found, known = {}, self._known

@@ -106,6 +106,15 @@ def named(
         raise LimitError(f"{plain_symbol(tensor.symbol)}{place}: {error}") from None
 
 
+def written(tensor: Tensor, *, are_open: bool) -> dict[tuple[int, ...], sp.Expr]:
+    """Components that may vanish or not, or those that do not; with what follows by symmetry."""
+    components = tensor.components
+    chosen = [i for i in components.independent if (i in components.undecided) == are_open]
+    own = {i: named(tensor, i, components.independent[i], plain) for i in chosen}
+    places = ((i, *components.representative(i)) for i in components.support)
+    return {i: own[k] if sign > 0 else -own[k] for i, sign, k in places if k in own}
+
+
 def plain(value: Element) -> sp.Expr:
     """An element as an expression."""
     return value.sympy

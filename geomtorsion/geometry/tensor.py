@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -123,35 +123,19 @@ class Tensor:
         return place
 
     def nonzero(self) -> dict[Index, sp.Expr]:
-        """All components that are known not to vanish: index -> sympy expression.
-
-        Those of which that is not known are `undecided`.
-        """
-        components = self.components
-        return self._written(i for i in components.independent if i not in components.undecided)
+        """All components that are known not to vanish: index -> sympy expression."""
+        return notation.written(self, are_open=False)
 
     def undecided(self) -> dict[Index, sp.Expr]:
         """All components that may vanish or not, as no known relation tells: index -> expression.
 
         Examples
         --------
-        >>> import sympy as sp
-        >>> from geomtorsion.geometry import Frame
-        >>> x, y = sp.symbols("x y", positive=True)
-        >>> doubled = sp.gamma(2 * x) * sp.sqrt(sp.pi) - 4**x * sp.gamma(x) * sp.gamma(x + 1/sp.S(2)) / 2
-        >>> coframe = Frame([x, y], [[1, 0], [doubled, 1]]).coframe
-        >>> list(coframe.nonzero()), list(coframe.undecided()), coframe.certainty.proved
-        ([(0, 0), (1, 1)], [(1, 0)], False)
+        >>> from geomtorsion import spaces
+        >>> spaces.load("kerr").frame.metric.undecided()
+        {}
         """
-        return self._written(self.components.undecided)
-
-    def _written(self, independent: Iterable[Index]) -> dict[Index, sp.Expr]:
-        """Components as expressions, with those that follow by symmetry."""
-        components, write = self.components, notation.plain
-        values = components.independent
-        own = {i: notation.named(self, i, values[i], write) for i in independent}
-        places = ((i, *components.representative(i)) for i in components.support)
-        return {i: own[k] if sign > 0 else -own[k] for i, sign, k in places if k in own}
+        return notation.written(self, are_open=True)
 
     @cached_property
     def is_zero(self) -> bool | None:
@@ -172,9 +156,8 @@ class Tensor:
         >>> print(Frame([x, y], [[1, x], [0, 1]]).anholonomy.certainty)
         proved
         """
-        found = [value.certainty for value in self.components.undecided.values()]
-        found += [value.certainty for value in self.components.zeros.values()]
-        return least_certain(found)
+        found = [*self.components.undecided.values(), *self.components.zeros.values()]
+        return least_certain(value.certainty for value in found)
 
     def to_sympy(self, *, short: bool = False) -> sp.ImmutableDenseNDimArray | sp.Expr:
         """All components as a sympy array (an expression for a scalar).
