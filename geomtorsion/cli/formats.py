@@ -7,9 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy
 import typer
 from sympy.core.function import AppliedUndef
+from sympy.printing.codeprinter import PrintMethodNotImplementedError
 from sympy.printing.mathematica import MCodePrinter
-from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
+from geomtorsion.errors import ExpressionError
 from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
@@ -200,7 +202,45 @@ def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
     title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
     head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
-    return "\n\n".join([head, *(_function(space, chosen) for chosen in quantities)])
+    functions = [_function(space, chosen) for chosen in quantities]
+    if any("scipy.special" in function for function in functions):
+        head += "import scipy.special\n"
+    return "\n\n".join([head, *functions])
+
+
+class _PythonPrinter(SciPyPrinter):
+    """Functions of NumPy, and special functions of SciPy."""
+
+    def _print_Pi(self, expr: sympy.Basic) -> str:
+        return "numpy.pi"
+
+    def _print_Exp1(self, expr: sympy.Basic) -> str:
+        return "numpy.e"
+
+    def _print_LambertW(self, expr: sympy.Basic) -> str:
+        # SciPy's is complex; not a number where it is not real.
+        value = f"scipy.special.lambertw({', '.join(map(self._print, expr.args))})"
+        return f"numpy.where(numpy.isreal({value}), {value}.real, numpy.nan)"
+
+    def _print_erfi(self, expr: sympy.Basic) -> str:
+        return f"scipy.special.erfi({self._print(expr.args[0])})"
+
+    def doprint(self, expr: sympy.Basic) -> str:
+        """The code of an expression.
+
+        Raises
+        ------
+        ExpressionError
+            it has a function that neither NumPy nor SciPy has.
+        """
+        try:
+            return super().doprint(expr)
+        except PrintMethodNotImplementedError:
+            names = sorted(str(part.func) for part in expr.atoms(sympy.Function))
+            raise ExpressionError(
+                f"--format python: expected functions that NumPy or SciPy have, got one of "
+                f"{', '.join(dict.fromkeys(names))}. Take --format json or mathematica."
+            ) from None
 
 
 def _function(space: Space, chosen: Quantity) -> str:
@@ -213,7 +253,7 @@ def _function(space: Space, chosen: Quantity) -> str:
         [_replaced(value, renamed) for value in components.values()],
         symbols=sympy.numbered_symbols("_t"),
     )
-    printer = NumPyPrinter()
+    printer = _PythonPrinter()
     names = ", ".join(arguments.values())
     kind = "complex" if frame.complex else "float"
     rank = len(chosen.tensor.slots)

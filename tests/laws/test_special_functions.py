@@ -136,11 +136,27 @@ def test_engines_without_a_form_say_so():
 
 def test_members_with_special_functions():
     """Many motions at once, each as it is alone."""
-    problem = gt.ODE.of({"x": 1, "y": "k" * sp.besselj(0, x) if False else sp.Symbol("k") * sp.besselj(0, x)},
-                        [1, 0], parameters={"k": 1})  # fmt: skip
+    rates = {"x": 1, "y": sp.Symbol("k") * sp.besselj(0, x)}
+    problem = gt.ODE.of(rates, [1, 0], parameters={"k": 1})
     many = gt.solve_many(problem, {"k": [1.0, 3.0]}, 1.0)
     alone = gt.solve(problem, 1.0)
     assert many["y"][:, -1] == pytest.approx(np.array([1, 3]) * alone["y"][-1], abs=1e-9)
+
+
+def test_exported_python_has_the_same_numbers(tmp_path):
+    """A module for a frame with W, K and erfi: its functions against the exact components."""
+    file = tmp_path / "special.toml"
+    entry = "LambertW(x) + besselk(1, x) + erfi(x) + gamma(x)"
+    file.write_text(f'name = "s"\ncoordinates = ["x", "y"]\ncoframe = [[1, "{entry}"], [0, 1]]\n')
+    source = run("geometry", str(file), "--only", "coframe", "--format", "python").stdout
+    module: dict = {}
+    exec(source, module)
+    want = sp.LambertW(x) + sp.besselk(1, x) + sp.erfi(x) + sp.gamma(x)
+    assert module["coframe"](0.7, 0.0)[0, 1] == pytest.approx(float(want.subs(x, 0.7)), rel=1e-12)
+    entry = "polygamma(1, x) + expint(2, x)"
+    file.write_text(f'name = "s"\ncoordinates = ["x", "y"]\ncoframe = [[1, "{entry}"], [0, 1]]\n')
+    text = run("geometry", str(file), "--only", "coframe", "--format", "python", code=2).output
+    assert "expected functions that NumPy or SciPy have" in text
 
 
 # -- what is undecided ---------------------------------------------------------------------------
