@@ -517,6 +517,9 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
                     found = _conjugate(field, num, position, largest)
                 if found is None or len(multiplier) * len(found[1]) > largest:
                     return None
+                # What is divided by factors of so high a degree takes as long as its square.
+                if _is_high(generator) and (len(multiplier) * len(found[1])) ** 2 > largest:
+                    return None
                 num, conjugate = found
                 multiplier = field.reduced(multiplier * conjugate)
                 # A conjugate may bring in roots that stand below this one; later rounds clear them.
@@ -605,7 +608,7 @@ def _conjugate(
     """
     generator = field.generators[position]
     n = generator.degree
-    if n * 2 ** (n - 1) > LARGEST_POWER_TERMS:
+    if _is_high(generator):
         return None
     w = field.ctx.gen(position)
     columns = []
@@ -633,6 +636,11 @@ def _conjugate(
         norm = norm + columns[k][0] * cofactor
         conjugate = conjugate + cofactor * w**k
     return field.reduced(norm), field.reduced(conjugate)
+
+
+def _is_high(generator: Generator) -> bool:
+    """Whether a root is of so high an order that its minors are too many."""
+    return generator.degree * 2 ** (generator.degree - 1) > LARGEST_POWER_TERMS
 
 
 def _expanded(
