@@ -608,7 +608,8 @@ def _conjugate(
     """
     generator = field.generators[position]
     n = generator.degree
-    if _is_high(generator):
+    # The matrix has n**2 entries, with n times as many terms as its first column.
+    if _is_high(generator) or n**2 * len(num) > largest:
         return None
     w = field.ctx.gen(position)
     columns = []
