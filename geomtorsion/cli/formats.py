@@ -7,9 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 import sympy
 import typer
 from sympy.core.function import AppliedUndef
+from sympy.printing.codeprinter import PrintMethodNotImplementedError
 from sympy.printing.mathematica import MCodePrinter
-from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
+from geomtorsion.errors import ExpressionError
+from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
@@ -73,7 +76,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
         return f"{title}  {label} = 0"
     if not tensor.slots:
         value = expression_text(chosen.written(components[()]), greek=greek)
-        return f"{title}  {symbol} = {value}"
+        return f"{title}  {symbol} = {value}{open_mark(tensor, ())}"
     # Equal signs stand below each other.
     lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
     labels = {
@@ -84,7 +87,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     for index, element in components.items():
         gap = " " * (width - _width(labels[index]))
         value = expression_text(chosen.written(element), greek=greek)
-        lines.append(f"  {labels[index]}{gap} = {value}")
+        lines.append(f"  {labels[index]}{gap} = {value}{open_mark(tensor, index)}")
     total = len(chosen.nonzero)
     if total > len(components):
         rest = total - len(components)
@@ -122,7 +125,7 @@ def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sy
     entry, tensor = chosen.entry, chosen.tensor
     first, *rest = entry.name.split("_")
     name = first + "".join(part.capitalize() for part in rest)
-    comment = f"(* {entry.title}, slots {tensor.slots or 'none'} *)"
+    comment = f"(* {entry.title}, slots {tensor.slots or 'none'}{_open(chosen, first=1)} *)"
     printer = _MathematicaPrinter()
     written = {i: printer.doprint(x.sympy.xreplace(renamed)) for i, x in chosen.nonzero.items()}
     if not tensor.slots:
@@ -187,11 +190,57 @@ _OWN_NAMES = ("numpy", "result", "shape", "float", "complex")
 Names = Mapping[sympy.Basic, str]
 
 
+def _open(chosen: Quantity, first: int = 0) -> str:
+    """Which components may vanish or not, for a comment; first: the number of the first index."""
+    if not chosen.undecided:
+        return ""
+    places = ", ".join(str([k + first for k in index]) for index in chosen.undecided)
+    return f"; undecided whether zero: {places}"
+
+
 def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
     title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
     head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
-    return "\n\n".join([head, *(_function(space, chosen) for chosen in quantities)])
+    functions = [_function(space, chosen) for chosen in quantities]
+    if any("scipy.special" in function for function in functions):
+        head += "import scipy.special\n"
+    return "\n\n".join([head, *functions])
+
+
+class _PythonPrinter(SciPyPrinter):
+    """Functions of NumPy, and special functions of SciPy."""
+
+    def _print_Pi(self, expr: sympy.Basic) -> str:
+        return "numpy.pi"
+
+    def _print_Exp1(self, expr: sympy.Basic) -> str:
+        return "numpy.e"
+
+    def _print_LambertW(self, expr: sympy.Basic) -> str:
+        # SciPy's is complex; not a number where it is not real.
+        value = f"scipy.special.lambertw({', '.join(map(self._print, expr.args))})"
+        return f"numpy.where(numpy.isreal({value}), {value}.real, numpy.nan)"
+
+    def _print_erfi(self, expr: sympy.Basic) -> str:
+        return f"scipy.special.erfi({self._print(expr.args[0])})"
+
+    def doprint(self, expr: sympy.Basic) -> str:
+        """The code of an expression.
+
+        Raises
+        ------
+        ExpressionError
+            it has a function that neither NumPy nor SciPy has.
+        """
+        try:
+            return super().doprint(expr)
+        except PrintMethodNotImplementedError:
+            names = sorted(str(part.func) for part in expr.atoms(sympy.Function))
+            raise ExpressionError(
+                f"--format python: expected functions that NumPy or SciPy have, got one of "
+                f"{', '.join(dict.fromkeys(names))}. Take --format json or mathematica."
+            ) from None
 
 
 def _function(space: Space, chosen: Quantity) -> str:
@@ -204,7 +253,7 @@ def _function(space: Space, chosen: Quantity) -> str:
         [_replaced(value, renamed) for value in components.values()],
         symbols=sympy.numbered_symbols("_t"),
     )
-    printer = NumPyPrinter()
+    printer = _PythonPrinter()
     names = ", ".join(arguments.values())
     kind = "complex" if frame.complex else "float"
     rank = len(chosen.tensor.slots)
@@ -234,6 +283,7 @@ def _description(chosen: Quantity, arguments: Names) -> str:
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
     if axes:
         text += f"; last axes ({axes}), slots {chosen.tensor.slots}"
+    text += _open(chosen)
     unknown = [f"{new} is {plain_text(old)}" for old, new in arguments.items() if not old.is_Symbol]
     return ". ".join([text, *unknown]) + "."
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any, TypeAlias
 
 import flint
@@ -12,6 +13,7 @@ import mpmath
 from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Signed, Step
 from geomtorsion.exact.evaluate import LARGEST_BITS
+from geomtorsion.exact.special_values import VALUES, number
 from geomtorsion.precision import ball_precision, working_precision
 
 Exact = Fraction | mpmath.mpf
@@ -61,8 +63,8 @@ def _exact(step: Step, given: Sequence[Exact], made: Sequence[Exact]) -> Exact:
 
 _MPMATH: dict[str, Callable[..., mpmath.mpf]] = {
     name: getattr(mpmath, names.mpmath) for name, names in FUNCTIONS.items()
-    if hasattr(mpmath, names.mpmath)
-} | {"Max": max, "Min": min}  # fmt: skip
+    if name not in VALUES and hasattr(mpmath, names.mpmath)
+} | {name: partial(number, name) for name in VALUES} | {"Max": max, "Min": min}  # fmt: skip
 
 
 def _long(value: Exact) -> mpmath.mpf:
@@ -107,14 +109,10 @@ def exact_number(value: Any, bits: int) -> Exact:
 Ball: TypeAlias = Any  # an arb, or an acb where values are complex
 
 # Functions whose names there are not those of sympy, and those of two arguments.
-_RENAMED = {"Ei": "ei", "ceiling": "ceil", "loggamma": "lgamma", "sign": "sgn", "Abs": "__abs__"}
+_RENAMED = {"ceiling": "ceil", "sign": "sgn", "Abs": "__abs__"}
 _OF_TWO: dict[str, Callable[[Ball, Ball], Ball]] = {
     "atan2": flint.arb.atan2,
     "power": lambda base, exponent: base**exponent,
-    "besselj": lambda order, x: x.bessel_j(order),
-    "bessely": lambda order, x: x.bessel_y(order),
-    "besseli": lambda order, x: x.bessel_i(order),
-    "besselk": lambda order, x: x.bessel_k(order),
 }
 
 
@@ -213,6 +211,13 @@ def _ball(step: Step, inner: Sequence[Ball], arguments: Sequence[Any], kind: Any
         return inner[0].sqrt() if detail == 2 else inner[0].root(detail)
     if detail in ("Max", "Min"):
         return _extreme(inner, detail)
+    if detail in VALUES:
+        found = VALUES[detail](*map(flint.acb, inner))
+        if kind is flint.acb:
+            return found
+        if not found.imag.is_zero():
+            raise ValueError(f"{detail} is not real here")
+        return found.real
     if detail in _OF_TWO:
         return _OF_TWO[detail](*inner)
     return getattr(inner[0], _RENAMED.get(str(detail), str(detail)))()

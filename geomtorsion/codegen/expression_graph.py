@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from geomtorsion.codegen.evaluation import exact_values
 from geomtorsion.codegen.printers import (
+    FUNCTIONS,
     Body,
     Expression,
     Number,
@@ -207,6 +208,12 @@ class Graph:
         """
         places = [known.get(name) for name in self.arguments]
         return heyoka_expressions(self.steps, self.outputs, places, number)
+
+    @property
+    def has_series(self) -> bool:
+        """Whether heyoka knows the Taylor series of all functions in it."""
+        called = (step.detail for step in self.steps if step.kind == "call")
+        return all(name == "power" or FUNCTIONS[name].heyoka for name in called)
 
     def exactly(self, values: Sequence[Any], bits: int = EXACT_BITS) -> list[Fraction | mpmath.mpf]:
         """Values at one point: fractions where they are rational, else numbers of so many bits.

@@ -17,8 +17,10 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from mpmath.libmp import prec_to_dps
 
+from geomtorsion.codegen.special import of_arrays, of_floats
 from geomtorsion.codegen.steps import Signed, Step, is_one, uses
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.special_values import VALUES
 from geomtorsion.precision import EXACT_BITS
 
 
@@ -26,8 +28,8 @@ from geomtorsion.precision import EXACT_BITS
 class Names:
     """Names of one function; empty where it does not exist.
 
-    math: in generated source; of the math module, but for power, sign and what scipy brings.
-    numpy: of numpy, or of scipy.special.
+    math: in generated source; of the math module, but for power, sign and special functions.
+    numpy: of numpy, but for special functions.
     mpmath: of mpmath.
     heyoka: of heyoka.
     roundings: to how many of them NumPy and SciPy are right.
@@ -56,16 +58,8 @@ FUNCTIONS = {
     "ceiling": Names("ceil", "ceil", "ceil"),
     "Max": Names("max", "maximum", "max"),
     "Min": Names("min", "minimum", "min"),
-    "erf": Names("erf", "erf", "erf", roundings=16),
-    "erfc": Names("erfc", "erfc", "erfc", roundings=16),
-    "erfi": Names("erfi", "erfi", "erfi", roundings=16),
-    "gamma": Names("gamma", "gamma", "gamma", roundings=16),
-    "loggamma": Names("lgamma", "gammaln", "loggamma", roundings=16),
-    "besselj": Names("jv", "jv", "besselj", roundings=16),
-    "bessely": Names("yv", "yv", "bessely", roundings=16),
-    "besseli": Names("iv", "iv", "besseli", roundings=16),
-    "besselk": Names("kv", "kv", "besselk", roundings=16),
-    "Ei": Names("expi", "expi", "ei", roundings=16),
+    # To more than double precision by Arb; SciPy's are right to some roundings.
+    **{name: Names(name, name, name, roundings=16) for name in VALUES},
 }  # fmt: skip
 
 
@@ -186,9 +180,10 @@ def _smallest(*values: np.ndarray) -> np.ndarray:
     return reduce(np.minimum, values)
 
 
-# What scipy brings is None here, and looked up where source asks for it.
+# Special functions, some of which math has, too, are of their own file.
 _FLOATS: dict[str, Any] = {
-    **{names.math: getattr(math, names.math, None) for names in FUNCTIONS.values()},
+    **{x.math: getattr(math, x.math, None) for name, x in FUNCTIONS.items() if name not in VALUES},
+    **{name: of_floats(name) for name in VALUES},
     "pow": math.pow,
     "sqrt": math.sqrt,
     "sign": _sign,
@@ -196,7 +191,8 @@ _FLOATS: dict[str, Any] = {
     "min": min,
 }
 _ARRAYS: dict[str, Any] = {
-    **{names.math: getattr(np, names.numpy, None) for names in FUNCTIONS.values()},
+    **{x.math: getattr(np, x.numpy, None) for name, x in FUNCTIONS.items() if name not in VALUES},
+    **{name: of_arrays(name) for name in VALUES},
     "pow": np.power,
     "sqrt": np.sqrt,
     "max": _largest,
@@ -218,13 +214,6 @@ def compiled(
     (2.0,)
     """
     table: dict[str, Any] = dict(_FLOATS if numbers == "floats" else _ARRAYS)
-    missing = [known for known, value in table.items() if value is None and f"{known}(" in source]
-    if missing:
-        # Few expressions need them, and loading scipy.special costs more than all else here.
-        from scipy import special
-
-        by_name = {names.math: names.numpy for names in FUNCTIONS.values()}
-        table |= {known: getattr(special, by_name[known]) for known in missing}
     # The source is made of our own names and numbers; no text of a user gets into it.
     exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
     return table[name]

@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
+import sympy
+
+from geomtorsion.codegen import special
 from geomtorsion.errors import ExpressionError
+from geomtorsion.exact.special_values import VALUES
 
 # So many quotients by one value make its inverse pay: a product costs less than a quotient.
 MANY_QUOTIENTS = 6
+
+# What slopes of special functions are made of besides these.
+_EVERYDAY = (sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.sinh, sympy.cosh)
 
 # Sign and place of a step.
 Signed = tuple[int, int]
@@ -312,7 +320,52 @@ class Forward:
             return self._divided(inner[0], root, -1 if name == "acos" else 1)
         if name == "Abs":
             return self._scaled(inner[0], self._call("sign", first))
+        if name in VALUES:
+            return self._of_special(name, operands, inner)
         raise ExpressionError(f"{name} has no derivative here; write it in other functions")
+
+    def _of_special(self, name: str, operands: Sequence[int], inner: Sequence[Slopes]) -> Slopes:
+        """The chain rule with the slopes that sympy knows."""
+        table: dict[sympy.Expr, int] = {}
+        values: list[sympy.Expr] = []
+        for operand in operands:
+            step = self.builder.steps[operand]
+            value = sympy.Dummy()
+            if step.kind == "number":
+                # Functions of an order that is a number have slopes of their own.
+                value = sympy.Rational(step.detail.numerator, step.detail.denominator)
+            values.append(value)
+            table[value] = operand
+        parts = [
+            (1, self._scaled(slopes, self._expression(special.slope(name, values, k), table)))
+            for k, slopes in enumerate(inner)
+            if slopes
+        ]
+        return self._sum(parts)
+
+    def _expression(self, tree: sympy.Basic, table: dict[sympy.Expr, int]) -> int:
+        """An expression of sympy over steps that exist."""
+        if tree in table:
+            return table[tree]
+        if isinstance(tree, sympy.Rational):
+            return self._number(Fraction(int(tree.p), int(tree.q)))
+        if isinstance(tree, sympy.NumberSymbol):
+            return self.builder.add("digits", (), tree, constant=True)
+        inner = [self._expression(part, table) for part in tree.args]
+        if isinstance(tree, sympy.Add):
+            return self.builder.total([(1, place) for place in inner])[1]
+        if isinstance(tree, sympy.Mul):
+            return reduce(self.builder.product, inner)
+        if isinstance(tree, sympy.Pow) and tree.args[0] is not sympy.E:
+            exponent = tree.args[1]
+            if exponent.is_Integer:
+                power = self.builder.power(inner[0], abs(int(exponent)))
+                return power if exponent > 0 else self.builder.quotient(self._one, power)
+            return self._call("power", *inner)
+        name = type(tree).__name__
+        if name not in VALUES and not isinstance(tree, _EVERYDAY):
+            raise ExpressionError(f"{tree} has no derivative here; write it in other functions")
+        return self._call(name, *inner)
 
     def _of_power(self, place: int, operands: Sequence[int], inner: Sequence[Slopes]) -> Slopes:
         """(u**v)' = v u**(v - 1) u' + u**v log(u) v'"""

@@ -179,5 +179,5 @@ def _has_a_kink(frame: Frame, root: Generator) -> bool:
     for powers in field.lift(tail).to_dict():
         if all(fixed for power, fixed in zip(powers, still, strict=True) if power):
             return False
-    entries = frame.metric.nonzero().values()
+    entries = {**frame.metric.nonzero(), **frame.metric.undecided()}.values()
     return any(changes_with_sign(entry, root.shown**2) for entry in entries)

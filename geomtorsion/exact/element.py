@@ -38,7 +38,7 @@ class Certainty:
     """How sure it is that an element vanishes or not.
 
     proved: whether polynomials decided, or a value that is not zero.
-    error: else a bound on the chance that the answer is wrong.
+    error: else a bound on the chance that the answer is wrong; 1 where there is no answer.
     """
 
     proved: bool
@@ -47,16 +47,19 @@ class Certainty:
     def __str__(self) -> str:
         if self.proved:
             return "proved"
+        if self.error >= 1:
+            return "undecided: no known relation tells whether it vanishes"
         return f"at a random point modulo a prime: chance of error below {self.error:.0e}"
 
 
 PROVED = Certainty(proved=True)
+UNDECIDED = Certainty(proved=False, error=1.0)
 
 
 def least_certain(verdicts: Iterable[Certainty]) -> Certainty:
     """The certainty that all of some verdicts are right."""
     chances = [verdict.error for verdict in verdicts if not verdict.proved]
-    return Certainty(proved=not chances, error=sum(chances))
+    return Certainty(proved=not chances, error=min(sum(chances), 1.0))
 
 
 class Element:
@@ -223,13 +226,11 @@ class Element:
             return True
         if self._level is None or element._level is None:
             return (self - element).is_zero is True
-        # Denominators are canonical, so different ones mean different elements.
-        if self._den != element._den:
-            return False
-        if self._level != element._level:
-            self._field.lift(self)
-            self._field.lift(element)
-        return bool(self._num == element._num)
+        field = self._field
+        # Denominators are canonical, so different ones mean different elements, where all
+        # generators are known to be independent.
+        is_same = self._den == element._den and field.lift(self) == field.lift(element)
+        return is_same or (not field.all_sure and (self - element).is_zero is True)
 
     def __hash__(self) -> int:
         if self._hash is None:
@@ -244,8 +245,8 @@ class Element:
     def is_zero(self) -> bool | None:
         """True or False, decided; None where an opaque function or constant leaves it open.
 
-        Opaque are functions known by their derivative alone (erf, Bessel), constants such as
-        cos(pi/7) or atan(2), and odd roots of expressions with roots.
+        Opaque are functions of which some relations are known (erf, Bessel; see `special`),
+        constants such as atan(2), and odd roots of expressions with roots.
         """
         if self._level is None:
             return self._field.decide_zero(self)
@@ -291,7 +292,7 @@ class Element:
 
     @property
     def certainty(self) -> Certainty:
-        """How sure the answer of is_zero is: proved, or up to a chance that is told."""
+        """How sure the answer of is_zero is: proved, up to a chance of error, or undecided."""
         return self._field.certainty(self)
 
     def as_fraction(self) -> Fraction:

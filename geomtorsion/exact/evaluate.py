@@ -23,6 +23,7 @@ from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.polynomials import as_fmpq
 from geomtorsion.exact.roots import roots_restored
+from geomtorsion.exact.special_values import VALUES, number
 from geomtorsion.precision import EXACT_BITS, ball_precision, working_precision
 
 if TYPE_CHECKING:
@@ -275,6 +276,8 @@ def arguments(generator: Generator) -> tuple[Element, ...]:
         return (argument,)
     if kind == "primitive":
         return argument[2]
+    if kind == "opaque" and type(generator.shown).__name__ in VALUES:
+        return argument
     return () if generator.tail is None else (generator.tail,)
 
 
@@ -293,11 +296,17 @@ def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
         return given(generator)
     if kind == "imaginary":
         return mpmath.mpc(0, 1)
-    if kind in ("opaque", "constant"):
+    name = type(generator.shown).__name__
+    if kind == "constant" or (kind == "opaque" and name not in VALUES):
         return _by_sympy(generator, given)
     numbers = list(map(values, arguments(generator), repeat(given), repeat(known)))
     if kind == "log" and not numbers[0]:
         raise SingularPointError(f"{generator.shown} has no finite value here")
+    if kind == "opaque":
+        try:
+            return number(name, *numbers)
+        except ZeroDivisionError:
+            raise SingularPointError(f"{generator.shown} has no finite value here") from None
     if kind == "root":
         return mpmath.root(numbers[0], generator.degree)
     if kind == "primitive":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -11,15 +12,17 @@ from flint import fmpq
 from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept, polynomials
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.element import PROVED, Certainty, Element, inside_out
+from geomtorsion.exact.element import PROVED, UNDECIDED, Certainty, Element, inside_out
 from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
 from geomtorsion.exact.limits import MOST_AT_ONCE, NoPointError
-from geomtorsion.exact.modular import point_of
+from geomtorsion.exact.points import point_of, roomy_point_of
+from geomtorsion.exact.primes import BITS
 from geomtorsion.exact.reading import Reader, counted_as
 from geomtorsion.exact.roots import inverse, root
 from geomtorsion.exact.serialization import from_json, to_json
+from geomtorsion.exact.special import slope
 from geomtorsion.exact.tower import Point, Tower
 from geomtorsion.exact.writing import shortest, to_sympy
 
@@ -168,7 +171,7 @@ def _jet(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
 
 
 def _opaque(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
-    return field.read(generator.shown.diff(symbol), f"derivative of {generator.shown}")
+    return slope(field, generator, symbol)
 
 
 _RULES: dict[str, Rule] = {
@@ -365,6 +368,13 @@ class Field(Tower):
         # lie in the field already has more relations than its own, and only one of its values.
         if any(g.degree or is_algebraic_constant(self, g) for g in unsure):
             return self._decide_by_numbers(element)
+        # A point at which very many roots have values is long to be found.
+        if element.is_kept and self._has_many_roots(element):
+            if self.sample.is_surely_nonzero(element):
+                return False
+            whole = self.brief(element)
+            if whole is not None:
+                return self.decide_zero(whole)
         image = self._image(element)
         if image is None and element.is_kept:
             # Of very many roots no point is found; what has a value does not vanish.
@@ -376,6 +386,10 @@ class Field(Tower):
         if not unsure:
             return False
         return False if self.sample.is_surely_nonzero(element) else None
+
+    def _has_many_roots(self, element: Element) -> bool:
+        """Whether the roots of an element have more values together than a prime has bits."""
+        return prod(g.degree for g in self.generators_of(element) if g.kind == "root") > BITS
 
     def _decide_by_numbers(self, element: Element) -> bool | None:
         """Whether an element vanishes some of whose roots may depend on others."""
@@ -393,7 +407,7 @@ class Field(Tower):
     def _image(self, element: Element) -> fmpz_mod | None:
         """The value at a random point modulo a prime, or None where there is none."""
         try:
-            return point_of(self).image(element)
+            return roomy_point_of(self).image(element)
         except NoPointError:
             return None
 
@@ -403,8 +417,9 @@ class Field(Tower):
 
     def certainty(self, element: Element) -> Certainty:
         """How sure it is that an element vanishes or not."""
-        if not element.is_zero:
-            return PROVED
+        verdict = element.is_zero
+        if not verdict:
+            return UNDECIDED if verdict is None else PROVED
         whole = self.brief(element)
         if whole is not None and (not whole._num or algebraic_constants.vanishes(whole)):
             return PROVED

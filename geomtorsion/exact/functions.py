@@ -12,6 +12,7 @@ import sympy
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.generators import Generator
+from geomtorsion.exact.special import NAMED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,7 +57,7 @@ def smooth_form(expr: sympy.Expr) -> sympy.Expr | None:
         return partner(1 / expr.args[0])
     if name == "sinc":
         return sympy.sin(expr.args[0]) / expr.args[0]
-    for symbol in expr.free_symbols:
+    for symbol in () if name in NAMED else expr.free_symbols:
         slope = expr.diff(symbol)
         if slope.has(sympy.Derivative, sympy.Subs) and not expr.has(sympy.Derivative, sympy.Subs):
             raise ExpressionError(f"{expr} has no derivative that is known exactly")

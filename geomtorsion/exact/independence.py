@@ -13,7 +13,7 @@ import sympy
 from geomtorsion.errors import AllowanceError, ExpressionError, GeomtorsionError
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
-from geomtorsion.exact.modular import point_of
+from geomtorsion.exact.points import roomy_point_of
 
 if TYPE_CHECKING:
     from flint import fmpq_mpoly
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 def without_idle_symbols(element: Element) -> Element | None:
     """An equal element without symbols on which it does not depend; None where it is long, too."""
-    field, point = element.field, point_of(element.field)
+    field = element.field
     try:
+        point = roomy_point_of(field)
         idle = [x for x in sorted(element.symbols, key=str) if point.moves(element, x) is False]
         found = element
         for symbol in idle:

@@ -4,6 +4,9 @@ Generators take values in the integers modulo a prime of 256 bits that obey all 
 cos and sin lie on the circle, roots are roots.  This is a homomorphism: what is zero goes to zero,
 and what goes to a number that is not zero is not zero.  What is not zero goes to zero with a
 chance of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` tells.
+
+Of the numbers modulo a prime one half have no square root.  In the field of p**2 numbers all of
+them have one: it is taken where many square roots would have to be there at once.
 """
 
 from __future__ import annotations
@@ -14,9 +17,18 @@ from math import prod
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import sympy
-from flint import fmpq, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
+from flint import (
+    fmpq,
+    fmpz,
+    fmpz_mod_ctx,
+    fmpz_mod_poly_ctx,
+    fq_default,
+    fq_default_ctx,
+    fq_default_poly_ctx,
+)
 
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
+from geomtorsion.exact.degrees import degree
 from geomtorsion.exact.element import in_order
 from geomtorsion.exact.limits import NoPointError
 from geomtorsion.exact.polynomials import as_fmpq
@@ -47,10 +59,14 @@ class _PrimeError(_MovedError):
 
 
 class ModularPoint:
-    """A random point modulo a prime for the generators of a field, the same at every run."""
+    """A random point modulo a prime for the generators of a field, the same at every run.
 
-    def __init__(self, field: Tower) -> None:
+    extended: values lie in the field of p**2 numbers, in which all of the p have square roots.
+    """
+
+    def __init__(self, field: Tower, extended: bool = False) -> None:
         self._field = field
+        self._extended = extended
         self._place = self._number_of_prime = -1
         # Places since the last at which all generators had values.
         self._tried: int = 0
@@ -137,6 +153,11 @@ class ModularPoint:
                 self._fill(range(len(oldest)), search=False)
                 return bool(self._image(element) != value)
 
+    def leave(self) -> None:
+        """Other values for all generators."""
+        self._rests.clear()
+        self._settle()
+
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""
         while True:
@@ -157,14 +178,19 @@ class ModularPoint:
         while waiting:
             new = set(self._field.generators_of(waiting.pop())) - found
             found |= new
-            waiting += [generator.tail for generator in new if generator.tail is not None]
+            waiting += [inner for generator in new for inner in self._inner(generator)]
         oldest = self._field.generators[::-1]
         return [place for place, generator in enumerate(oldest) if generator in found]
+
+    def _inner(self, generator: Generator) -> list[Element]:
+        """What the value of a generator is made of: the other side of its relation."""
+        both = (generator.tail, self._field.meanings.get(generator.name))
+        return [element for element in both if element is not None]
 
     def _known(self, element: Element) -> fmpz_mod | None:
         """The value at the present place, if it is known."""
         image = element._image
-        return image[1] if image is not None and image[0] == self._place else None
+        return image[1] if image is not None and image[0] == (self._extended, self._place) else None
 
     def _image(self, element: Element) -> fmpz_mod:
         if not element.is_kept:
@@ -181,7 +207,7 @@ class ModularPoint:
                 total = total + value
             if recipe.below:
                 total = self._inverse(total)
-            one._image = (self._place, total)
+            one._image = ((self._extended, self._place), total)
         found = self._known(element)
         assert found is not None
         return found
@@ -194,14 +220,14 @@ class ModularPoint:
             for index, exponent in element._den:
                 below = self._polynomial(self._field.factors[index])
                 known = known * self._inverse(below) ** exponent
-            element._image = (self._place, known)
+            element._image = ((self._extended, self._place), known)
         return known
 
     def _polynomial(self, poly: fmpq_mpoly) -> fmpz_mod:
         """The value of a polynomial of the present ring."""
         total, powers = self._zero, {}
         newest = len(self._field.generators) - 1
-        if poly.total_degree() < BITS:
+        if poly.total_degree() < BITS and not self._extended:
             # In whole numbers, which stay small enough: five times as fast for thousands of terms.
             values = [0] * (newest + 1 - len(self._values))
             values += [0 if value is None else int(value) for value in self._values[::-1]]
@@ -253,12 +279,17 @@ class ModularPoint:
             number = self._number_of_prime + 1
             order = order_for(self._field)
             prime = nth_prime(number, order)
-            ring = fmpz_mod_ctx(prime)
-            turn = root_of_unity(ring, prime, order)
-            modulo = ring, fmpz_mod_poly_ctx(ring), ring(0), order, turn
+            ring: Any = fmpz_mod_ctx(prime)
+            turn: Any = root_of_unity(ring, prime, order)
+            polynomials: Any = fmpz_mod_poly_ctx(ring)
+            if self._extended:
+                ring = fq_default_ctx(prime, 2)
+                turn, polynomials = ring(int(turn)), fq_default_poly_ctx(ring)
+            modulo = prime, ring, polynomials, ring(0), order, turn
         else:
             number = self._number_of_prime
-            modulo = self._ring, self._polynomials, self._zero, self._order, self._turn
+            prime, ring, polynomials = self._prime, self._ring, self._polynomials
+            modulo = prime, ring, polynomials, self._zero, self._order, self._turn
             if moved:
                 oldest = self._field.generators[::-1]
                 values = [
@@ -268,7 +299,7 @@ class ModularPoint:
         # All at once: whoever interrupts finds the old place or the new one.
         self._place, self._number_of_prime, self._values = place, number, values
         self._tried = tried
-        self._ring, self._polynomials, self._zero, self._order, self._turn = modulo
+        self._prime, self._ring, self._polynomials, self._zero, self._order, self._turn = modulo
 
     def _degrees(self) -> list[int]:
         """The degrees of all algebraic generators."""
@@ -303,9 +334,10 @@ class ModularPoint:
         """The places of the generators with random values on which one rests, its own included."""
         if generator.name not in self._rests:
             generators, found = self._field.generators, frozenset[int]()
-            if generator.tail is not None:
-                inner = map(self._rests_on, self._field.generators_of(generator.tail))
-                found = found.union(*inner)
+            if self._inner(generator):
+                for element in self._inner(generator):
+                    inner = map(self._rests_on, self._field.generators_of(element))
+                    found = found.union(*inner)
             elif generator.depends or generator.kind == "constant":
                 found = frozenset([len(generators) - 1 - generators.index(generator)])
             self._rests[generator.name] = found
@@ -328,6 +360,11 @@ class ModularPoint:
             return self._partners[generator.name]
         if generator.degree:
             return self._algebraic(generator)
+        meaning = self._field.meanings.get(generator.name)
+        if meaning is not None:
+            # It may be made of younger generators, which were added when it was read.
+            self._fill(self._below([meaning]), search=False)
+            return self._image(meaning)
         if kind == "opaque" and not generator.depends:
             return self._trigonometric(generator)
         return self._random(generator)
@@ -350,11 +387,12 @@ class ModularPoint:
         if generator.degree == 2 and not generator.middle:
             return self._square_root(generator.tail, tail)
         if not generator.middle:
-            whole = self._ring.modulus() - 1
+            # The number of those that are not zero where the value lies.
+            whole = self._prime - 1 if self._is_whole(tail) else self._prime**2 - 1
             shared = whole.gcd(fmpz(generator.degree))
             if shared == 1:
                 return tail ** pow(generator.degree, -1, int(whole))
-            if tail ** int(whole // shared) not in (0, 1):
+            if not self._extended and tail ** int(whole // shared) not in (0, 1):
                 # Euler's criterion: no power of this degree, told without a search for roots.
                 raise _MovedError
         relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
@@ -363,7 +401,11 @@ class ModularPoint:
         roots = self._roots(self._polynomials(relation))
         if not roots:
             raise _MovedError
-        return min(roots, key=int)
+        return min(roots, key=_in_order)
+
+    def _is_whole(self, value: fmpz_mod | fq_default) -> bool:
+        """Whether a value is one of the numbers modulo the prime."""
+        return not isinstance(value, fq_default) or not any(value.to_list()[1:])
 
     def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
         """The square root; that of a small whole number agrees with the roots of unity."""
@@ -378,11 +420,13 @@ class ModularPoint:
         if self._is_no_residue(value):
             raise _MovedError
         root = value.sqrt()
-        return min(root, -root, key=int)
+        return min(root, -root, key=_in_order)
 
-    def _is_no_residue(self, value: fmpz_mod) -> bool:
-        """Whether a number has no square root modulo the prime, by its Jacobi symbol."""
-        return fmpz(int(value)).jacobi(self._ring.modulus()) < 0
+    def _is_no_residue(self, value: fmpz_mod | fq_default) -> bool:
+        """Whether a number has no square root; modulo the prime by its Jacobi symbol."""
+        if isinstance(value, fq_default):
+            return not value.is_square()
+        return fmpz(int(value)).jacobi(self._prime) < 0
 
     def _root_of_prime(self, prime: int) -> fmpz_mod:
         """The positive square root of a small prime, as a Gauss sum."""
@@ -420,42 +464,6 @@ class ModularPoint:
         return int(size) / 2 ** (BITS - 1)
 
 
-def point_of(field: Tower) -> ModularPoint:
-    """The point of a field, made when it is asked for first."""
-    point = field.tables.get("modular point")
-    if point is None:
-        point = field.tables["modular point"] = ModularPoint(field)
-    return point
-
-
-def degree(element: Element) -> int:
-    """A bound on the degree of an element's numerator and denominator in what is random."""
-    field, found = element.field, {}
-    weights: dict[str, int] = {}
-
-    def of_polynomials(one: Element) -> int:
-        total = _total(field.lift(one))
-        return total + sum(e * _total(field.factors[i]) for i, e in one._den)
-
-    def _total(poly: fmpq_mpoly) -> int:
-        return sum(
-            int(d) * weight(generator)
-            for d, generator in zip(poly.degrees(), field.generators, strict=True)
-            if d
-        )
-
-    def weight(generator: Generator) -> int:
-        # cos and sin are quotients of degree two in the number that is chosen.
-        if generator.name not in weights:
-            own = 2 if generator.kind in ("cos", "sin", "cosh", "sinh") else 1
-            if generator.degree and own == 1 and generator.tail is not None:
-                own = of_polynomials(generator.tail) + 1
-            weights[generator.name] = own
-        return weights[generator.name]
-
-    for one in in_order(element, lambda x: id(x) in found):
-        recipe = one._recipe
-        assert recipe is not None
-        # Over one common denominator the degrees of all denominators add up.
-        found[id(one)] = sum(found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
-    return max(found[id(element)] if element.is_kept else of_polynomials(element), 1)
+def _in_order(value: fmpz_mod | fq_default) -> list[int]:
+    """What tells which of several values comes first."""
+    return list(map(int, value.to_list())) if isinstance(value, fq_default) else [int(value)]

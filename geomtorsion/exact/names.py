@@ -24,6 +24,23 @@ FUNCTIONS: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType
         "arctan": (sympy.atan, _ONE),
     }
 )
+# Special functions, by the names that sympy has for them.
+SPECIAL: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType(
+    {
+        name: (getattr(sympy, name), _ONE)
+        for name in "erf erfc erfi loggamma digamma airyai airybi airyaiprime airybiprime".split()
+    }
+    | {
+        name: (getattr(sympy, name), (2,))
+        for name in "besselj bessely besseli besselk polygamma expint uppergamma lowergamma".split()
+    }
+    | {"LambertW": (sympy.LambertW, (1, 2))}
+)
+# Also names of what users call so: special functions where all of theirs are declared.
+SPECIAL_IF_DECLARED: MappingProxyType[str, tuple[Any, tuple[int, ...]]] = MappingProxyType(
+    {name: (getattr(sympy, name), _ONE) for name in "gamma factorial Ei li Si Ci Shi Chi".split()}
+    | {"beta": (sympy.beta, (2,))}
+)
 CONSTANTS = MappingProxyType({"pi": sympy.pi, "π": sympy.pi, "E": sympy.E, "I": sympy.I})
 DERIVATIVE_NAMES = frozenset({"diff", "Derivative"})
 # Subs(Derivative(f(xi_1), xi_1), xi_1, 2*r), as sympy writes the slope of f at 2*r.

@@ -18,6 +18,8 @@ from geomtorsion.exact.names import (
     DERIVATIVE_NAMES,
     FUNCTIONS,
     NOT_SMOOTH,
+    SPECIAL,
+    SPECIAL_IF_DECLARED,
     SUBSTITUTION_NAME,
 )
 from geomtorsion.exact.syntax import Node, parse, too_deep
@@ -229,8 +231,11 @@ class _Reader:
         arguments = [self.read(argument) for argument in node.parts]
         if self.functions and name in self.functions:
             return self._declared(node, name, self.functions[name], arguments)
-        if name in FUNCTIONS:
-            function, counts = FUNCTIONS[name]
+        known = FUNCTIONS.get(name) or SPECIAL.get(name)
+        if known is None and self.functions is not None:
+            known = SPECIAL_IF_DECLARED.get(name)
+        if known is not None:
+            function, counts = known
             self._count(node, name, counts)
             value = function(*arguments)
             if value.has(*_NO_NUMBER):

@@ -24,8 +24,10 @@ from geomtorsion.exact.functions import RootOfSquare, jet, opaque, smooth_form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.kept import stays_kept
 from geomtorsion.exact.limits import check_exponent, check_size
+from geomtorsion.exact.points import leave_point
 from geomtorsion.exact.polynomials import split
 from geomtorsion.exact.primitives import INVERSE_FUNCTIONS, Primitives
+from geomtorsion.exact.special import meaning, undone
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -274,6 +276,9 @@ class Reader:
         self.exponents: Exponents = Exponents(field)
         self.primitives: Primitives = Primitives(field, self._arguments)
         self._known: dict[sympy.Basic, Element] = {}
+        # Functions known by name whose meanings were looked for, and those left for later.
+        self._met: set[str] = set()
+        self._open: list[Generator] = []
         # Roots whose chosen values are being read.
         self._choosing: set[sympy.Basic] = set()
 
@@ -302,6 +307,7 @@ class Reader:
                     # What was written is shorter than all that can be made of it.
                     element._sympy = None if written.has(RootOfSquare) else written
                 elements.append(element)
+            self._close()
             return elements
         except RecursionError as error:
             raise LimitError(
@@ -402,7 +408,10 @@ class Reader:
     def _power(self, expr: sympy.Basic) -> Element:
         base, exponent = expr.args
         if exponent.is_Integer:
-            return self.element(base) ** int(exponent)
+            below = self.element(base)
+            if exponent.is_negative:
+                self._close()
+            return below ** int(exponent)
         if base is sympy.E:
             return self.exp(self.element(exponent))
         if exponent.is_Rational:
@@ -476,7 +485,13 @@ class Reader:
             inner = self.element(expr.args[0])
             return self.field.root(inner * inner, 2, sympy.sqrt(expr.args[0] ** 2))
         if name == "log" and len(expr.args) == 1:
-            return self.primitives.log(self.element(expr.args[0]))
+            argument = self.element(expr.args[0])
+            value = self.primitives.log(argument)
+            if not self.field.all_sure:
+                for generator in self.field.generators_of(value):
+                    if generator.kind == "log":
+                        self._note_meaning(generator)
+            return value
         if name in INVERSE_FUNCTIONS:
             return self.primitives.inverse_function(name, self.element(expr.args[0]))
         if name == "atan2":
@@ -485,7 +500,40 @@ class Reader:
         if rewritten is not None:
             return self.element(rewritten)
         arguments = [self.element(arg) for arg in expr.args]
-        return opaque(self.field, expr.func(*(a.sympy for a in arguments)), arguments)
+        shown = expr.func(*(a.sympy for a in arguments))
+        if not isinstance(shown, expr.func):
+            # With its arguments in another form sympy has it in other functions.
+            return self.element(shown)
+        if name == "LambertW":
+            inner = undone(self.field, shown, tuple(arguments))
+            if inner is not None:
+                return inner
+        value = opaque(self.field, shown, arguments)
+        self._note_meaning(self.field.generators_of(value)[0])
+        return value
+
+    def _note_meaning(self, generator: Generator) -> None:
+        """What a new function known by name, or a logarithm, is in terms of others."""
+        if generator.name in self._met:
+            return
+        self._met.add(generator.name)
+        if type(generator.shown) is sympy.LambertW:
+            # It needs exp(W), whose unit is chosen when the whole expression is known.
+            self._open.append(generator)
+            return
+        self._give_meaning(generator)
+
+    def _give_meaning(self, generator: Generator) -> None:
+        """Looks for the meaning of a generator; values that were chosen without it are left."""
+        found = meaning(self.field, generator)
+        if found is not None:
+            self.field.meanings[generator.name] = found
+            leave_point(self.field)
+
+    def _close(self) -> None:
+        """Meanings that had to wait."""
+        while self._open:
+            self._give_meaning(self._open.pop())
 
     def _derivative(self, expr: sympy.Derivative) -> Element:
         value = self.element(expr.expr)

@@ -9,7 +9,7 @@ evaluated, the quotient is therefore turned back.
 from __future__ import annotations
 
 from itertools import combinations
-from math import lcm, prod
+from math import gcd, lcm, prod
 from typing import TYPE_CHECKING
 
 import mpmath
@@ -20,7 +20,13 @@ from flint.utils.flint_exceptions import DomainError
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.limits import LARGEST_PRODUCT, MOST_AT_ONCE, NoPointError
+from geomtorsion.exact.limits import (
+    LARGEST_POWER_TERMS,
+    LARGEST_PRODUCT,
+    MOST_AT_ONCE,
+    NoPointError,
+    terms_of_power,
+)
 from geomtorsion.exact.polynomials import prime_factors, split
 from geomtorsion.precision import working_precision
 
@@ -237,11 +243,54 @@ def square_root_inside(
         for g in field.generators_of(element)
     ):
         return None
+    quadratic = _without_idle_roots(field, element, quadratic)
     try:
         return _inside(field, element, *_levels(field, quadratic), briefly=True)
     except _DearError:
         # Norms of sums under many roots are long: which roots there may be is told without them.
         return _by_classes(field, element, quadratic)
+
+
+def _without_idle_roots(
+    field: Tower, element: Element, quadratic: list[Generator]
+) -> list[Generator]:
+    """The quadratic roots without higher roots that cannot make a square of an element.
+
+    Above a field L in which an irreducible f has no double factor lie all roots f**(1/n). Of what
+    is in L only f itself can be made a square by them (Kummer), which sqrt(f) tells.
+    """
+    base, nested = _levels(field, quadratic)
+    bottoms = [(g, _only_factor(field, g)) for g in nested]
+    if not all(bottom for _, bottom in bottoms):
+        return quadratic
+    needed = {_only_factor(field, g) for g in _with_those_below(field, element)}
+    for generator in base:
+        if _only_factor(field, generator) is None:
+            assert generator.tail is not None
+            _, factors = field.factored(field.lift(generator.tail))
+            needed |= {str(factor) for factor, _ in factors}
+    idle = {g for g, bottom in bottoms if bottom not in needed}
+    return [g for g in quadratic if g not in idle]
+
+
+def _only_factor(field: Tower, generator: Generator) -> str | None:
+    """The irreducible f of which a root is a power; None where it is of no f alone."""
+    if generator.kind != "root" or generator.tail is None or generator.tail._den:
+        return None
+    num, bottom = field.lift(generator.tail), None
+    inner = [g for g in field.generators_of(generator.tail) if g.degree]
+    if inner:
+        place = field.generators.index(inner[0])
+        bottom = _only_factor(field, inner[0])
+        powers = {int(monomial[place]) for monomial in num.monoms()}
+        if len(inner) > 1 or len(powers) > 1 or bottom is None:
+            return None
+        num = num / field.ctx.gen(place) ** powers.pop()
+    content, factors = field.factored(num)
+    keys = {str(factor) for factor, exponent in factors if inner or exponent == 1}
+    if content != 1 or len(keys) != len(factors) or not keys <= {bottom or min(keys, default="")}:
+        return None
+    return bottom or min(keys, default=None)
 
 
 def _levels(field: Tower, quadratic: list[Generator]) -> tuple[list[Generator], list[Generator]]:
@@ -410,7 +459,8 @@ def without_odd_roots(field: Tower, element: Element) -> tuple[Element, Element]
         v = field.generator_element(generator)
         rest = field.polynomial(num / field.ctx.gen(position) ** power) / field.denominator(rest)
         if power % 2:
-            rest = rest / generator.tail
+            # v**e = v**(e + m) f / f**2: what stands below the line stays out of the root.
+            rest, half = rest * generator.tail, half / generator.tail
             power += generator.degree
         half = half * v ** (power // 2)
     return half, rest
@@ -462,8 +512,13 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
-                found = _conjugate(field, num, position, largest)
+                found = _conjugate_of_few_powers(field, num, position, largest)
+                if found is None:
+                    found = _conjugate(field, num, position, largest)
                 if found is None or len(multiplier) * len(found[1]) > largest:
+                    return None
+                # What is divided by factors of so high a degree takes as long as its square.
+                if _is_high(generator) and (len(multiplier) * len(found[1])) ** 2 > largest:
                     return None
                 num, conjugate = found
                 multiplier = field.reduced(multiplier * conjugate)
@@ -508,16 +563,54 @@ def coefficients(field: Tower, poly: fmpq_mpoly, position: int, degree: int) -> 
     return [field.ctx.from_dict(part) for part in parts]
 
 
+def _conjugate_of_few_powers(
+    field: Tower, num: fmpq_mpoly, position: int, largest: int
+) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
+    """(norm, c) as `_conjugate` gives them, in closed form for B w**k and A + B w**k.
+
+    With m = n / gcd(n, k) the power (w**k)**m is free of w, and A + u divides A**m - (-u)**m.
+    """
+    generator = field.generators[position]
+    powers = sorted({int(monomial[position]) for monomial in num.monoms()})
+    if generator.middle or len(powers) > 2 or (len(powers) == 2 and powers[0]):
+        return None
+    n, k = generator.degree, powers[-1]
+    w = field.ctx.gen(position)
+    if len(powers) == 1:
+        other = w ** (n - k)
+        return field.reduced(num * other), other
+    parts = coefficients(field, num, position, n)
+    below, above = parts[0], parts[k]
+    m = n // gcd(n, k)
+    # Powers of sums are bounded as sums of m equal parts; the product of both is the conjugate.
+    if terms_of_power(len(below), m) * terms_of_power(len(above), m) > largest:
+        return None
+    step = -above * w**k
+    conjugate, lower = field.ctx.constant(0), [field.ctx.constant(1)]
+    for _ in range(m):
+        lower.append(field.reduced(lower[-1] * below))
+    upper = field.ctx.constant(1)
+    for j in range(m):
+        conjugate = conjugate + lower[m - 1 - j] * upper
+        upper = field.reduced(upper * step)
+    return field.reduced(lower[m] - upper), field.reduced(conjugate)
+
+
 def _conjugate(
     field: Tower, num: fmpq_mpoly, position: int, largest: int
 ) -> tuple[fmpq_mpoly, fmpq_mpoly] | None:
     """(norm, c) with num * c = norm, free of the generator w of degree n at the position.
 
     Multiplication by num is an n by n matrix on the powers of w; c is made of the cofactors
-    of its first row and the norm is its determinant, both without any division.
+    of its first row and the norm is its determinant, both without any division. None where a
+    product is larger than `largest`, or where the minors, one for each subset of the columns, are
+    too many.
     """
     generator = field.generators[position]
     n = generator.degree
+    # The matrix has n**2 entries, with n times as many terms as its first column.
+    if _is_high(generator) or n**2 * len(num) > largest:
+        return None
     w = field.ctx.gen(position)
     columns = []
     power = num
@@ -544,6 +637,11 @@ def _conjugate(
         norm = norm + columns[k][0] * cofactor
         conjugate = conjugate + cofactor * w**k
     return field.reduced(norm), field.reduced(conjugate)
+
+
+def _is_high(generator: Generator) -> bool:
+    """Whether a root is of so high an order that its minors are too many."""
+    return generator.degree * 2 ** (generator.degree - 1) > LARGEST_POWER_TERMS
 
 
 def _expanded(

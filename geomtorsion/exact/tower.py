@@ -65,6 +65,7 @@ class Tower(ABC):
     generators: the newest first; by_name: the same by their names in the polynomial ring.
     rooted: denominators with roots, as they were before these were cleared.
     all_sure: whether the independence of all generators is proved.
+    meanings: what functions known by name are in terms of others, by the names of generators.
     generator_slopes, factor_slopes: known derivatives; tables: what other files keep, by names.
     """
 
@@ -95,6 +96,7 @@ class Tower(ABC):
         self.by_name: dict[str, Generator] = {}
         self.all_sure: bool = True
         self.tables: dict[str, Any] = {}
+        self.meanings: dict[str, Element] = {}
         self.rooted: list[Element] = []
         self._rooted_keys: set[Element] = set()
         self._branches: dict[sympy.Expr, Branch] = {}

@@ -105,7 +105,7 @@ def normal(value: object) -> Value:
     ({(1,): 5}, {(0, 0): 1, (1, 1): 2}, {(): 3})
     """
     if isinstance(value, Tensor):
-        return dict(value.nonzero())
+        return {**value.nonzero(), **value.undecided()}
     if isinstance(value, Mapping):
         pairs = {key if isinstance(key, tuple) else (key,): x for key, x in value.items()}
         return {key: x for key, x in pairs.items() if not _is_zero(x)}

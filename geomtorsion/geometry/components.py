@@ -211,6 +211,8 @@ class Components:
         self._known: dict[Index, Element | None] = {}
         # What was found to vanish, so that it can be told how sure that is.
         self.zeros: dict[Index, Element] = {}
+        # What may vanish or not: it is kept like what does not.
+        self.open: dict[Index, Element] = {}
 
     @classmethod
     def known(
@@ -221,9 +223,11 @@ class Components:
         symmetry: Symmetry = (),
     ) -> Components:
         """Array whose representatives are all given; what is not listed vanishes."""
-        kept = {index: value for index, value in values.items() if not value.is_zero}
+        verdicts = {index: value.is_zero for index, value in values.items()}
+        kept = {index: value for index, value in values.items() if not verdicts[index]}
         found = cls(rank, dimension, kept.get, symmetry, lambda: kept)
         found.zeros.update((i, value) for i, value in values.items() if i not in kept)
+        found.open.update((i, value) for i, value in kept.items() if verdicts[i] is None)
         return found
 
     @classmethod
@@ -274,26 +278,21 @@ class Components:
             value = self.independent.get(index)
         else:
             value = self._rule(index)
-            if value is not None and value.is_zero:
-                self.zeros[index] = value
+            if value is not None and self._vanishes(index, value):
                 value = None
         self._known[index] = value
         return value
 
     @cached_property
     def independent(self) -> dict[Index, Element]:
-        """The non-vanishing components at representative indices."""
+        """The components at representative indices that are not known to vanish."""
         if self._bulk is not None:
             for one in inside_out(self, _sources, _is_filled):
                 if one is not self:
                     _ = one.nonzero
             # What was asked for before is not computed again.
             found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
-            for index, value in self._bulk().items():
-                if value.is_zero:
-                    self.zeros[index] = value
-                else:
-                    found[index] = value
+            found |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
             self._known.update(found)
             return found
         found, known = {}, self._known
@@ -303,15 +302,29 @@ class Components:
                 found[index] = value
         return found
 
+    def _vanishes(self, index: Index, value: Element) -> bool:
+        """Whether a component is known to vanish; what is found is noted."""
+        verdict = value.is_zero
+        if verdict:
+            self.zeros[index] = value
+        elif verdict is None:
+            self.open[index] = value
+        return verdict is True
+
+    @cached_property
+    def undecided(self) -> dict[Index, Element]:
+        """Those of the independent components of which it is not known whether they vanish."""
+        return {index: x for index, x in self.independent.items() if index in self.open}
+
     @cached_property
     def support(self) -> tuple[Index, ...]:
-        """Indices of all non-vanishing components in order; no value is negated for it."""
+        """Indices of all components not known to vanish, in order; no value is negated for it."""
         members = self._orbits.members
         return tuple(sorted([index for first in self.independent for index in members[first]]))
 
     @cached_property
     def nonzero(self) -> dict[Index, Element]:
-        """All non-vanishing components, in order of their indices."""
+        """All components that are not known to vanish, in order of their indices."""
         known, orbits = self._known, self._orbits
         found: dict[Index, Element] = {}
         for first, value in self.independent.items():

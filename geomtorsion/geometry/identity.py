@@ -201,7 +201,7 @@ def _checked(
         checked += 1
         element = value(index)
         verdict = True if element is None else element.is_zero
-        if element is not None and verdict:
+        if element is not None and verdict is not False:
             zeros.append(element.certainty)
         if (verdict is False and holds is not False) or (verdict is None and holds):
             holds, worst = verdict, index

@@ -30,6 +30,8 @@ Where = Mapping[int, int | str]
 # others their number is given.
 SHOWN = 12
 SHOWN_LATEX = 60
+# What is written behind a component of which it is not known whether it vanishes.
+OPEN = "(undecided)"
 
 
 def letters(slots: str) -> list[str]:
@@ -104,6 +106,15 @@ def named(
         raise LimitError(f"{plain_symbol(tensor.symbol)}{place}: {error}") from None
 
 
+def written(tensor: Tensor, *, are_open: bool) -> dict[tuple[int, ...], sp.Expr]:
+    """Components that may vanish or not, or those that do not; with what follows by symmetry."""
+    components = tensor.components
+    chosen = [i for i in components.independent if (i in components.undecided) == are_open]
+    own = {i: named(tensor, i, components.independent[i], plain) for i in chosen}
+    places = ((i, *components.representative(i)) for i in components.support)
+    return {i: own[k] if sign > 0 else -own[k] for i, sign, k in places if k in own}
+
+
 def plain(value: Element) -> sp.Expr:
     """An element as an expression."""
     return value.sympy
@@ -121,12 +132,33 @@ def array(tensor: Tensor, is_short: bool) -> sp.ImmutableDenseNDimArray | sp.Exp
     n, rank = tensor.frame.dimension, len(tensor.slots)
     flat: list[sp.Expr] = [sp.S.Zero] * n**rank
     found = {i: short(tensor, i) for i in tensor.components.support} if is_short else None
-    for index, value in (tensor.nonzero() if found is None else found).items():
+    every = {**tensor.nonzero(), **tensor.undecided()} if found is None else found
+    for index, value in every.items():
         place = 0
         for k in index:
             place = place * n + k
         flat[place] = value
     return sp.ImmutableDenseNDimArray(flat, (n,) * rank)
+
+
+def open_count(tensor: Tensor) -> int:
+    """How many components may vanish or not."""
+    components = tensor.components
+    return sum(components.representative(i)[1] in components.undecided for i in components.support)
+
+
+def open_mark(tensor: Tensor, index: tuple[int, ...]) -> str:
+    """What is written behind a component that may vanish or not."""
+    _, first = tensor.components.representative(index)
+    return f"  {OPEN}" if first in tensor.components.undecided else ""
+
+
+def in_words(tensor: Tensor) -> str:
+    """How many components do not vanish, and how many are undecided."""
+    undecided = open_count(tensor)
+    found = len(tensor.components.support) - undecided
+    words = f"{found} {'does' if found == 1 else 'do'} not vanish"
+    return f"{words}, {undecided} {'is' if undecided == 1 else 'are'} undecided"
 
 
 def text(tensor: Tensor) -> str:
@@ -140,13 +172,15 @@ def text(tensor: Tensor) -> str:
     lines, write = [heading], TextPrinter().doprint
     for index in list(independent)[:SHOWN]:
         place = f"[{', '.join(map(str, index))}]" if index else ""
-        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {write(short(tensor, index))}")
+        value = f"{write(short(tensor, index))}{open_mark(tensor, index)}"
+        lines.append(f"  {plain_symbol(tensor.symbol)}{place} = {value}")
     total = len(tensor.components.support)
     hidden = len(independent) - min(SHOWN, len(independent))
     if hidden:
         lines.append(f"  and {hidden} more independent components")
     if total > len(independent):
-        lines.append(f"  ({total} do not vanish; the others follow by symmetry)")
+        counted = in_words(tensor) if tensor.components.undecided else f"{total} do not vanish"
+        lines.append(f"  ({counted}; the others follow by symmetry)")
     return "\n".join(lines)
 
 
@@ -174,7 +208,8 @@ def latex(tensor: Tensor) -> str:
     label = _indexed(symbol, letters(tensor.slots), tensor.slots)
     write = TexPrinter().doprint
     if not tensor.slots:
-        return rf"$\displaystyle {symbol} = {write(short(tensor, ()))}$"
+        mark = rf"\quad\text{{{OPEN}}}" if open_mark(tensor, ()) else ""
+        return rf"$\displaystyle {symbol} = {write(short(tensor, ()))}{mark}$"
     independent = tensor.components.independent
     if not independent:
         return rf"$\displaystyle {label} = 0$"
@@ -182,11 +217,16 @@ def latex(tensor: Tensor) -> str:
         n = tensor.frame.dimension
         rows = [" & ".join(write(short(tensor, (i, j))) for j in range(n)) for i in range(n)]
         body = r" \\ ".join(rows)
-        return rf"$\displaystyle {label} = \begin{{pmatrix}} {body} \end{{pmatrix}}$"
+        undecided = ", ".join(
+            _indexed(symbol, _marks(tensor, i), tensor.slots) for i in tensor.undecided()
+        )
+        mark = rf"\quad {undecided}\ \text{{{OPEN}}}" if undecided else ""
+        return rf"$\displaystyle {label} = \begin{{pmatrix}} {body} \end{{pmatrix}}{mark}$"
     lines = []
     for index in list(independent)[:SHOWN_LATEX]:
         left = _indexed(symbol, _marks(tensor, index), tensor.slots)
-        lines.append(rf"{left} &= {write(short(tensor, index))}")
+        mark = rf"\quad\text{{{OPEN}}}" if open_mark(tensor, index) else ""
+        lines.append(rf"{left} &= {write(short(tensor, index))}{mark}")
     hidden = len(independent) - len(lines)
     if hidden > 0:
         lines.append(rf"&\text{{and {hidden} more independent components}}")
@@ -322,9 +362,14 @@ class ComponentTable:
         found = len(tensor.components.support)
         if not found:
             return "all components vanish" if tensor.slots else "vanishes"
-        every = tensor.frame.dimension ** len(tensor.slots)
-        do = "does" if found == 1 else "do"
-        return f"{found} of {every} components {do} not vanish" if tensor.slots else ""
+        if not tensor.slots:
+            return ""
+        every, undecided = tensor.frame.dimension ** len(tensor.slots), open_count(tensor)
+        do = "does" if found - undecided == 1 else "do"
+        count = f"{found - undecided} of {every} components {do} not vanish"
+        if undecided:
+            count += f", {undecided} {'is' if undecided == 1 else 'are'} undecided"
+        return count
 
     @property
     def heading(self) -> str:
@@ -352,6 +397,7 @@ class ComponentTable:
         wide = max(map(len, labels), default=0)
         lines = [
             f"  {label:<{wide}}  {place}  {short(self.tensor, row.index)}"
+            f"{open_mark(self.tensor, row.index)}"
             for label, place, row in zip(labels, places, self.rows, strict=True)
         ]
         return "\n".join([self.heading, *lines, *([f"  {self.ending}"] if self.ending else [])])

@@ -123,23 +123,30 @@ class Tensor:
         return place
 
     def nonzero(self) -> dict[Index, sp.Expr]:
-        """All components that do not vanish: index -> sympy expression."""
-        independent = self.components.independent.items()
-        own = {i: notation.named(self, i, value, notation.plain) for i, value in independent}
-        places = ((i, *self.components.representative(i)) for i in self.components.support)
-        return {i: own[first] if sign > 0 else -own[first] for i, sign, first in places}
+        """All components that are known not to vanish: index -> sympy expression."""
+        return notation.written(self, are_open=False)
+
+    def undecided(self) -> dict[Index, sp.Expr]:
+        """All components that may vanish or not, as no known relation tells: index -> expression.
+
+        Examples
+        --------
+        >>> from geomtorsion import spaces
+        >>> spaces.load("kerr").frame.metric.undecided()
+        {}
+        """
+        return notation.written(self, are_open=True)
 
     @cached_property
     def is_zero(self) -> bool | None:
         """Whether every component vanishes; None if that cannot be decided."""
-        verdicts = [value.is_zero for value in self.components.independent.values()]
-        if any(verdict is False for verdict in verdicts):
+        if len(self.components.independent) > len(self.components.undecided):
             return False
-        return None if verdicts else True
+        return None if self.components.undecided else True
 
     @cached_property
     def certainty(self) -> Certainty:
-        """How sure it is which components vanish: proved, or up to a chance of error that is told.
+        """How sure it is which components vanish: proved, up to a chance of error, or undecided.
 
         Examples
         --------
@@ -149,8 +156,8 @@ class Tensor:
         >>> print(Frame([x, y], [[1, x], [0, 1]]).anholonomy.certainty)
         proved
         """
-        _ = self.components.independent
-        return least_certain(value.certainty for value in self.components.zeros.values())
+        found = [*self.components.undecided.values(), *self.components.zeros.values()]
+        return least_certain(value.certainty for value in found)
 
     def to_sympy(self, *, short: bool = False) -> sp.ImmutableDenseNDimArray | sp.Expr:
         """All components as a sympy array (an expression for a scalar).

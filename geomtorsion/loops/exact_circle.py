@@ -91,7 +91,7 @@ def _refuse_changes(frame: Frame, piece: Piece) -> None:
             "circle stays there is found by numbers. Ask for them, with burgers_vector."
         )
     table = dict(zip(frame.coordinates, path, strict=True))
-    for value in frame.coframe.nonzero().values():
+    for value in [*frame.coframe.nonzero().values(), *frame.coframe.undecided().values()]:
         below = sp.simplify(sp.denom(sp.together(value)).subs(table, simultaneous=True))
         # An exponential has no zero, whatever it does along the circle.
         if not below.is_nonzero:

@@ -395,7 +395,7 @@ def pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
     table = dict(zip(frame.coordinates, path, strict=True))
     slopes = [x.diff(t) for x in path]
     result = [sp.S.Zero] * frame.dimension
-    for (i, mu), value in frame.coframe.nonzero().items():
+    for (i, mu), value in {**frame.coframe.nonzero(), **frame.coframe.undecided()}.items():
         if slopes[mu] != 0:
             result[i] += value.subs(table, simultaneous=True) * slopes[mu]
     return result

@@ -210,8 +210,8 @@ def solve_many(
     if t is None:
         raise TimeError("t was not given; give the last time, or a list of times.")
     times, grid = one_time_only(t, *checked_times(t))
-    solver, reason = _engine(engine)
     members = problem.members(starts, velocities, frame_velocities)
+    solver, reason = _engine(engine, problem.member(members, 0))
     number = len(members)
     wanted = number if check is None else checks.count(check, "check", StartError, 1)
     some = np.unique(np.linspace(0, number - 1, min(wanted, number)).astype(int))
@@ -239,7 +239,7 @@ def solve_many(
     return found
 
 
-def _engine(engine: Engine | None) -> tuple[Engine, str]:
+def _engine(engine: Engine | None, problem: Any) -> tuple[Engine, str]:
     """The engine asked for, or the fastest at hand."""
     if engine is not None:
         if engine.precision != 53 or not isinstance(engine, Taylor | RungeKutta):
@@ -247,6 +247,8 @@ def _engine(engine: Engine | None) -> tuple[Engine, str]:
                 f"batches run in double precision by Taylor() or RungeKutta(); {engine.name} came."
             )
         return engine, "as asked"
+    if not problem.first_stage(53, 0.0).system.has_series:
+        return RungeKutta(), "a function has no Taylor series: motions stacked into one system"
     if is_available():
         return Taylor(), "heyoka is installed: several motions in one instruction"
     return RungeKutta(), "heyoka is not installed: motions stacked into one system"

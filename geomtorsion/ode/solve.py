@@ -275,9 +275,11 @@ def engines(
         # Of higher order than Radau, and as good between its steps as at them.
         yield Stiff("LSODA"), "the equations are stiff at the start"
         yield Stiff(), "the equations are stiff at the start"
-    if not is_available():
+    has_series = problem.first_stage(53, 0.0).system.has_series
+    if not (is_available() and has_series):
+        reason = "heyoka is not installed" if has_series else "a function has no Taylor series"
         if accuracy > 1e-13:
-            yield RungeKutta(), "heyoka is not installed"
+            yield RungeKutta(), reason
         return
     if accuracy > 4e-16:
         yield Taylor(), "heyoka is installed: the fastest"

@@ -128,6 +128,11 @@ class System:
             return np.full((n, n), np.nan)
 
     @cached_property
+    def has_series(self) -> bool:
+        """Whether heyoka knows the Taylor series of all that it would have to follow."""
+        return all(graph.has_series for graph in (self.rates, self.guard) if graph is not None)
+
+    @cached_property
     def guard_is_entire(self) -> bool:
         """Whether the guard has a value, and a series, at all states but poles."""
         steps = () if self.guard is None else self.guard.steps

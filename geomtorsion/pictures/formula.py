@@ -21,7 +21,7 @@ LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
 SIGNS = {
     "partial": "∂", "wedge": "∧", "times": "×", "cdot": "⋅", "vee": "∨", "oint": "∮", "int": "∫",
     "sum": "∑", "ldots": "…", "le": "≤", "ge": "≥", "ne": "≠", "to": "→", "infty": "∞",
-    "approx": "≈", "pm": "±", "langle": "⟨", "rangle": "⟩",
+    "prime": "′", "approx": "≈", "pm": "±", "langle": "⟨", "rangle": "⟩",
 }  # fmt: skip
 SPACES = {",": 0.17, ";": 0.28, ":": 0.22, " ": 0.25, "quad": 1.0, "qquad": 2.0, "!": 0.0}
 FUNCTIONS = (

@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.geometry.notation import letters, plain_symbol, short
+from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.style import STYLE
@@ -197,7 +197,7 @@ def _symbol(tensor: Tensor) -> str:
 def _value(table: ComponentTable, index: tuple[int, ...]) -> str:
     """The value of a component as a formula; the reason where it is too long to be written."""
     try:
-        return _math(latex_text(short(table.tensor, index)))
+        return _math(latex_text(short(table.tensor, index))) + open_mark(table.tensor, index)
     except LimitError as error:
         return f"<i>{escape(str(error))}</i>"
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import letters, text_label
 from geomtorsion.pictures.text import plain_text
 from geomtorsion.spaces.checking import CONNECTION_QUANTITIES
@@ -224,13 +225,18 @@ class Quantity:
 
     @cached_property
     def independent(self) -> dict[tuple[int, ...], Element]:
-        """Nonzero components, one of each set that symmetry ties together."""
+        """Components not known to vanish, one of each set that symmetry ties together."""
         return dict(sorted(self.tensor.components.independent.items()))
 
     @cached_property
     def nonzero(self) -> dict[tuple[int, ...], Element]:
-        """All nonzero components."""
+        """All components that are not known to vanish."""
         return dict(sorted(self.tensor.components.nonzero.items()))
+
+    @cached_property
+    def undecided(self) -> tuple[tuple[int, ...], ...]:
+        """The indices of those that may vanish or not."""
+        return tuple(index for index in self.nonzero if open_mark(self.tensor, index))
 
 
 def chosen_quantities(
@@ -329,4 +335,9 @@ def _quantity(quantity: Quantity) -> Data:
             ",".join(map(str, index)): plain_text(element.sympy)
             for index, element in quantity.nonzero.items()
         },
+        **({"undecided": _keys(quantity.undecided)} if quantity.undecided else {}),
     }
+
+
+def _keys(indices: Iterable[tuple[int, ...]]) -> list[str]:
+    return [",".join(map(str, index)) for index in indices]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import sympy
 
 from geomtorsion.exact.printing import TexPrinter
+from geomtorsion.geometry.notation import OPEN
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import (
     equation_latex,
@@ -47,9 +48,10 @@ def _body(quantity: Quantity) -> str:
         return f'<div class="zero">{_displayed(f"{label} = 0")}</div>'
     if not slots:
         [value] = quantity.independent.values()
-        return _displayed(f"{label} = {latex_text(quantity.written(value))}")
+        shown = _displayed(f"{label} = {latex_text(quantity.written(value))}")
+        return shown + _undecided(quantity)
     if len(slots) == 2 and _fits(quantity):
-        return _displayed(f"{label} = {_matrix(quantity)}")
+        return _displayed(f"{label} = {_matrix(quantity)}") + _undecided(quantity)
     return _listed(quantity)
 
 
@@ -92,7 +94,19 @@ def _listed(quantity: Quantity) -> str:
     if hidden:
         follow = "component follows" if hidden == 1 else "components follow"
         shown += f'<p class="note">{hidden} more {follow} by symmetry.</p>'
-    return shown
+    return shown + _undecided(quantity)
+
+
+def _undecided(quantity: Quantity) -> str:
+    """A line that names the components that may vanish or not."""
+    if not quantity.undecided:
+        return ""
+    tensor = quantity.tensor
+    labels = ", ".join(
+        mathml(latex_label(quantity.entry.latex, latex_marks(tensor, index), tensor.slots))
+        for index in quantity.undecided
+    )
+    return f'<p class="note">Undecided whether zero: {labels}.</p>'
 
 
 def aligned(chosen: Quantity, *, every: bool = False) -> str:
@@ -102,7 +116,8 @@ def aligned(chosen: Quantity, *, every: bool = False) -> str:
     lines, write = [], TexPrinter().doprint
     for index, element in components.items():
         left = latex_label(entry.latex, latex_marks(tensor, index), tensor.slots)
-        lines.append(f"  {left} &= {write(chosen.written(element))}")
+        mark = rf"\quad\text{{{OPEN}}}" if index in chosen.undecided else ""
+        lines.append(f"  {left} &= {write(chosen.written(element))}{mark}")
     if not lines:
         lines = [f"  {latex_label(entry.latex, chosen.letters, tensor.slots)} &= 0"]
     body = " \\\\\n".join(lines)

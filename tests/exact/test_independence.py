@@ -4,7 +4,7 @@ import mpmath
 import pytest
 import sympy as sp
 
-from geomtorsion.exact.modular import point_of
+from geomtorsion.exact.points import point_of
 from geomtorsion.geometry import Frame, levi_civita
 
 t, r, theta, phi = sp.symbols("t r theta phi", positive=True)

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from geomtorsion.exact import Field
-from geomtorsion.exact.modular import point_of
+from geomtorsion.exact.points import point_of
 
 x, y = sp.symbols("x y", positive=True)
 
