@@ -167,6 +167,8 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
     """The accuracy asked for is no accuracy, or cannot be reached with the engine asked for.
 
     ensemble: the members of an ensemble that do reach it, or None.
+    solution: what was computed of a motion that comes closer to an edge than rounding errors, or
+        None.
     """
 
     page = "tutorials/accuracy"
@@ -174,6 +176,7 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
     def __init__(self, message: str, ensemble: Any = None) -> None:
         super().__init__(message)
         self.ensemble: Any = ensemble
+        self.solution: Any = None
 
 
 class ChartEdgeError(GeomtorsionError, ArithmeticError):

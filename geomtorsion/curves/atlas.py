@@ -131,6 +131,7 @@ class Chart:
     edge: an element that vanishes where the chart ends; None if the frame itself tells.
     margin: below this value of |edge| the solver moves over to another chart.
     kept: an element that equals one everywhere (redundant charts).
+    antipodal: indices of coordinates whose signs may all change without another point being meant.
     end: where motions end that do not come to the edge, in words.
     """
 
@@ -143,6 +144,7 @@ class Chart:
     margin: float = 0.0
     kept: Element | None = None
     end: str = ""
+    antipodal: tuple[int, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -195,6 +197,23 @@ class Chart:
         """The values of all edges at a point, by names of coordinates and parameters."""
         return self._edge_graph.numpy()(*(point[name] for name in self._edge_graph.arguments))
 
+    @cached_property
+    def _edge_slopes(self) -> ElementMatrix:
+        """d edge / d coordinate, shape (edges, coordinates)."""
+        entries = {
+            (k, mu): slope
+            for k, edge in enumerate(self.edges)
+            for mu, symbol in enumerate(self.coordinates)
+            if not (slope := edge.element.diff(symbol)).is_zero
+        }
+        return ElementMatrix(entries, (len(self.edges), len(self.coordinates)))
+
+    def edge_rates(self, point: Mapping[str, float], velocities: Sequence[Real]) -> np.ndarray:
+        """How fast the values of all edges change along a motion with frame velocities u^i."""
+        column = np.array([[float(u)] for u in velocities])
+        speeds = self.frame_vectors.applied(point, column)
+        return self._edge_slopes.applied(point, speeds)[:, 0]
+
     def distance(self, point: Mapping[str, float]) -> float:
         """The edge at a point in units of its margin; infinite where there is none."""
         if self.edge is None or not self.margin:
@@ -233,10 +252,12 @@ class Chart:
         legs: Sequence[Sequence[Any]],
         kept: Any = None,
         parameters: Sequence[sp.Symbol] = (),
+        antipodal: Sequence[int] = (),
     ) -> Chart:
         """A chart with more coordinates than dimensions, such as a unit quaternion.
 
-        legs: E[mu, i], one row per coordinate; kept: an expression that stays equal to one.
+        legs: E[mu, i], one row per coordinate; kept: an expression that stays equal to one;
+        antipodal: indices of coordinates that give the same point with opposite signs.
 
         Examples
         --------
@@ -251,7 +272,7 @@ class Chart:
             for mu, row in enumerate(legs)
         )
         constant = None if kept is None else field.read(kept, "kept")
-        return cls(name, tuple(coordinates), rows, kept=constant)
+        return cls(name, tuple(coordinates), rows, kept=constant, antipodal=tuple(antipodal))
 
 
 @dataclass(frozen=True, eq=False)

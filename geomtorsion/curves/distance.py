@@ -82,7 +82,7 @@ def _gaps(
     problem = one.problem
     name = chart or problem.atlas.home
     place = problem.atlas.chart(name)
-    turning = _angles(problem, name) if angles is None else _places(place.names, angles)
+    turning = angles_of(problem, name) if angles is None else _places(place.names, angles)
     first = one.in_chart(name).astype(float)
     # Not by way of the home chart, beyond which both may lie.
     second = at_times(two.problem, two.trajectory, one.times, name).astype(float)
@@ -105,7 +105,7 @@ def _gaps(
     return best
 
 
-def _angles(problem: CurveProblem, chart: str) -> list[int]:
+def angles_of(problem: CurveProblem, chart: str) -> list[int]:
     """Coordinates of a chart that count modulo 2 pi, as maps into it or its domain say."""
     routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
     found = {k for route in routes if route for k in route[-1].angles}

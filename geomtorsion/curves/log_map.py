@@ -1,49 +1,50 @@
-"""Logarithm map: the curve that leads from one point to another, by Newton shooting."""
+"""Logarithm map: the shortest of the curves found from one point to another, by shooting."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.curves.constructors import autoparallel
-from geomtorsion.curves.edges import full_turn
-from geomtorsion.curves.problem import CurveProblem, checked_start
-from geomtorsion.curves.readout import converted
-from geomtorsion.errors import ChartEdgeError, EndpointError, GeomtorsionError
+from geomtorsion.curves.problem import checked_start
+from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of
+from geomtorsion.curves.shooting import Line, Shooter, tried
+from geomtorsion.errors import EndpointError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_engine, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import solve
-from geomtorsion.ode.trajectory import integrate
-
-# Newton steps until a shot has hit or is given up.
-SHOTS = 40
-# Below this ratio of singular values the end hardly depends on one direction: a conjugate point.
-CONJUGATE = 1e-6
-# Slopes are taken anew where a shot misses by more than this part of the last miss.
-STALE = 0.05
+from geomtorsion.ode.system import STEPS_AT_ONCE
 
 
 @dataclass(frozen=True, eq=False)
 class LogMap:
     """A motion that leads from one point to another in unit time.
 
-    vector: its initial frame velocity u^i; its length is the length of the motion.
-    miss: distance of its end from the target, in frame components.
+    vector: its initial frame velocity u^i.
+    miss: distance of its end from the target, in the frame at the target, all signs of eta as
+        positive.
     solution: the motion.
-    shots: how many were needed.
+    shots: how many motions Newton's iteration followed to find it.
+    length: sqrt(|eta_ij u^i u^j|); the length of the motion, or its proper time.
+    conjugate: parts of the motion, between 0 and 1, at which a point is conjugate to the start.
+    guarantee: among which motions it is the shortest, in words.
     """
 
     vector: np.ndarray
     miss: float
     solution: Solution
     shots: int
+    length: float
+    conjugate: tuple[float, ...]
+    guarantee: str
 
 
 def log_map(
@@ -58,9 +59,19 @@ def log_map(
 ) -> LogMap:
     """The motion from one point to another in unit time: the inverse of the exponential map.
 
-    Newton shooting, the derivative of the end by central differences. Without a guess it starts in
-    several directions, and the shortest motion found is the answer. Where two that differ have that
-    length, the end lies on the cut locus: an error says so.
+    Without a guess, the answer is the shortest of the motions found in two ways. First, the end is
+    moved from the start to its place along straight lines in coordinates, one for each image of the
+    end under full turns of periodic coordinates, and the motion follows it. Second, a fan of
+    motions of the length found so far leaves the start, and Newton's iteration continues from the
+    points nearest to the end. `guarantee` states among how many motions the answer is the
+    shortest. It is the shortest of all where the frame is constant. In general nobody can prove so
+    much from finitely many motions, but a geodesic with a conjugate point before its end, which is
+    never the shortest, is refused. Where two motions have the least length, the end lies on the cut
+    locus, and an error reports both.
+
+    Lengths and misses are measured with eta in the frame, so units of coordinates do not matter.
+    With an indefinite metric no motion is the shortest: the answer has the least frame velocity,
+    all signs of eta counted as positive.
 
     Parameters
     ----------
@@ -69,22 +80,25 @@ def log_map(
     end
         q^mu to be reached, shape (n,).
     guess
-        frame velocity to begin with, to choose among several answers.
+        frame velocity from which Newton's iteration starts, to choose among several answers.
     parameters, accuracy, engine
-        as in `exponential_map`; the end is hit to ten times the accuracy.
+        as in `exponential_map`; the end is hit to ten times the accuracy times the length, or to
+        the rounding error of the coordinates where that is larger.
 
     Raises
     ------
     EndpointError
-        no motion was found; or several equally short ones; or the end is conjugate to the start.
+        no motion was found; or several equally short ones; or the end is conjugate to the start; or
+        every motion found passes a conjugate point.
 
     Examples
     --------
     >>> from geomtorsion.geometry import levi_civita
     >>> from geomtorsion.spaces import load
     >>> plane = levi_civita(load("flat_polar").frame)
-    >>> log_map(plane, [1, 0], [1, 0.5]).vector.round(6).tolist()
-    [-0.122417, 0.479426]
+    >>> found = log_map(plane, [1, 0], [1, 0.5])
+    >>> found.vector.round(6).tolist(), round(found.length, 6)
+    ([-0.122417, 0.479426], 0.494808)
     """
     frame = checks.instance(connection, Connection, "connection").frame
     n = frame.dimension
@@ -92,161 +106,159 @@ def log_map(
     checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
-    solver = engine or (Taylor() if is_available() else RungeKutta())
-    shooter = _Shooter(problem, solver, solver.first(accuracy / 10), frozenset(_angular(problem)))
-    if guess is not None:
-        first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
-        found = _shoot(shooter, target, first, accuracy, engine)
-        if found is None:
-            raise EndpointError(
-                f"no motion from {list(start)} to {list(end)} was found from the guess "
-                f"{list(guess)}. Give another guess, or none."
-            )
-        return found
-    answers = [
-        answer
-        for first in _directions(problem, target)
-        if (answer := _shoot(shooter, target, first, accuracy, engine)) is not None
-    ]
-    if not answers:
-        raise EndpointError(
-            f"no motion from {list(start)} to {list(end)} was found. Give a guess (initial frame "
-            "velocity), or a nearer end."
-        )
-    answers.sort(key=lambda answer: float(np.linalg.norm(answer.vector)))
-    best = answers[0]
-    length = float(np.linalg.norm(best.vector))
-    for other in answers[1:]:
-        same = np.linalg.norm(other.vector - best.vector) < 1e-5 * max(length, 1e-300)
-        if not same and np.linalg.norm(other.vector) < length * (1 + 1e-6):
-            raise EndpointError(
-                f"no unique answer: at least two motions of length {length:.9g} lead from "
-                f"{list(start)} to {list(end)}, with initial frame velocities "
-                f"{best.vector.round(6).tolist()} and {other.vector.round(6).tolist()}. "
-                "The end lies on the cut locus; give a guess to choose one."
-            )
-    return best
-
-
-def _directions(problem: CurveProblem, target: np.ndarray) -> list[np.ndarray]:
-    """Initial velocities to try: straight there in coordinates, and that turned and lengthened."""
-    assert problem.start is not None
-    here = np.array([float(x) for x in problem.start])
-    found = []
-    point = dict(zip(problem.coordinates, here, strict=True))
-    numbers = {key: float(value) for key, value in problem.parameters.items()}
-    e = problem.atlas.chart(problem.atlas.home).coframe.at(point | numbers)
-    for k in range(len(here)):
-        for turn in (0.0, 2 * np.pi, -2 * np.pi) if k in _angular(problem) else (0.0,):
-            step = target - here
-            step[k] += turn
-            if not any(np.allclose(step, other) for other in found):
-                found.append(step)
-    vectors = [e @ step for step in found]
-    length = np.linalg.norm(vectors[0])
-    vectors += [-vectors[0], 0.3 * vectors[0]]
-    for i in range(len(here)):
-        side = np.zeros(len(here))
-        side[i] = length
-        vectors += [side, -side]
-    return vectors
-
-
-def _angular(problem: CurveProblem) -> set[int]:
-    """Coordinates that count modulo 2 pi: their domain is a full turn."""
-    frame = problem.frame
-    return {k for k, x in enumerate(frame.coordinates) if full_turn(frame, x) is not None}
+    # A motion of many steps runs towards an edge without end, and does not hit.
+    solver = engine or (Taylor(max_steps=STEPS_AT_ONCE) if is_available() else RungeKutta())
+    shooter = Shooter(problem, solver, solver.first(accuracy / 10))
+    search = Search(shooter, shooter.aim(target), accuracy)
+    choice = _Choice(connection, search, engine, (start, end))
+    if guess is None:
+        return choice.shortest(target)
+    first = np.array([float(x) for x in checked_numbers(guess, n, "guess")])
+    return choice.from_guess(shooter.weights @ first, guess)
 
 
 @dataclass(frozen=True, eq=False)
-class _Shooter:
-    """Where motions from one point end, as a function of the initial velocity: q at t = 1.
+class _Choice:
+    """The choice of one motion of a connection among those found from a start to an end.
 
-    tolerance: of the engine; the motion that hits is checked when all is done.
-    angular: coordinates that count modulo two pi.
+    ends: start and end as they were given, for messages.
     """
 
-    problem: CurveProblem
-    engine: Engine
-    tolerance: float
-    angular: frozenset[int]
+    connection: Connection
+    search: Search
+    engine: Engine | None
+    ends: tuple[Numbers, Numbers]
 
-    def end(self, vector: np.ndarray) -> np.ndarray:
-        """Coordinates at t = 1."""
-        member = replace(self.problem, frame_velocity=tuple(vector.tolist()))
-        stage = member.first_stage(self.engine.precision, 0.0)
-        times = np.array([0.0, member.time_unit])
-        trajectory = integrate(stage, times, self.tolerance, self.engine)
-        if trajectory.outcome != "done":
-            raise ChartEdgeError("the motion ends before t = 1")
-        segment = trajectory.segments[-1]
-        equations = member.equations(segment.label)
-        last = np.asarray(segment.last, dtype=float)[None, :]
-        q = last[:, : equations.width]
-        if segment.label != member.atlas.home:
-            u = vector[None, :]
-            if equations.moves:
-                u = last[:, equations.width : equations.width + len(vector)]
-            q, _ = converted(member, segment.label, member.atlas.home, q, u)
-        return q[0]
+    @property
+    def where(self) -> str:
+        """Start and end in words."""
+        return f"from {list(self.ends[0])} to {list(self.ends[1])}"
 
-    def gap(self, here: np.ndarray, target: np.ndarray) -> np.ndarray:
-        """Coordinate difference, whole turns of angles taken out."""
-        gap = np.asarray(here, dtype=float) - target
-        for k in self.angular:
-            gap[k] = np.remainder(gap[k] + np.pi, 2 * np.pi) - np.pi
-        return gap
+    @cached_property
+    def is_geodesic(self) -> bool:
+        """Whether the motions are geodesics by their very connection."""
+        return bool(self.connection.is_torsion_free and self.connection.metric_compatible)
 
-    def slopes(self, vector: np.ndarray) -> np.ndarray:
-        """d end^mu / d u^i by central differences."""
-        # Ends are off by about the tolerance: here what that does and the third derivative balance.
-        h = self.tolerance ** (1 / 3) * max(float(np.linalg.norm(vector)), 1e-3)
-        sides = h * np.eye(len(vector))
-        rows = [self.gap(self.end(vector + x), self.end(vector - x)) for x in sides]
-        return np.array(rows).T / (2 * h)
+    def from_guess(self, first: np.ndarray, guess: Numbers) -> LogMap:
+        """The motion that Newton's iteration reaches from a guess."""
+        found = self.search.hit(self.search.aim, first) if first.any() else None
+        answer = None if found is None else self.answer(found, "the motion nearest to the guess")
+        if answer is None:
+            raise EndpointError(
+                f"expected a motion {self.where}, got none from the guess {list(guess)}. "
+                "Give another guess, or none."
+            )
+        return answer
 
-
-def _shoot(
-    shooter: _Shooter, target: np.ndarray, first: np.ndarray, accuracy: float, engine: Engine | None
-) -> LogMap | None:
-    """Newton's iteration on the initial velocity, damped; None if it does not hit."""
-    vector, miss, best, inverse, shot = first, np.inf, None, None, 0
-    scale = max(1.0, float(np.linalg.norm(target)))
-    while True:
-        shot += 1
-        try:
-            gap = shooter.gap(shooter.end(vector), target)
-            size = float(np.linalg.norm(gap))
-            if size <= accuracy * scale:
-                break
-            if shot >= SHOTS:
-                return None
-            if size >= miss and best is not None:
-                vector, inverse = (vector + best) / 2, None
-                if np.linalg.norm(vector - best) < 1e-14 * max(1.0, np.linalg.norm(vector)):
-                    return None
-                continue
-            # Slopes are used again as long as they lead closer quickly.
-            if inverse is None or size > STALE * miss:
-                u, s, vt = np.linalg.svd(shooter.slopes(vector))
-                if s[-1] < CONJUGATE * s[0]:
-                    return None
-                inverse = vt.T @ np.diag(1 / s) @ u.T
-        except GeomtorsionError:
-            if best is None or shot >= SHOTS:
-                return None
-            vector = (vector + best) / 2
-            continue
-        miss, best = size, vector
-        step = inverse @ gap
-        limit = max(1.0, 2 * float(np.linalg.norm(vector)))
-        vector = vector - step * min(1.0, limit / max(float(np.linalg.norm(step)), 1e-300))
-    try:
-        solution = solve(
-            shooter.problem.with_start(frame_velocity=vector), [1.0], accuracy / 10, engine
+    def shortest(self, target: np.ndarray) -> LogMap:
+        """The shortest motion of those found."""
+        at_start = self.search.shooter.measured(
+            np.zeros(len(target)),
+            self.search.shooter.home,
+            self.search.shooter.start,
+            self.search.aim,
         )
-        gap = shooter.gap(solution.coordinates[-1], target)
-    except GeomtorsionError:
-        return None
-    size = float(np.linalg.norm(gap))
-    return LogMap(vector, size, solution, shot) if size <= 10 * accuracy * scale else None
+        if at_start.size == 0:
+            return self._answered(
+                Hit(at_start, self.search.aim, None, 0), "start and end are one point"
+            )
+        lines, complete = self.search.shooter.lines(target)
+        followed: list[Followed] = []
+        for line in lines:
+            known = min((one.length for one in followed if one.hit), default=np.inf)
+            # A line that is much longer than a motion known hardly leads to a shorter one.
+            if not line.length > 2 * known:
+                followed.append(self.search.followed(line))
+        found = [one.hit for one in followed if one.hit is not None]
+        exhaustive = complete and self.is_geodesic and followed[0].hit is not None
+        directions = [] if exhaustive else self.search.directions(found)
+        found += self.search.fan(directions, reach_of(followed, lines), found)
+        # Of equal motions the first is kept, which took the fewest differences of coordinates.
+        found = sorted(self.search.apart(found), key=lambda hit: hit.length)
+        if not found:
+            raise EndpointError(
+                f"expected a motion {self.where}, got none from {len(followed)} images of "
+                f"the end and {len(directions)} directions. The end may be conjugate to the start "
+                "or beyond an edge of the chart. Give a guess (initial frame velocity), a "
+                "nearer end, or start and end in the opposite order."
+            )
+        self.check_length(found[0], lines)
+        self.check_unique(found)
+        if exhaustive:
+            return self._answered(
+                found[0],
+                "shortest of all motions: the coframe is constant, and all images of the end under "
+                "full turns were compared",
+            )
+        many = f"{len(found)} motions found from {len(followed)} images of the end "
+        least = "shortest" if self.search.shooter.is_definite else "least frame velocity (|eta|)"
+        return self._answered(found[0], f"{least} of {many}and {len(directions)} directions")
+
+    def check_length(self, found: Hit, lines: list[Line]) -> None:
+        """Refuse a geodesic that is longer than a line in coordinates."""
+        bound = min((line.length for line in lines if np.isfinite(line.length)), default=np.inf)
+        if (
+            self.search.shooter.is_definite
+            and self.is_geodesic
+            and found.length > (1 + STALE) * bound
+        ):
+            raise EndpointError(
+                f"expected the shortest motion {self.where}, but the shortest one found has length "
+                f"{found.length:.9g}, and a straight line in coordinates {bound:.9g}. Give a guess "
+                "(initial frame velocity) near the shortest motion."
+            )
+
+    def check_unique(self, found: list[Hit]) -> None:
+        """Refuse an end to which two motions of least length lead."""
+        if not self.search.shooter.is_definite:
+            return
+        best, *others = found
+        length = best.length
+        for other in others:
+            longer = other.length - length
+            if longer <= 4 * self.search.allowed(best.vector, self.search.aim):
+                one, two = (self.search.shooter.velocity(x.vector).round(6) for x in (best, other))
+                raise EndpointError(
+                    f"expected one shortest motion {self.where}, got no unique answer: at least "
+                    f"two have length {length:.9g}, with initial frame velocities {one.tolist()} "
+                    f"and {two.tolist()}. The end lies on the cut locus. Give a guess to choose "
+                    "one."
+                )
+
+    def _answered(self, found: Hit, guarantee: str) -> LogMap:
+        """The answer, unless it is shown not to be the shortest or not to be accurate."""
+        answer = self.answer(found, guarantee)
+        if answer is None:
+            raise EndpointError(
+                f"expected a motion {self.where} to accuracy {self.search.accuracy:.3g}, but its "
+                "end depends too much on its start. Ask for a lower accuracy, or give a nearer "
+                "end, or start and end in the opposite order."
+            )
+        if answer.conjugate and self.search.shooter.is_definite and self.is_geodesic:
+            raise EndpointError(
+                f"expected the shortest motion {self.where}, but the shortest one found, of length "
+                f"{answer.length:.9g}, passes a point conjugate to its start at t = "
+                f"{answer.conjugate[0]:.6g}, so that a shorter one exists. Give a guess (initial "
+                "frame velocity) near the shortest motion."
+            )
+        return answer
+
+    def answer(self, found: Hit, guarantee: str) -> LogMap | None:
+        """A motion solved to the accuracy; None if that cannot be had or its end misses."""
+        shooter, velocity = self.search.shooter, self.search.shooter.velocity(found.vector)
+        problem = shooter.problem.with_start(frame_velocity=velocity)
+        solution = tried(solve, problem, [1.0], self.search.accuracy / 10, self.engine)
+        if solution is None:
+            return None
+        place = solution.in_chart(self.search.aim.label)[-1].astype(float)
+        shot = shooter.measured(found.vector, self.search.aim.label, place, self.search.aim)
+        if shot.size > 10 * self.search.allowed(found.vector, self.search.aim):
+            return None
+        conjugate = self.search.conjugate_parts(found.vector)
+        if not conjugate and found.vector.any():
+            guarantee += "; no conjugate point on it was noticed"
+        length = found.length
+        if length and not shooter.is_definite:
+            unit = velocity / length
+            length *= float(np.sqrt(abs(unit @ shooter.eta @ unit)))
+        return LogMap(velocity, shot.size, solution, found.shots, length, conjugate, guarantee)

@@ -17,11 +17,13 @@ from geomtorsion.codegen.expression_graph import branch_check
 from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
+from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.reductions import Reductions
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import (
+    AccuracyError,
     BranchError,
     ChartEdgeError,
     GeomtorsionError,
@@ -46,7 +48,7 @@ from geomtorsion.ode.numbers import (
 from geomtorsion.ode.roots import nearest_to_zero
 from geomtorsion.ode.terms import expression, symbol_table
 from geomtorsion.ode.trajectory import Event, Segment, Stage, State, Trajectory
-from geomtorsion.precision import CALCULATED
+from geomtorsion.precision import CALCULATED, EPS
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -426,8 +428,44 @@ class CurveProblem:
         table = dict(zip(equations.parameters, segment.stage.parameters, strict=True))
         return [table[name] for name in equations.velocities]
 
-    def stuck_error(self, trajectory: Trajectory) -> ChartEdgeError:
+    def _edge_approached(self, trajectory: Trajectory) -> Edge | None:
+        """The edge to which a motion only tends: rounding errors have carried it across.
+
+        What is left of such an edge shrinks by a part in each time, so that a rounding error of it
+        lasts as long as the motion did. A motion that reaches an edge uses it up at once.
+        """
+        segment = trajectory.segments[-1]
+        chart = self.atlas.chart(segment.label) if segment.label else None
+        if chart is None or not chart.edges:
+            return None
+        point = self._taken_apart(segment.label, segment.last, self._own_velocities(segment))
+        numbers = {name: float(value) for name, value in self.parameters.items()}
+        last, first = np.array(floats(point.coordinates)), np.array(floats(segment.stage.first))
+        first = first[: len(last)]
+        start, end, inside = (
+            numbers | dict(zip(chart.names, place.tolist(), strict=True))
+            for place in (first, last, last + EPS * (first - last))
+        )
+        before, left, room = (chart.at_edges(place) for place in (start, end, inside))
+        k = nearest_to_zero(left, before)
+        if not abs(left[k]) <= trajectory.tolerance * abs(before[k]):
+            return None
+        change = abs(chart.edge_rates(inside, point.velocities)[k] * trajectory.reached)
+        # The part used up per time: some ten in an exponential, 1 / EPS^(1 / p) in a power p.
+        return chart.edges[k] if change <= EPS ** (-1 / 4) * room[k] else None
+
+    def stuck_error(self, trajectory: Trajectory) -> ChartEdgeError | AccuracyError:
         """Where a motion ended, why, and what can be done."""
+        edge = self._edge_approached(trajectory)
+        if edge is not None:
+            return AccuracyError(
+                f"expected a motion to t = {trajectory.reached / self.time_unit:.6g} and beyond, "
+                f"got rounding errors larger than what is left of {edge.element.sympy}: "
+                f"{edge.condition}, and the motion comes closer without reaching the edge. Use "
+                "Taylor(precision=113) or more, a coordinate that is the logarithm of "
+                f"{edge.element.sympy}, or a shorter time. What was computed is in the error's "
+                "`solution`."
+            )
         segment = trajectory.segments[-1]
         label = segment.label
         chart = self.atlas.chart(label) if label else None

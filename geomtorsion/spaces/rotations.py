@@ -90,7 +90,9 @@ def quaternion_chart(
         turn = rotation(QUATERNION)
         legs = [[*row, 0, 0, 0] for row in legs]
         legs += [[0, 0, 0, *turn.row(k)] for k in range(3)]
-    return Chart.redundant("quaternion", (*QUATERNION, *places), legs, kept)
+    # A quaternion and its negative are the same rotation, but not the same point of a sphere.
+    antipodal = (0, 1, 2, 3) if share == sp.S.Half else ()
+    return Chart.redundant("quaternion", (*QUATERNION, *places), legs, kept, antipodal=antipodal)
 
 
 def angle_atlas(angles: Angles, frame: Frame, *, space_fixed: bool = False) -> Atlas:

@@ -6,7 +6,7 @@ import sympy as sp
 
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.curves.edges import edges_of
-from geomtorsion.errors import ChartEdgeError, CoordinateError, StartError
+from geomtorsion.errors import AccuracyError, ChartEdgeError, CoordinateError, StartError
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.ode import Stiff, Taylor, solve, solve_many
 from geomtorsion.ode.engines.taylor import is_available
@@ -72,6 +72,48 @@ def test_edges_in_the_past(engine):
     message, t = ended(geodesic(polar, [1, 0], [1, 0]), -2.0, engine)
     assert t == pytest.approx(-1.0, abs=1e-9)
     assert "r > 0 holds no longer" in message
+
+
+HALF_PLANE = Frame([x, y], sp.diag(1 / y, 1 / y), domain=[y > 0])
+BESIDE = Frame([x, y], sp.diag(1 / (1 - x), 1 / (1 - x)), domain=[x < 1])
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+@pytest.mark.parametrize(
+    ("frame", "start", "velocity"),
+    [
+        (HALF_PLANE, [0, 1], [0.3, -1.0]),
+        (HALF_PLANE, [0, 1e-6], [1.0, 1.0]),
+        (HALF_PLANE, [0, 1e9], [0.1, -1.5]),
+        (BESIDE, [0, 0], [1, 0.2]),
+    ],
+)
+def test_an_edge_to_which_a_motion_only_tends(engine, frame, start, velocity):
+    """A complete geodesic goes on, or its accuracy is refused: it never ends there."""
+    made = geodesic(frame, start, frame_velocity=velocity)
+    refused = None
+    try:
+        found = solve(made, 40.0, engine=engine)
+    except AccuracyError as error:
+        refused, found = error, error.solution
+    if refused is None:
+        assert found.complete
+    elif found is not None:
+        assert "without reaching the edge" in str(refused)
+        assert found.times[-1] < 40
+
+
+@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.name)
+@pytest.mark.parametrize("height", [1.0, 1e-9])
+def test_edges_that_are_reached(engine, height):
+    """At a steady rate in a flat half plane, and at rest in the metric dy**2 / y."""
+    flat = Frame([x, y], sp.eye(2), domain=[y > 0])
+    _, t = ended(geodesic(flat, [0, height], frame_velocity=[0.3, -1]), 3 * height, engine)
+    assert t == pytest.approx(height, rel=1e-6)
+    slow = Frame([x, y], sp.diag(1, 1 / sp.sqrt(y)), domain=[y > 0])
+    speed = np.sqrt(height)
+    _, t = ended(geodesic(slow, [0, height], frame_velocity=[0, -speed]), 3.0, engine)
+    assert t == pytest.approx(2.0, rel=1e-4)
 
 
 @pytest.mark.parametrize("engine", EXPLICIT, ids=lambda engine: engine.name)
