@@ -23,11 +23,21 @@ from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 
 LARGEST_TEXT = 10_000_000
+# Parts of one dotted key. tomllib keeps a tuple for each beginning of a key, so that memory and
+# time grow with the square of this number; no file of this package has more than five.
+MOST_PARTS = 32
 Key = tuple[str | int, ...]
 
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
 _WORD = r"(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')"
+_PART = r"(?:[A-Za-z0-9_-]+|\"(?:[^\"\\\n]|\\.)*\"|'[^'\n]*')"
 _ASSIGNED = re.compile(rf"\s*({_WORD}(?:\s*\.\s*{_WORD})*)\s*=")
+# What a TOML file consists of beside signs: long texts, comments, and words, also with dots between
+# them. Each is taken whole, so that looking through a file takes time in proportion to its length.
+_TOKEN = re.compile(
+    rf"\"\"\"(?:[^\\]|\\.)*?\"\"\"|'''.*?'''|#[^\n]*|(?P<key>{_PART}(?:[ \t]*\.[ \t]*{_PART})*)",
+    re.DOTALL,
+)
 _QUOTE = re.compile(r"\"\"\"|'''|\"(?:[^\"\\]|\\.)*\"|'[^']*'|#.*|[\[\]{}]")
 _PLACE = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
 
@@ -206,6 +216,7 @@ def read_toml_text(
     >>> file.data["effects"], file.line(("effects", 0, "kind"))
     ([{'kind': 'spin'}], 4)
     """
+    _check_keys(text, name)
     try:
         data = tomllib.loads(text, parse_float=Decimal if decimals else float)
         # Python writes no whole number of many thousand digits, which hexadecimal ones may have.
@@ -219,6 +230,18 @@ def read_toml_text(
             f"{name}: a number has more digits than can be read. Write a shorter one."
         ) from None
     return TomlFile(name, data, _lines(text))
+
+
+def _check_keys(text: str, name: str) -> None:
+    """Refuse a dotted key of very many parts before tomllib takes memory for it."""
+    for found in _TOKEN.finditer(text):
+        key = found["key"]
+        if key is not None and key.count(".") >= MOST_PARTS and len(_words(key)) > MOST_PARTS:
+            raise LimitError(
+                f"{name}: line {text.count(chr(10), 0, found.start()) + 1}: expected a key of at "
+                f"most {MOST_PARTS} parts, got {len(_words(key)):,}: {cut(key, 60)}. Shorten the "
+                "key."
+            )
 
 
 def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError:
