@@ -19,6 +19,9 @@ from geomtorsion.loops.line_arrays import LineArrays
 
 Tag = tuple[int, int]
 Row = tuple[int, list[str]]
+# Lines between the same two nodes: each is compared with all others to find its description from
+# the other node, which takes a time that grows with the square of this number.
+MOST_PARALLEL = 100
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 # What the numbers of a file consist of; whether they are numbers is seen as they are read.
@@ -200,10 +203,12 @@ def _header(reader: _Reader) -> dict[str, Row]:
         if not equals:
             # What follows a key without brackets, such as the bounds of domains, is not needed.
             continue
-        line, values = reader.line, rest.split()
+        line, rest = reader.line, rest.split()
+        values = rest
         if values[:1] == ["["]:
-            while "]" not in values:
-                values += reader.next(f"] after {cut(key)}")
+            while "]" not in rest:
+                rest = reader.next(f"] after {cut(key)}")
+                values += rest
             values = values[1 : values.index("]")]
         found[key] = line, values
 
@@ -295,6 +300,12 @@ def _joined(
             raise FileFormatError(
                 f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
                 "file. Is the file complete?"
+            )
+        if len(here) > MOST_PARALLEL:
+            raise FileFormatError(
+                f"{name}: line {line}: expected at most {MOST_PARALLEL} arms from node "
+                f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
+                "run side by side."
             )
         there = list(arms.get((two, one), []))
         if len(here) != len(there):
