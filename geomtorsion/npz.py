@@ -52,6 +52,20 @@ _NPY = re.compile(
 )
 # zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
 DENSEST = 1032
+# Bytes that any packed file may unpack to, and for each byte of it: a frame on a regular grid packs
+# to a tenth, one with equal values everywhere to a hundredth.
+ALWAYS_UNPACKED, UNPACKED_EACH = 200_000_000, 100
+
+
+def most_unpacked(size: int) -> int:
+    """Bytes to which a packed file of a size may unpack.
+
+    Examples
+    --------
+    >>> most_unpacked(1_000_000), most_unpacked(10**9) == LARGEST_ARRAYS
+    (300000000, True)
+    """
+    return min(LARGEST_ARRAYS, ALWAYS_UNPACKED + UNPACKED_EACH * size)
 
 
 def read_npz(
