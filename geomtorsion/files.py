@@ -23,10 +23,37 @@ from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 
 LARGEST_TEXT = 10_000_000
-# Parts of one dotted key. tomllib keeps a tuple for each beginning of a key, so that memory and
-# time grow with the square of this number; no file of this package has more than five.
-MOST_PARTS = 32
 Key = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How much a file may declare, beside what its length allows: each with its reason.
+
+    key_parts: of a dotted key in TOML. tomllib keeps a tuple for each beginning of a key, so that
+    memory and time grow with the square; no file of this package has more than five.
+    parallel: lines between the same two nodes of a network. Each is compared with the others to
+    find its description from the other node.
+    phases: of an orientation map, which programs number by a byte.
+    groups: of HDF5 inside one another; files of microscopes have up to ten.
+    arrays: in a VTU file, of which readers look through all for each; a frame in ten dimensions
+    with its noise has two hundred.
+    unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
+    bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
+    portion: bytes that are unpacked at once while sizes are compared.
+    """
+
+    key_parts: int = 32
+    parallel: int = 100
+    phases: int = 255
+    groups: int = 50
+    arrays: int = 1000
+    unpacked: int = 200_000_000
+    unpacked_each: int = 100
+    portion: int = 2**20
+
+
+BOUNDS = Bounds()
 
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
 _WORD = r"(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')"
@@ -236,11 +263,11 @@ def _check_keys(text: str, name: str) -> None:
     """Refuse a dotted key of very many parts before tomllib takes memory for it."""
     for found in _TOKEN.finditer(text):
         key = found["key"]
-        if key is not None and key.count(".") >= MOST_PARTS and len(_words(key)) > MOST_PARTS:
+        count = 0 if key is None or key.count(".") < BOUNDS.key_parts else len(_words(key))
+        if count > BOUNDS.key_parts:
             raise LimitError(
                 f"{name}: line {text.count(chr(10), 0, found.start()) + 1}: expected a key of at "
-                f"most {MOST_PARTS} parts, got {len(_words(key)):,}: {cut(key, 60)}. Shorten the "
-                "key."
+                f"most {BOUNDS.key_parts} parts, got {count:,}: {cut(key, 60)}. Shorten the key."
             )
 
 

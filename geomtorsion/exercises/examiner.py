@@ -19,6 +19,7 @@ class Examiner:
 
     seconds: how long the answers to one exercise may take. Then the process is ended, the answers
     count as too large, and the next ones get a new process.
+    function: what the process calls with each request, which may know more than `reply`.
 
     Examples
     --------
@@ -27,9 +28,9 @@ class Examiner:
     True
     """
 
-    def __init__(self, seconds: float = SECONDS) -> None:
+    def __init__(self, seconds: float = SECONDS, function: str = f"{__name__}:reply") -> None:
         self.seconds = seconds
-        self.pool = workers(f"{__name__}:reply")
+        self.pool = workers(function)
 
     def __enter__(self) -> Examiner:
         return self
@@ -90,12 +91,7 @@ def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: st
 
 
 def reply(request: Json) -> Json:
-    """What the process answers: a verdict, that the solution is known now, or what is in a file."""
-    if "path" in request:
-        # Here, not above: the module asks this one.
-        from geomtorsion.exercises.grading import submission_data
-
-        return submission_data(request["path"])
+    """What the process answers: a verdict, or that the solution is known now."""
     exercise = load(request["number"], request["seed"])
     if "answers" not in request:
         _ = exercise.solution()

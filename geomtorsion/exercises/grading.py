@@ -15,10 +15,12 @@ from typing import Any
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
+from geomtorsion.exercises.examiner import reply as checked
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
 from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.files import read_json_text, read_text, read_toml
+from geomtorsion.outgoing import csv_cell
 
 # Keys of a file.
 KEYS = ("student", "name", "seed", "answers")
@@ -172,7 +174,7 @@ def _harmless(text: str) -> str:
     # Names of files may hold bytes of another encoding, which Python keeps as half characters.
     text = text.encode("utf-8", "replace").decode("utf-8")
     text = " ".join(text.split())[: MOST.remark]
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
+    return csv_cell(text)
 
 
 @dataclass(frozen=True)
@@ -246,7 +248,7 @@ def grade(
         )
     for number in listed or ():
         load(number)
-    with Examiner(seconds) as examiner:
+    with Examiner(seconds, f"{__name__}:reply") as examiner:
         return _graded(files, Path(output), listed, seed, examiner, progress)
 
 
@@ -340,6 +342,11 @@ def _read(path: Path, examiner: Examiner) -> Submission | str:
         found["student"], found["seed"], found["answers"], tuple(found["unknown"]),
         tuple(found["outside"]),
     )  # fmt: skip
+
+
+def reply(request: Json) -> Json:
+    """What the process of the examiner answers: what is in a file, or as for other requests."""
+    return submission_data(request["path"]) if "path" in request else checked(request)
 
 
 def submission_data(path: str) -> Json:

@@ -13,11 +13,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+from geomtorsion.npz import unpacked_size
 
 # How TIFF numbers ways to pack -> what unpacks in portions. Libraries bound all the others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
-# Bytes that are unpacked at once while sizes are compared.
-PORTION = 2**20
 KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy"}
 
 
@@ -105,15 +104,7 @@ def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> Non
         zip(page.dataoffsets, page.databytecounts, strict=False)
     ):
         stream.seek(offset)
-        unpacker, left, given = open_one(), size, stream.read(count)
-        while not unpacker.eof and left >= 0:
-            part = unpacker.decompress(given, PORTION)
-            # What zlib has not used yet it wants back, lzma keeps it.
-            given = getattr(unpacker, "unconsumed_tail", b"")
-            left -= len(part)
-            if not part and not given:
-                break
-        if left < 0:
+        if unpacked_size(open_one(), stream.read(count), size) > size:
             raise LimitError(
                 f"{path}: expected strips or tiles of at most {size:,} bytes, as the header says, "
                 f"got more from number {number + 1}. Export the image again."

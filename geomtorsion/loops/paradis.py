@@ -13,15 +13,12 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import finite_number, read_text
+from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
 
 Tag = tuple[int, int]
 Row = tuple[int, list[str]]
-# Lines between the same two nodes: each is compared with all others to find its description from
-# the other node, which takes a time that grows with the square of this number.
-MOST_PARALLEL = 100
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 # What the numbers of a file consist of; whether they are numbers is seen as they are read.
@@ -301,9 +298,9 @@ def _joined(
                 f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
                 "file. Is the file complete?"
             )
-        if len(here) > MOST_PARALLEL:
+        if len(here) > BOUNDS.parallel:
             raise FileFormatError(
-                f"{name}: line {line}: expected at most {MOST_PARALLEL} arms from node "
+                f"{name}: line {line}: expected at most {BOUNDS.parallel} arms from node "
                 f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
                 "run side by side."
             )

@@ -21,15 +21,13 @@ from geomtorsion.errors import (
     MissingExtraError,
     OrientationError,
 )
-from geomtorsion.files import finite_number, read_text
+from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import UNITS
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
-# Phases of one map, which programs number by a byte.
-MOST_PHASES = 255
 SIZES = ("XCells", "YCells")
 CTF_LAUE: dict[float, str] = dict(
     enumerate(
@@ -234,8 +232,8 @@ class _Source:
             about = {} if key == "Phase" else about
             about[key] = header[key] = (k, value)
             if key == "LatticeConstants":
-                if len(phases) >= MOST_PHASES:
-                    self.fail(k, f"expected at most {MOST_PHASES} phases, got more. Remove some.")
+                if len(phases) >= BOUNDS.phases:
+                    self.fail(k, f"expected at most {BOUNDS.phases} phases, got more. Remove some.")
                 number, phase = self.ang_phase(about)
                 phases[number] = phase
         for key in ("GRID", "XSTEP", "YSTEP", "NCOLS_ODD", "NCOLS_EVEN", "NROWS"):

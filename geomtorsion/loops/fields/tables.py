@@ -25,6 +25,7 @@ from geomtorsion.loops.fields.contents import (
 from geomtorsion.loops.fields.grid import regular_axis
 from geomtorsion.loops.fields.vtu_blocks import check_vtu
 from geomtorsion.npz import LARGEST_ARRAYS, most_unpacked
+from geomtorsion.outgoing import one_line
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
 _EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
@@ -182,7 +183,9 @@ def _columns(contents: Contents) -> dict[str, np.ndarray]:
 def write_csv(path: Path, contents: Contents) -> None:
     """One line for each node; the numbers come back as they were."""
     columns = _columns(contents)
-    said = [f"# {key}: {contents.options[key]}" for key in TEXTS if contents.options.get(key)]
+    said = [
+        f"# {key}: {one_line(contents.options[key])}" for key in TEXTS if contents.options.get(key)
+    ]
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
         said.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))

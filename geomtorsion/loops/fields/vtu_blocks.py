@@ -7,23 +7,19 @@ import re
 import struct
 import zlib
 from collections.abc import Iterator
-from lzma import LZMADecompressor, LZMAError
+from lzma import LZMADecompressor
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.npz import most_unpacked
+from geomtorsion.files import BOUNDS
+from geomtorsion.npz import most_unpacked, unpacked_size
 
 UNPACKERS: dict[str, Any] = {
     "vtkZLibDataCompressor": zlib.decompressobj,
     "vtkLZMADataCompressor": LZMADecompressor,
 }
-# Bytes that are unpacked at once while they are counted.
-PORTION = 2**20
-# Arrays in one file: meshio looks through all of them for each. A frame in ten dimensions with its
-# noise has two hundred.
-MOST_ARRAYS = 1000
 # What meshio takes for the beginning of bytes that are no XML.
 _RAW = re.compile(rb'<AppendedData[^>]+">')
 
@@ -41,9 +37,9 @@ def check_vtu(path: Path) -> None:
     content = path.read_bytes()
     root, appended = _parsed(path, content)
     arrays = list(root.iter("DataArray"))
-    if len(arrays) > MOST_ARRAYS:
+    if len(arrays) > BOUNDS.arrays:
         raise LimitError(
-            f"{path}: expected at most {MOST_ARRAYS:,} arrays, got {len(arrays):,}. Export only "
+            f"{path}: expected at most {BOUNDS.arrays:,} arrays, got {len(arrays):,}. Export only "
             "the values of the frame."
         )
     unpacker = UNPACKERS.get(root.get("compressor", ""))
@@ -57,7 +53,7 @@ def check_vtu(path: Path) -> None:
             offset = array.get("offset", "")
             data = appended[int(offset) :] if offset.isdecimal() and len(offset) < 19 else ""
         for block in _blocks(data, root):
-            left -= _size(unpacker(), block, left)
+            left -= unpacked_size(unpacker(), block, left)
             if left < 0:
                 raise LimitError(
                     f"{path}: expected arrays of at most {most:,} bytes, for a file of "
@@ -125,20 +121,3 @@ def _decoded(text: str) -> bytes:
         return base64.b64decode(text)
     except ValueError:
         return b""
-
-
-def _size(unpacker: Any, given: bytes, most: int) -> int:
-    """How many bytes a block unpacks to, counted in portions up to a little above `most`."""
-    size = 0
-    try:
-        while not unpacker.eof and size <= most:
-            part = unpacker.decompress(given, PORTION)
-            # What zlib has not used yet it wants back, lzma keeps it.
-            given = getattr(unpacker, "unconsumed_tail", b"")
-            size += len(part)
-            if not part and not given:
-                break
-    except (zlib.error, LZMAError):
-        # A damaged block is refused by the reader, in its own words.
-        pass
-    return size
