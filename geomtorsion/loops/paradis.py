@@ -293,16 +293,16 @@ def _joined(
     values: list[list[float]] = []
     for (one, two), here in arms.items():
         line = here[0][0]
-        if two not in tags:
-            raise FileFormatError(
-                f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
-                "file. Is the file complete?"
-            )
         if len(here) > BOUNDS.parallel:
             raise FileFormatError(
                 f"{name}: line {line}: expected at most {BOUNDS.parallel} arms from node "
                 f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
                 "run side by side."
+            )
+        if two not in tags:
+            raise FileFormatError(
+                f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
+                "file. Is the file complete?"
             )
         there = list(arms.get((two, one), []))
         if len(here) != len(there):
