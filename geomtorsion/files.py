@@ -262,8 +262,8 @@ def read_toml_text(
 def _check_keys(text: str, name: str) -> None:
     """Refuse a dotted key of very many parts before tomllib takes memory for it."""
     for found in _TOKEN.finditer(text):
-        key = found["key"]
-        count = 0 if key is None or key.count(".") < BOUNDS.key_parts else len(_words(key))
+        key = found["key"] or ""
+        count = 0 if key.count(".") < BOUNDS.key_parts else len(_words(key))
         if count > BOUNDS.key_parts:
             raise LimitError(
                 f"{name}: line {text.count(chr(10), 0, found.start()) + 1}: expected a key of at "

@@ -216,8 +216,9 @@ class AccessControl:
             for task in (waiting, sender, session):
                 task.cancel()
         await asyncio.gather(session, sender, return_exceptions=True)
-        if session.done() and not session.cancelled() and session.exception() is not None:
-            raise session.exception() from None
+        error = None if session.cancelled() else session.exception()
+        if error is not None:
+            raise error from None
 
 
 def _client(scope: Scope) -> str:
