@@ -28,9 +28,46 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 LARGEST_TEXT = 10_000_000
 Key = tuple[str | int, ...]
 
+
+@dataclass(frozen=True)
+class Bounds:
+    """How much a file may declare, beside what its length allows: each with its reason.
+
+    key_parts: of a dotted key in TOML. tomllib keeps a tuple for each beginning of a key, so that
+    memory and time grow with the square; no file of this package has more than five.
+    parallel: lines between the same two nodes of a network. Each is compared with the others to
+    find its description from the other node.
+    phases: of an orientation map, which programs number by a byte.
+    groups: of HDF5 inside one another; files of microscopes have up to ten.
+    arrays: in a VTU file, of which readers look through all for each; a frame in ten dimensions
+    with its noise has two hundred.
+    unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
+    bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
+    portion: bytes that are unpacked at once while sizes are compared.
+    """
+
+    key_parts: int = 32
+    parallel: int = 100
+    phases: int = 255
+    groups: int = 50
+    arrays: int = 1000
+    unpacked: int = 200_000_000
+    unpacked_each: int = 100
+    portion: int = 2**20
+
+
+BOUNDS = Bounds()
+
 _HEADER = re.compile(r"\s*(\[\[?)([^\[\]#]+)\]\]?\s*(?:#.*)?$")
 _WORD = r"(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')"
+_PART = r"(?:[A-Za-z0-9_-]+|\"(?:[^\"\\\n]|\\.)*\"|'[^'\n]*')"
 _ASSIGNED = re.compile(rf"\s*({_WORD}(?:\s*\.\s*{_WORD})*)\s*=")
+# What a TOML file consists of beside signs: long texts, comments, and words, also with dots between
+# them. Each is taken whole, so that looking through a file takes time in proportion to its length.
+_TOKEN = re.compile(
+    rf"\"\"\"(?:[^\\]|\\.)*?\"\"\"|'''.*?'''|#[^\n]*|(?P<key>{_PART}(?:[ \t]*\.[ \t]*{_PART})*)",
+    re.DOTALL,
+)
 _QUOTE = re.compile(r"\"\"\"|'''|\"(?:[^\"\\]|\\.)*\"|'[^']*'|#.*|[\[\]{}]")
 _PLACE = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
 
@@ -260,6 +297,7 @@ def read_toml_text(
     >>> file.data["effects"], file.line(("effects", 0, "kind"))
     ([{'kind': 'spin'}], 4)
     """
+    _check_keys(text, name)
     try:
         data = tomllib.loads(text, parse_float=Decimal if decimals else float)
         # Python writes no whole number of many thousand digits, which hexadecimal ones may have.
@@ -273,6 +311,18 @@ def read_toml_text(
             f"{name}: a number has more digits than can be read. Write a shorter one."
         ) from None
     return TomlFile(name, data, _lines(text))
+
+
+def _check_keys(text: str, name: str) -> None:
+    """Refuse a dotted key of very many parts before tomllib takes memory for it."""
+    for found in _TOKEN.finditer(text):
+        key = found["key"] or ""
+        count = 0 if key.count(".") < BOUNDS.key_parts else len(_words(key))
+        if count > BOUNDS.key_parts:
+            raise LimitError(
+                f"{name}: line {text.count(chr(10), 0, found.start()) + 1}: expected a key of at "
+                f"most {BOUNDS.key_parts} parts, got {count:,}: {cut(key, 60)}. Shorten the key."
+            )
 
 
 def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import zlib
 from math import prod
 from pathlib import Path
 from typing import Any
 
 from geomtorsion.checks import LARGEST_ARRAYS, cut
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
-from geomtorsion.npz import DENSEST
+from geomtorsion.files import BOUNDS
+from geomtorsion.npz import DENSEST, unpacked_size
 
 
 def check_hdf5(path: Path, h5py: Any) -> list[str]:
@@ -27,15 +29,7 @@ def check_hdf5(path: Path, h5py: Any) -> list[str]:
     """
     try:
         with h5py.File(path, "r") as file:
-            # An error inside of a walk would not come out of it as it is.
-            links: list[tuple[str, Any]] = []
-            file.visititems_links(lambda name, link: links.append((name, link)))
-            for name, link in links:
-                _check_link(path, name, link, h5py)
-            things: list[tuple[str, Any]] = []
-            file.visititems(lambda name, found: things.append((name, found)))
-            for name, found in things:
-                _check_data_set(path, name, found, h5py)
+            _walk(path, file, h5py)
             return [str(name) for name in file]
     except GeomtorsionError:
         raise
@@ -47,6 +41,34 @@ def check_hdf5(path: Path, h5py: Any) -> list[str]:
         ) from None
 
 
+def _walk(path: Path, file: Any, h5py: Any) -> None:
+    """Check each link and each data set; h5py's own walk writes the whole path of each thing."""
+    seen: set[int] = set()
+    open_groups = [(file, 0)]
+    while open_groups:
+        group, depth = open_groups.pop()
+        if depth > BOUNDS.groups:
+            raise LimitError(
+                f"{path}: expected groups at most {BOUNDS.groups} deep, got "
+                f"{cut(group.name, 60)}. Copy what is needed into a file of its own."
+            )
+        for key in group:
+            link, name = group.get(key, getlink=True), f"{group.name}/{key}".lstrip("/")
+            _check_link(path, name, link, h5py)
+            # A soft link leads to what has a hard one, or nowhere.
+            if not isinstance(link, h5py.HardLink):
+                continue
+            found = group[key]
+            address = h5py.h5o.get_info(found.id).addr
+            if address in seen:
+                continue
+            seen.add(address)
+            if isinstance(found, h5py.Group):
+                open_groups.append((found, depth + 1))
+            elif isinstance(found, h5py.Dataset):
+                _check_data_set(path, name, found)
+
+
 def _check_link(path: Path, name: str, link: Any, h5py: Any) -> None:
     """Refuse a link that leaves the file."""
     if isinstance(link, h5py.ExternalLink):
@@ -56,10 +78,8 @@ def _check_link(path: Path, name: str, link: Any, h5py: Any) -> None:
         )
 
 
-def _check_data_set(path: Path, name: str, found: Any, h5py: Any) -> None:
+def _check_data_set(path: Path, name: str, found: Any) -> None:
     """Refuse a data set that lies in other files, or whose size cannot be."""
-    if not isinstance(found, h5py.Dataset):
-        return
     if found.is_virtual or found.external:
         raise FileFormatError(
             f"{path}: {cut(name)} lies in other files; data in this file itself were needed. Copy "
@@ -71,3 +91,30 @@ def _check_data_set(path: Path, name: str, found: Any, h5py: Any) -> None:
             f"{path}: {cut(name)} would take {size:,} bytes, more than what is stored of it can "
             "hold. Write the file again."
         )
+    chunk = prod(found.chunks or ()) * found.dtype.itemsize
+    if chunk > max(size, BOUNDS.unpacked):
+        raise LimitError(
+            f"{path}: {cut(name)}: expected chunks no larger than the data, {size:,} bytes, got "
+            f"chunks of {chunk:,} bytes. Write the file again with smaller chunks."
+        )
+    if found.compression == "gzip":
+        _check_chunks(path, name, found, chunk)
+
+
+def _check_chunks(path: Path, name: str, found: Any, chunk: int) -> None:
+    """Refuse a packed chunk that unpacks to more than a chunk: HDF5 unpacks all of it."""
+    large: list[Any] = []
+    found.id.chunk_iter(lambda one: large.append(one) if _may_grow(one.size) else None)
+    for one in large:
+        packed = found.id.read_direct_chunk(one.chunk_offset)[1]
+        if unpacked_size(zlib.decompressobj(), packed, chunk) <= chunk:
+            continue
+        raise LimitError(
+            f"{path}: {cut(name)}: expected chunks of {chunk:,} bytes, got a packed one that is "
+            "larger. Write the file again."
+        )
+
+
+def _may_grow(packed: int) -> bool:
+    """Whether so many packed bytes could unpack to more than is read of any file."""
+    return DENSEST * packed > BOUNDS.unpacked

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import lzma
 import re
 import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from io import DEFAULT_BUFFER_SIZE
 from math import prod
@@ -17,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from geomtorsion.checks import LARGEST_ARRAYS, ErrorClass, cut, file_name
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.files import LARGEST_TEXT, conforming, read_json_text
+from geomtorsion.files import BOUNDS, LARGEST_TEXT, conforming, read_json_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,6 +54,43 @@ _NPY = re.compile(
 )
 # zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
 DENSEST = 1032
+
+
+def most_unpacked(size: int) -> int:
+    """Bytes to which a packed file of a size may unpack.
+
+    Examples
+    --------
+    >>> most_unpacked(1_000_000), most_unpacked(10**9) == LARGEST_ARRAYS
+    (300000000, True)
+    """
+    return min(LARGEST_ARRAYS, BOUNDS.unpacked + BOUNDS.unpacked_each * size)
+
+
+def unpacked_size(unpacker: Any, given: bytes, most: int) -> int:
+    """How many bytes something packed unpacks to, counted in portions up to a little above `most`.
+
+    unpacker: a decompressor of zlib or lzma. What is damaged is counted up to there: its reader
+    refuses it, in its own words.
+
+    Examples
+    --------
+    >>> bomb = zlib.compress(bytes(10**7))
+    >>> unpacked_size(zlib.decompressobj(), bomb, 10**8)
+    10000000
+    >>> 4096 < unpacked_size(zlib.decompressobj(), bomb, 4096) <= 4096 + BOUNDS.portion
+    True
+    """
+    size = 0
+    with suppress(zlib.error, lzma.LZMAError):
+        while not unpacker.eof and size <= most:
+            part = unpacker.decompress(given, BOUNDS.portion)
+            # What zlib has not used yet it wants back, lzma keeps it.
+            given = getattr(unpacker, "unconsumed_tail", b"")
+            size += len(part)
+            if not part and not given:
+                break
+    return size
 
 
 def read_npz(

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
+from geomtorsion.outgoing import moving
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -85,7 +87,7 @@ def _opened(what: str, total: float, *, kept: bool) -> Progress:
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
         TextColumn("{task.fields[left]}"),
-        console=Console(stderr=True),
+        console=Console(file=moving(sys.stderr)),
         transient=not kept,
     )
     shown.add_task(what, total=total, left="")

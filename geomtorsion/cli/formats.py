@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import sympy
@@ -13,6 +14,7 @@ from sympy.printing.numpy import NumPyPrinter, SciPyPrinter
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.geometry.notation import open_mark
+from geomtorsion.outgoing import latex_comment, mathematica_comment, one_line, python_text
 from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
@@ -48,7 +50,8 @@ def _heading(space: Space, *, greek: bool) -> str:
     def written(expressions: Iterable[sympy.Basic]) -> str:
         return ", ".join(expression_text(part, greek=greek) for part in expressions)
 
-    title = space.name if space.title == space.name else f"{space.name}: {space.title}"
+    same = space.title == space.name
+    title = one_line(space.name if same else f"{space.name}: {space.title}")
     facts = [f"coordinates {written(frame.coordinates)}"]
     facts += [f"parameters {written(frame.parameters)}"] * bool(frame.parameters)
     facts += [f"domain {written(frame.domain)}"] * bool(frame.domain)
@@ -104,7 +107,7 @@ def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = Fals
     """One align* environment for each quantity; needs amsmath."""
     head = [f"{space.name}: {space.title}", r"needs \usepackage{amsmath}"]
     head += [f"{name} = {what}" for name, what in space.frame.names.items()]
-    parts = ["\n".join(f"% {line}" for line in head)]
+    parts = ["\n".join(map(latex_comment, head))]
     parts += [aligned(chosen, every=every) for chosen in quantities]
     return "\n\n".join(parts)
 
@@ -115,7 +118,7 @@ _CAPITALS = frozenset("CDEIKNO")
 
 def mathematica_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """One assignment for each quantity: a sparse array with indices from 1."""
-    parts = [f"(* {space.name}: {space.title}; indices count from 1 *)"]
+    parts = [mathematica_comment(f"{space.name}: {space.title}; indices count from 1")]
     renamed = _renamed(x.sympy for chosen in quantities for x in chosen.nonzero.values())
     parts += [_assignment(space, chosen, renamed) for chosen in quantities]
     return "\n\n".join(parts)
@@ -125,7 +128,9 @@ def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sy
     entry, tensor = chosen.entry, chosen.tensor
     first, *rest = entry.name.split("_")
     name = first + "".join(part.capitalize() for part in rest)
-    comment = f"(* {entry.title}, slots {tensor.slots or 'none'}{_open(chosen, first=1)} *)"
+    comment = mathematica_comment(
+        f"{entry.title}, slots {tensor.slots or 'none'}{_open(chosen, first=1)}"
+    )
     printer = _MathematicaPrinter()
     written = {i: printer.doprint(x.sympy.xreplace(renamed)) for i, x in chosen.nonzero.items()}
     if not tensor.slots:
@@ -166,8 +171,8 @@ def _renamed(expressions: Iterable[sympy.Expr]) -> dict[sympy.Basic, sympy.Basic
 
 
 def _plain(name: str) -> str:
-    """A name without underscores, and none of the letters that are taken."""
-    name = name.replace("_", "")
+    """A name of letters and digits alone, and none of the letters that are taken."""
+    name = re.sub(r"\W|_", "", name) or "symbol"
     return f"{name}symbol" if name in _CAPITALS else name
 
 
@@ -200,7 +205,7 @@ def _open(chosen: Quantity, first: int = 0) -> str:
 
 def python_of(space: Space, quantities: Sequence[Quantity]) -> str:
     """A module with one function for each quantity; its arguments are numbers or arrays."""
-    title = f"{space.name}: {space.title}".replace("\\", "/").replace('"', "'")
+    title = python_text(f"{space.name}: {space.title}")
     head = f'"""{title}. Exact components, computed by geomtorsion."""\n\nimport numpy\n'
     functions = [_function(space, chosen) for chosen in quantities]
     if any("scipy.special" in function for function in functions):

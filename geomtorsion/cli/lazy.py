@@ -18,6 +18,7 @@ from typer.main import get_command
 from geomtorsion.allowance import limits
 from geomtorsion.checks import near_names
 from geomtorsion.cli.exits import clean_exits
+from geomtorsion.outgoing import plain_streams
 
 # typer has a copy of click of its own, older ones use click: contexts and commands are Any here.
 # Plain help, and no traceback with the values of all variables.
@@ -65,7 +66,7 @@ class LazyGroup(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""
-        with clean_exits():
+        with plain_streams(), clean_exits():
             return super().invoke(ctx)
 
 

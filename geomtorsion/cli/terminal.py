@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from geomtorsion.outgoing import moving
 from geomtorsion.progress import somebody_watches
 
 WIDTH = 88
@@ -45,7 +46,7 @@ def working(what: str) -> Iterator[Callable[[str], object]]:
     # rich takes a tenth of a second to load, and is used only where somebody watches.
     from rich.console import Console
 
-    with Console(stderr=True).status(f"{what}: reading (Ctrl-C stops)") as status:
+    with Console(file=moving(sys.stderr)).status(f"{what}: reading (Ctrl-C stops)") as status:
         yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")
 
 

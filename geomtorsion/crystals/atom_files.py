@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -15,6 +16,12 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.checks import LARGEST_ARRAYS, cut, file_name, shown
+from geomtorsion.crystals.atom_counts import (
+    check_columns,
+    check_count_of_data,
+    check_count_of_gro,
+    check_declared,
+)
 from geomtorsion.errors import FileFormatError, MissingExtraError
 from geomtorsion.files import finite_number, read_text
 
@@ -155,6 +162,8 @@ def _read(file: Path, kind: str) -> Iterator[tuple[Atoms, str]]:
                 # The second row of XYZ is a comment.
                 skipped = 2 if blocks is _xyz_blocks else 0
                 _check_numbers(file.name, line + skipped, rows[skipped:])
+                if kind == "extxyz":
+                    check_columns(file.name, line, rows)
                 yield _one(file.name, kind, line, rows), where
         return
     ase_io = _ase("ase.io")
@@ -163,10 +172,11 @@ def _read(file: Path, kind: str) -> Iterator[tuple[Atoms, str]]:
         rows = read_text(file, LARGEST_ARRAYS, otherwise="latin-1").rstrip().split("\n")
         # The first row is a title.
         _check_numbers(file.name, 2, rows[1:])
+        check_declared(file.name, kind, rows)
         if kind == "gromacs":
-            _check_count_of_gro(file.name, rows)
+            check_count_of_gro(file.name, rows)
         elif kind == "lammps-data":
-            _check_count_of_data(file.name, rows)
+            check_count_of_data(file.name, rows)
     try:
         frames = ase_io.iread(str(file), index=":", format=kind)
         for number, atoms in enumerate(frames):
@@ -215,37 +225,6 @@ def _check_numbers(name: str, line: int, rows: list[str]) -> None:
                 )
 
 
-def _check_count_of_data(name: str, rows: list[str]) -> None:
-    """Refuse a LAMMPS data file with more or fewer atoms than it says: ase drops the others."""
-    told = [row.partition("#")[0].split() for row in rows]
-    said = next((words for words in told[1:] if words[1:] == ["atoms"]), ["none"])
-    start = next((k for k, words in enumerate(told) if words == ["Atoms"]), None)
-    if start is None or not said[0].isdecimal():
-        raise FileFormatError(
-            f"{name}: the number of atoms and a section Atoms were needed, but one of them is "
-            "missing. Is the file complete?"
-        )
-    # Rows of atoms begin with a number, other sections with a word.
-    after = (k for k, words in enumerate(told) if k > start and words and words[0][0].isalpha())
-    count = sum(bool(words) for words in told[start + 1 : next(after, len(told))])
-    if count != int(said[0]):
-        raise FileFormatError(
-            f"{name}: line {start + 1}: {said[0]} atoms were said to come, but {count:,} rows "
-            "follow. Correct the number, or export the file again."
-        )
-
-
-def _check_count_of_gro(name: str, rows: list[str]) -> None:
-    """Refuse a GRO file that has not as many rows as it says: ase takes the last for the cell."""
-    said = rows[1].strip() if len(rows) > 1 else ""
-    if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
-        raise FileFormatError(
-            f"{name}: line 2: the number of atoms, so many rows, and one with the cell were "
-            f"needed, but {shown(said)} and {max(len(rows) - 2, 0):,} rows came. Is it complete, "
-            "and of one frame?"
-        )
-
-
 def _one(name: str, kind: str, line: int, rows: list[str]) -> Atoms:
     """One frame from its rows, of which the first has a number in the file."""
     ase_io = _ase("ase.io")
@@ -281,12 +260,12 @@ def _odd_row(rows: list[str]) -> int | None:
     """The first row of numbers that differs from most in how many words and numbers it has."""
     shapes = [tuple(_is_number(word) for word in row.split()) for row in rows]
     # Headers are few: rows of atoms are what most rows look like.
-    usual = max(set(shapes), key=shapes.count)
+    usual, count = Counter(shapes).most_common(1)[0]
     first = shapes.index(usual)
     odd = (k for k in range(first, len(rows)) if shapes[k] != usual)
     found = next(odd, None)
     # Of few rows nothing can be said.
-    return found if shapes.count(usual) > len(rows) / 2 else None
+    return found if count > len(rows) / 2 else None
 
 
 def _is_number(word: str) -> bool:

@@ -18,6 +18,7 @@ class Examiner:
 
     seconds: how long the answers to one exercise may take. Then the process is ended, the answers
     count as too large, and the next ones get a new process.
+    function: what the process calls with each request, which may know more than `reply`.
 
     Examples
     --------
@@ -26,9 +27,9 @@ class Examiner:
     True
     """
 
-    def __init__(self, seconds: float = SECONDS) -> None:
+    def __init__(self, seconds: float = SECONDS, function: str = f"{__name__}:reply") -> None:
         self.seconds = seconds
-        self.pool = WorkerPool(f"{__name__}:reply")
+        self.pool = WorkerPool(function)
 
     def __enter__(self) -> Examiner:
         return self
@@ -60,15 +61,20 @@ class Examiner:
             return _unchecked(
                 number, seed, given, "the exercise itself could not be solved in time"
             )
-        try:
-            found = self.pool.ask(request | {"answers": answers}, self.seconds)
-        except TimeoutError:
-            return _unchecked(number, seed, given, f"checking took longer than {self.seconds:g} s")
-        except ChildProcessError as error:
-            return _unchecked(number, seed, given, str(error))
-        if EXCEEDED in found:
-            return _unchecked(number, seed, given, f"it needs too much {found[EXCEEDED]}")
+        found = self.ask(request | {"answers": answers}, self.seconds)
+        if isinstance(found, str):
+            return _unchecked(number, seed, given, found)
         return Verdict.from_json(found["verdict"])
+
+    def ask(self, request: Json, seconds: float) -> Json | str:
+        """The reply of the process, or in words why there is none."""
+        try:
+            found = self.pool.ask(request, seconds)
+        except TimeoutError:
+            return f"it takes longer than {seconds:g} s"
+        except ChildProcessError as error:
+            return str(error)
+        return f"it needs too much {found[EXCEEDED]}" if EXCEEDED in found else found
 
 
 def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:

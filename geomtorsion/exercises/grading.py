@@ -15,9 +15,12 @@ from typing import Any
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
 from geomtorsion.exercises.examiner import SECONDS, Examiner
+from geomtorsion.exercises.examiner import reply as checked
 from geomtorsion.exercises.limits import MOST
 from geomtorsion.exercises.registry import load, names
+from geomtorsion.exercises.worker_pool import Json
 from geomtorsion.files import read_json_text, read_text, read_toml, written
+from geomtorsion.outgoing import csv_cell
 
 # Keys of a file.
 KEYS = ("student", "name", "seed", "answers")
@@ -171,7 +174,7 @@ def _harmless(text: str) -> str:
     # Names of files may hold bytes of another encoding, which Python keeps as half characters.
     text = text.encode("utf-8", "replace").decode("utf-8")
     text = " ".join(text.split())[: MOST.remark]
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
+    return csv_cell(text)
 
 
 @dataclass(frozen=True)
@@ -236,40 +239,52 @@ def grade(
         raise FileFormatError(
             f"{folder}: there is no TOML file here. Each student gives one, such as ada.toml."
         )
-    read = {path: _read(path) for path in files}
     # One that is named twice counts once.
-    found = tuple(dict.fromkeys(numbers)) if numbers is not None else _occurring(read.values())
-    if numbers is not None and not found:
+    listed = None if numbers is None else tuple(dict.fromkeys(numbers))
+    if listed == ():
         raise ArgumentError(
             "numbers: at least one exercise that counts was needed, but none came. Name one, or "
             "leave it out: all that anybody answered count then."
         )
-    for number in found:
+    for number in listed or ():
         load(number)
+    with Examiner(seconds, f"{__name__}:reply") as examiner:
+        return _graded(files, Path(output), listed, seed, examiner, progress)
+
+
+def _graded(
+    files: Sequence[Path],
+    table: Path,
+    numbers: tuple[str, ...] | None,
+    seed: int | None,
+    examiner: Examiner,
+    progress: Callable[[int, int, str], object],
+) -> Marks:
+    """The marks of files that an examiner reads and checks; see `grade`."""
+    read = {path: _read(path, examiner) for path in files}
+    found = _occurring(read.values()) if numbers is None else numbers
     chosen = ASKED_FOR if numbers is not None else OCCURRING
     counted = f"{' '.join(found) or 'none'} ({chosen})"
-    task = _Task(found, seed, counted, _namesakes(read), seconds)
-    table = Path(output)
+    task = _Task(found, seed, counted, _namesakes(read), examiner.seconds)
     before = _rows_of(table, found)
     rows: list[Mapping[str, str]] = []
     kept = 0
-    with Examiner(seconds) as examiner:
-        try:
-            for place, path in enumerate(files):
-                progress(place, len(files), path.name)
-                fingerprint = task.fingerprint(path)
-                old = before.get(fingerprint)
-                kept += old is not None
-                mark = old or _mark(path, read[path], task, examiner, fingerprint).row(found)
-                rows.append(mark)
-                # Written after each student, so that an interruption costs at most one.
-                if old is None:
-                    _write(table, rows, found, chosen)
-        finally:
-            # What an earlier run knew and this one has not reached stays in the table.
-            later = [task.fingerprint(path) for path in files[len(rows) :]]
-            rest = [before[key] for key in later if key in before]
-            _write(table, [*rows, *rest], found, chosen)
+    try:
+        for place, path in enumerate(files):
+            progress(place, len(files), path.name)
+            fingerprint = task.fingerprint(path)
+            old = before.get(fingerprint)
+            kept += old is not None
+            mark = old or _mark(path, read[path], task, examiner, fingerprint).row(found)
+            rows.append(mark)
+            # Written after each student, so that an interruption costs at most one.
+            if old is None:
+                _write(table, rows, found, chosen)
+    finally:
+        # What an earlier run knew and this one has not reached stays in the table.
+        later = [task.fingerprint(path) for path in files[len(rows) :]]
+        rest = [before[key] for key in later if key in before]
+        _write(table, [*rows, *rest], found, chosen)
     progress(len(files), len(files), "")
     return Marks(tuple(rows), found, kept, chosen)
 
@@ -313,12 +328,36 @@ def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, .
     }
 
 
-def _read(path: Path) -> Submission | str:
-    """The answers in a file, or why it cannot be read."""
+def _read(path: Path, examiner: Examiner) -> Submission | str:
+    """The answers in a file, or why it cannot be read, found out in the process of the examiner.
+
+    A file that takes too much time or memory costs its own student the marks, and nobody else.
+    """
+    found = examiner.ask({"path": str(path)}, SECONDS)
+    if isinstance(found, str):
+        return f"{path.name} could not be read: {found}. Write the file again."
+    if "refused" in found:
+        return str(found["refused"])
+    return Submission(
+        found["student"], found["seed"], found["answers"], tuple(found["unknown"]),
+        tuple(found["outside"]),
+    )  # fmt: skip
+
+
+def reply(request: Json) -> Json:
+    """What the process of the examiner answers: what is in a file, or as for other requests."""
+    return submission_data(request["path"]) if "path" in request else checked(request)
+
+
+def submission_data(path: str) -> Json:
+    """The answers in a file as JSON, or under "refused" why it cannot be read."""
     try:
-        return read_submission(path)
+        found = read_submission(path)
     except GeomtorsionError as error:
-        return str(error)
+        return {"refused": str(error)}
+    # A date that was written without quotes is no answer, but can be shown.
+    answers = json.loads(json.dumps(found.answers, default=str))
+    return {**vars(found), "answers": answers}
 
 
 def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:

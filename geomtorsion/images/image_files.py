@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import lzma
 import math
+import zlib
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,10 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+from geomtorsion.npz import unpacked_size
 
+# How TIFF numbers ways to pack -> what unpacks in portions. Libraries bound all the others.
+UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
 KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy"}
 
 
@@ -48,8 +53,12 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}[name]
     try:
         found = load(library, path, page, most)
-    except (FileFormatError, LimitError, MemoryError):
+    except (FileFormatError, LimitError):
         raise
+    except MemoryError:
+        raise LimitError(
+            f"{path}: the image takes more memory than there is. Cut it into parts."
+        ) from None
     # Decoders fail in all the ways there are when bytes are wrong, some with errors of their own.
     except Exception as reason:  # noqa: BLE001
         raise FileFormatError(
@@ -70,13 +79,36 @@ def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
                 f"{path}: page {page} was asked for, but the file has {count}, counted from 0."
             )
         found = file.pages[page]
+        _check_shape(path, found.shape, found.dtype)
         check_size(path, found.shape, most)
+        _check_segments(path, file.filehandle, found, most)
         turned = found.tags.get("Orientation")
         _check_turn(path, 1 if turned is None else turned.value)
         pixels = np.asarray(found.asarray(maxworkers=1))
         # Where there is a palette pixels are numbers of its colours.
         colours = getattr(found, "colormap", None)
         return pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
+
+
+def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> None:
+    """Refuse strips and tiles that are larger than an image, or unpack to more than they say.
+
+    tifffile unpacks a whole one before it compares sizes.
+    """
+    check_size(path, page.chunks, most)
+    open_one = UNPACKERS.get(int(page.compression))
+    if open_one is None:
+        return
+    size = math.prod(page.chunks) * page.dtype.itemsize
+    for number, (offset, count) in enumerate(
+        zip(page.dataoffsets, page.databytecounts, strict=False)
+    ):
+        stream.seek(offset)
+        if unpacked_size(open_one(), stream.read(count), size) > size:
+            raise LimitError(
+                f"{path}: expected strips or tiles of at most {size:,} bytes, as the header says, "
+                f"got more from number {number + 1}. Export the image again."
+            )
 
 
 def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
@@ -132,16 +164,25 @@ def check_size(subject: object, shape: tuple[int, ...], most: int | None = None)
     checks.check_room(7 * count, f"{subject}: an image of {count:,} pixels", "Cut it into parts.")
 
 
+def _check_shape(path: Path, shape: tuple[int, ...], dtype: Any) -> None:
+    """Refuse what has not one value, or one to four colours, for each pixel."""
+    if dtype is None or np.dtype(dtype).kind not in "biuf" or len(shape) not in (2, 3):
+        colours = 0
+    else:
+        colours = shape[2] if len(shape) == 3 else 1
+    if colours not in (1, 2, 3, 4):
+        raise FileFormatError(
+            f"{path}: grey values of shape (rows, columns) were needed, but {dtype} of shape "
+            f"{checks.cut(str(shape))} came. Choose a page, or give an array."
+        )
+
+
 def _grey(found: np.ndarray, path: Path) -> np.ndarray:
     """One value for each pixel: the mean of colours, without opacity."""
-    if found.ndim == 3 and found.shape[2] in (1, 2, 3, 4) and found.dtype.kind in "biuf":
+    _check_shape(path, found.shape, found.dtype)
+    if found.ndim == 3:
         colours = found.shape[2] - (found.shape[2] % 2 == 0)
         found = found[:, :, :colours].astype(float).mean(axis=2)
-    if found.ndim != 2 or found.dtype.kind not in "biuf":
-        raise FileFormatError(
-            f"{path}: grey values of shape (rows, columns) were needed, but {found.dtype} of shape "
-            f"{found.shape} came. Choose a page, or give an array."
-        )
     return found.astype(float)
 
 

@@ -6,7 +6,9 @@ import asyncio
 import ipaddress
 import secrets
 import socket
+from collections import Counter
 from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,7 +65,8 @@ class AccessControl:
     """An ASGI application before another: hosts, origins, sizes and the number of sessions.
 
     hosts: names by which the page may be called; empty: any. A page of another site that is open
-    in the same browser has another origin, and is refused. ending: awaited before the server ends.
+    in the same browser has another origin, and is refused. sessions: open at once; each: of one
+    client, which is an address on the network. ending: awaited before the server ends.
     """
 
     def __init__(
@@ -72,12 +75,15 @@ class AccessControl:
         hosts: Iterable[str] = LOOPBACK,
         sessions: int = PAGE.sessions,
         ending: Callable[[], Awaitable[None]] | None = None,
+        each: int = PAGE.each,
     ) -> None:
         self.app = app
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
-        self.open: int = 0
+        self.each = each
+        # Client -> sessions that it has open.
+        self.open: Counter[str] = Counter()
         self._opening = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -90,14 +96,30 @@ class AccessControl:
             for key, value in scope["headers"]
         }
         reason = self._refused(scope, headers)
+        # A browser that takes too long has gone; its connection ends with this call.
+        with suppress(TimeoutError):
+            await self._answered(scope, receive, send, reason)
+
+    async def _answered(
+        self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
+    ) -> None:
+        """Answer a request, or say why not."""
         if scope["type"] == "websocket":
             await self._session(scope, receive, send, reason)
         elif reason:
             await _tell(send, *reason)
         elif scope["path"] == "/":
-            # The page is read anew for each browser, see `_opened`.
+            # The page is read anew for each browser, see `_opened`. It is sent when the lock is
+            # free again: a browser that does not read it delays nobody else.
+            answer: list[MutableMapping[str, Any]] = []
+
+            async def kept(message: MutableMapping[str, Any]) -> None:
+                answer.append(message)
+
             async with self._opening:
-                await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
+                await asyncio.wait_for(self.app(scope, _no_body(), kept), PAGE.opening)
+            for message in answer:
+                await _guarded(send)(message)
         else:
             await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
 
@@ -120,7 +142,8 @@ class AccessControl:
         # The scheme may be changed on the way, the host and port may not.
         if origin not in ("", "null") and _split(origin).netloc != host:
             return 403, "Requests of other pages are not answered."
-        if origin == "null" and scope.get("method", "GET") not in ("GET", "HEAD"):
+        reads = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
+        if origin == "null" and not reads:
             return 403, "Requests of pages without a name are not answered."
         if not is_used(scope):
             return 404, "The page has no use for this."
@@ -128,23 +151,32 @@ class AccessControl:
         most = most_bytes(scope)
         if not length.isdecimal() or len(length) > 12 or int(length) > most:
             return 413, f"A request may have {most:,} bytes."
-        if scope["type"] == "http" and scope["path"] == "/" and self.open >= self.sessions:
-            return 503, _FULL.format(most=self.sessions)
+        if scope["path"] == "/":
+            most = self._full(scope)
+            return (503, _FULL.format(most=most)) if most else None
         return None
+
+    def _full(self, scope: Scope) -> int:
+        """How many pages are open, of all clients or of this one, if there may be no more."""
+        client = _client(scope)
+        if self.open.total() >= self.sessions:
+            return self.sessions
+        return self.each if self.open[client] >= self.each else 0
 
     async def _session(
         self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
     ) -> None:
         """One session, counted from its start to its end."""
-        if reason or self.open >= self.sessions:
+        if reason or self._full(scope):
             await receive()
             await send({"type": "websocket.close", "code": 1013, "reason": "the lab is full"})
             return
-        self.open += 1
+        client = _client(scope)
+        self.open[client] += 1
         try:
             await self._opened(scope, receive, send)
         finally:
-            self.open -= 1
+            self.open[client] -= 1
 
     async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
         """A session that is read and run through before the next one begins to be.
@@ -153,20 +185,61 @@ class AccessControl:
         that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
         """
         begun = asyncio.Event()
+        outgoing: asyncio.Queue[MutableMapping[str, Any]] = asyncio.Queue()
 
         async def watched(message: MutableMapping[str, Any]) -> None:
             text = message.get("text") or ""
             if text.startswith(_BEGUN):
                 begun.set()
-            await send(message)
+            outgoing.put_nowait(message)
 
-        async with self._opening:
-            session = asyncio.ensure_future(self.app(scope, receive, watched))
-            waiting = asyncio.create_task(begun.wait())
-            both = (session, waiting)
-            await asyncio.wait(both, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
-            waiting.cancel()
-        await session
+        async def passed_on() -> None:
+            while True:
+                message = await outgoing.get()
+                await asyncio.wait_for(send(message), PAGE.sending)
+                outgoing.task_done()
+
+        session = asyncio.ensure_future(self.app(scope, receive, watched))
+        # What is sent waits in a line of its own: while a session begins nobody waits for its
+        # browser, which may never read.
+        sender = asyncio.create_task(passed_on())
+        waiting = asyncio.create_task(begun.wait())
+        try:
+            async with self._opening:
+                every = (session, sender, waiting)
+                await asyncio.wait(every, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait((session, sender), return_when=asyncio.FIRST_COMPLETED)
+            if session.done() and not sender.done():
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(outgoing.join(), PAGE.sending)
+        finally:
+            for task in (waiting, sender, session):
+                task.cancel()
+        await asyncio.gather(session, sender, return_exceptions=True)
+        error = None if session.cancelled() else session.exception()
+        if error is not None:
+            raise error from None
+
+
+def _client(scope: Scope) -> str:
+    """The address on the network of who asks."""
+    client = scope.get("client")
+    return str(client[0]) if client else ""
+
+
+def _no_body() -> Receive:
+    """A request of which all has arrived and nothing follows."""
+    given = False
+
+    async def receive() -> MutableMapping[str, Any]:
+        nonlocal given
+        if given:
+            # Who listens here waits for the browser to go; that is seen when the answer is sent.
+            await asyncio.Event().wait()
+        given = True
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    return receive
 
 
 def is_used(scope: Scope) -> bool:
@@ -233,7 +306,7 @@ def _guarded(send: Send) -> Send:
                 (b"x-content-type-options", b"nosniff"),
             ]
             message = {**message, "headers": [*message.get("headers", []), *more]}
-        await send(message)
+        await asyncio.wait_for(send(message), PAGE.sending)
 
     return guarded
 

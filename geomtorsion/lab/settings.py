@@ -9,7 +9,8 @@ class Settings:
 
     Limits of what comes in
     -----------------------
-    sessions: open at once. body: bytes of one request; a whole tetrad is a hundredth of that.
+    sessions: open at once. each: of them of one address on the network, so that four of these fill
+    the lab and one does not. body: bytes of one request; a whole tetrad is a hundredth of that.
     upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
     sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
     nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
@@ -25,6 +26,7 @@ class Settings:
     Times
     -----
     opening: seconds that a session may take to show its first page before the next is let in.
+    sending: seconds that a browser may take to read one message.
     reopening: seconds for which a page that was closed can be opened again where it was.
     pause: milliseconds without a key pressed after which a typed text is read.
 
@@ -42,6 +44,7 @@ class Settings:
     """
 
     sessions: int = 64
+    each: int = 16
     body: int = 262_144
     upload: int = 4_000_000
     unpacked: int = 64_000_000
@@ -57,6 +60,7 @@ class Settings:
     kept: int = 64_000_000
     apart: int = 5
     opening: float = 15.0
+    sending: float = 30.0
     reopening: int = 120
     pause: int = 350
     accuracy: float = 1e-9

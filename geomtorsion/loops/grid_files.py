@@ -19,6 +19,7 @@ from geomtorsion.loops.fields import tables
 from geomtorsion.loops.fields.contents import (
     TEXTS,
     Contents,
+    check_distinct,
     check_room,
     guarded,
     key_of,
@@ -117,6 +118,7 @@ def _npz(path: Path) -> Contents:
         names = tuple(str(name) for name in arrays["names"])
     else:
         names = tuple(name.removeprefix("axis_") for name in arrays if name.startswith("axis_"))
+    check_distinct(path, names)
     axes = []
     for name in names:
         if f"axis_{name}" not in arrays:
@@ -315,6 +317,7 @@ def read_hdf5(path: Path) -> Contents:
                     f"{path}: names: the axes {', '.join(axes)} stand in no order. Say it in an "
                     f"attribute of the file, such as names = {' '.join(axes)!r}."
                 )
+            check_distinct(path, axes)
             for name in axes:
                 if f"axis_{name}" not in names:
                     raise FileFormatError(f"{path}: the data set axis_{cut(name)} is missing.")

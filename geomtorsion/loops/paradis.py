@@ -13,7 +13,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import finite_number, read_text
+from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.loops.box import Box
 from geomtorsion.loops.line_arrays import LineArrays
 
@@ -200,10 +200,12 @@ def _header(reader: _Reader) -> dict[str, Row]:
         if not equals:
             # What follows a key without brackets, such as the bounds of domains, is not needed.
             continue
-        line, values = reader.line, rest.split()
+        line, rest = reader.line, rest.split()
+        values = rest
         if values[:1] == ["["]:
-            while "]" not in values:
-                values += reader.next(f"] after {cut(key)}")
+            while "]" not in rest:
+                rest = reader.next(f"] after {cut(key)}")
+                values += rest
             values = values[1 : values.index("]")]
         found[key] = line, values
 
@@ -291,6 +293,12 @@ def _joined(
     values: list[list[float]] = []
     for (one, two), here in arms.items():
         line = here[0][0]
+        if len(here) > BOUNDS.parallel:
+            raise FileFormatError(
+                f"{name}: line {line}: expected at most {BOUNDS.parallel} arms from node "
+                f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
+                "run side by side."
+            )
         if two not in tags:
             raise FileFormatError(
                 f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "

@@ -13,6 +13,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.files import written
 from geomtorsion.loops import Loop
+from geomtorsion.outgoing import csv_cell, one_line
 
 
 @dataclass(frozen=True)
@@ -261,10 +262,11 @@ def write_table(survey: Survey, path: Path) -> None:
     header += [*survey.components, "b_per_area", "noise_floor", "grid_error", "significance"]
     density, floor = survey.density, survey.floor
     with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        file.write(f"# unit: {survey.unit}\n# vector_unit: {survey.vector_unit}\n")
+        file.write(f"# unit: {one_line(survey.unit)}\n")
+        file.write(f"# vector_unit: {one_line(survey.vector_unit)}\n")
         file.write(f"# area: {survey.area!r}\n")
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
+        writer.writerow(map(csv_cell, header))
         for p, q, layer in np.argwhere(survey.known).tolist():
             numbers = [
                 *survey.vectors[:, p, q, layer],
@@ -277,7 +279,7 @@ def write_table(survey: Survey, path: Path) -> None:
                 [
                     repr(float(survey.centres[0][p])),
                     repr(float(survey.centres[1][q])),
-                    *([survey.layers[layer]] * layered),
+                    *([csv_cell(survey.layers[layer])] * layered),
                     *(repr(float(x)) for x in numbers),
                 ]
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -31,6 +32,7 @@ _FORMS = {
     "times": ArrayForm(("m",), "f", optional=True),
     "value *": ArrayForm(("m", ...), "f"),
 }
+_RATIONAL = re.compile(r"-?[0-9]{1,4000}(?:/0*[1-9][0-9]{0,3999})?")
 _TERMS = {str: (str, [str])}
 _PROBLEM = {
     "rates": {str: str},
@@ -178,7 +180,9 @@ class SavedSolution(Mapping[str, np.ndarray]):
                 part = "value states"
                 if values["states"].shape != (len(arrays["times"]), problem.size):
                     raise ValueError(f"shape {values['states'].shape} does not fit the equations")
-        except (GeomtorsionError, KeyError, TypeError, ValueError, AttributeError) as error:
+        except (
+            GeomtorsionError, KeyError, TypeError, ValueError, AttributeError, ArithmeticError,
+        ) as error:  # fmt: skip
             reason = f"{part}: {cut(str(error).removesuffix('.'))}"
             raise FileFormatError(_BAD.format(path=path, reason=reason)) from None
         return cls(arrays["times"], moment, metadata, arrays["grid"], problem)
@@ -244,7 +248,5 @@ def _value(text: Any) -> Any:
         raise FileFormatError(f"{shown(text)}: a number as text was needed.")
     if text.startswith("f"):
         return float.fromhex(text[1:])
-    try:
-        return Fraction(text)
-    except ValueError:
-        return text
+    # Only as `number_text` writes it: an exponent could ask for a number of any length.
+    return Fraction(text) if _RATIONAL.fullmatch(text) else text

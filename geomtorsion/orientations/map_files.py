@@ -21,7 +21,7 @@ from geomtorsion.errors import (
     MissingExtraError,
     OrientationError,
 )
-from geomtorsion.files import finite_number, read_text
+from geomtorsion.files import BOUNDS, finite_number, read_text
 from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.orientations.phases import Phase
 from geomtorsion.orientations.results import UNITS
@@ -232,6 +232,8 @@ class _Source:
             about = {} if key == "Phase" else about
             about[key] = header[key] = (k, value)
             if key == "LatticeConstants":
+                if len(phases) >= BOUNDS.phases:
+                    self.fail(k, f"expected at most {BOUNDS.phases} phases, got more. Remove some.")
                 number, phase = self.ang_phase(about)
                 phases[number] = phase
         for key in ("GRID", "XSTEP", "YSTEP", "NCOLS_ODD", "NCOLS_EVEN", "NROWS"):

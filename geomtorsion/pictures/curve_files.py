@@ -13,6 +13,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.files import write_text, written
+from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.curves import (
     attitude_picture,
     coordinates_picture,
@@ -99,7 +100,7 @@ def write_curves(
 def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
     """Every number with all its digits; cells of a curve that stopped early stay empty."""
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(table)
+    writer.writerow(map(csv_cell, table))
     columns = [[repr(float(x)) for x in column] for column in table.values()]
     writer.writerows(zip_longest(*columns, fillvalue=""))
 

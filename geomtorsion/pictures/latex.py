@@ -12,6 +12,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
 from geomtorsion.exact.printing import PrintedOnce
+from geomtorsion.outgoing import latex_letters
 from geomtorsion.pictures.text import GREEK, MOST_PRIMES, greek_name, ordered_terms, to_sympy
 
 if TYPE_CHECKING:
@@ -60,8 +61,8 @@ def latex_name(name: str) -> str:
         return f"{_scripted(latex_name(numbered[1]))}_{{{numbered[2]}}}"
     if name in GREEK:
         return f"\\{name}"
-    # Braces would end the name; nothing that a frame can be made of has any.
-    return name if len(name) == 1 else f"\\operatorname{{{re.sub(r'[{}]', '', name)}}}"
+    letters = latex_letters(name)
+    return letters if len(name) == 1 else f"\\operatorname{{{letters}}}"
 
 
 def _scripted(latex: str) -> str:

@@ -17,6 +17,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
 from geomtorsion.files import written
+from geomtorsion.outgoing import figure_text, terminal_text
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.precision import EPS, PRINTED
 
@@ -158,6 +159,7 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
     checks.instance(figure, Figure, "figure")
     path = checks.file_name(path)
 
+    _plain_texts(figure)
     blank = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}
     kind = path.suffix.removeprefix(".").lower()
     metadata = blank.get(kind, {"CreationDate": None, "Producer": None, "Creator": None})
@@ -173,11 +175,34 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
             ) from None
 
 
+def _plain_texts(figure: Figure) -> None:
+    """Show a text that is no mathematics as it stands, dollars included; no control characters.
+
+    Titles and labels hold names and units from files, which matplotlib would set as mathematics.
+    """
+    # Whoever has a figure has matplotlib.
+    from matplotlib.mathtext import MathTextParser
+
+    # An extra, as above.
+    from matplotlib.text import Text
+
+    for part in figure.findobj(Text):
+        shown = terminal_text(part.get_text(), styled=False)
+        if "$" in shown:
+            try:
+                MathTextParser("path").parse(shown)
+            except ValueError:
+                shown = figure_text(shown)
+        if shown != part.get_text():
+            part.set_text(shown)
+
+
 def svg_text(figure: Figure) -> str:
     """A figure as an SVG file, the same each time."""
     # Whoever has a figure has matplotlib.
     import matplotlib as mpl
 
+    _plain_texts(figure)
     data = StringIO()
     with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
         figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})

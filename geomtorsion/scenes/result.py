@@ -22,6 +22,7 @@ from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.writing import pandas_table
+from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
@@ -51,14 +52,14 @@ def write_csv(path: Path, table: Mapping[str, Iterable[float | str]]) -> None:
     """
     with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
+        writer.writerow(map(csv_cell, table))
         rows = zip(*table.values(), strict=True)
         writer.writerows([_cell(value) for value in row] for row in rows)
 
 
 def _cell(value: float | str) -> str:
-    """A number that reads back as the same double; texts as they are."""
-    return value if isinstance(value, str) else repr(float(value))
+    """A number that reads back as the same double; of texts no formula."""
+    return csv_cell(value) if isinstance(value, str) else repr(float(value))
 
 
 # Marks NPZ files of this kind.

@@ -13,6 +13,7 @@ from geomtorsion.checks import did_you_mean, flag, shown
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.curves.atlas_check import check_atlas
 from geomtorsion.errors import CoordinateError, FileFormatError
+from geomtorsion.exact.tokens import Limits
 from geomtorsion.files import Decimal
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.vocabulary import FLAG, Vocabulary, array, texts, vocabulary
@@ -138,7 +139,8 @@ def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, 
 
 
 def _is_decimal(text: str) -> bool:
-    return text.replace(".", "", 1).isdigit()
+    """Whether a text is a decimal number without an exponent, of no more digits than are read."""
+    return len(text) <= Limits().digits and text.replace(".", "", 1).isdecimal()
 
 
 def _maps(

@@ -18,6 +18,7 @@ from geomtorsion.geometry import (
     from_contortion,
     from_spin_connection,
 )
+from geomtorsion.outgoing import one_line
 from geomtorsion.spaces.space import Space
 from geomtorsion.spaces.vocabulary import (
     FLAG,
@@ -108,7 +109,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     _check_keys(file, data)
     shape = _only(file, data, SHAPE_KEYS, required=True)
     words = vocabulary(file, data, dimension_of(file, shape, data[shape]))
-    name = _text(file, data, "name") or path.stem
+    name = one_line(_text(file, data, "name")) or path.stem
     frame = _named(words, data, _frame(words, data, shape, name))
     if any(key in data for key in CHART_KEYS):
         # Motions load scipy, which files without charts do not need.
@@ -117,7 +118,7 @@ def read_file(path: str | PathLike[str]) -> Space:
         attach_charts(words, data, frame)
     return Space(
         name=name,
-        title=_text(file, data, "title") or name,
+        title=one_line(_text(file, data, "title")) or name,
         story=_text(file, data, "story").strip(),
         source=_text(file, data, "source") or file,
         frame=frame,

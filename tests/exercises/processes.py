@@ -26,9 +26,16 @@ class Lent:
 
 @pytest.fixture(scope="module")
 def one_pool() -> Iterator[None]:
-    """All examiners of this file ask the same processes, which start once."""
-    lent = Lent(f"{examiner.__name__}:reply")
+    """All examiners of this file ask the same processes, which start once for each function."""
+    lent: dict[str, Lent] = {}
+
+    def lend(function: str) -> Lent:
+        if function not in lent:
+            lent[function] = Lent(function)
+        return lent[function]
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(examiner, "WorkerPool", lambda function: lent)
+        patch.setattr(examiner, "WorkerPool", lend)
         yield
-    lent.pool.close()
+    for one in lent.values():
+        one.pool.close()

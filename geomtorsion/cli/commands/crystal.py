@@ -32,6 +32,7 @@ from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
 from geomtorsion.files import write_text, written
 from geomtorsion.loops import DislocationNetwork
+from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
 from geomtorsion.progress import bar
@@ -360,7 +361,7 @@ def _write_tracks(frames: list[Json], path: Path) -> None:
             for line in frame["lines"]:
                 table.writerow(
                     [
-                        frame["frame"], line["track"], *line["burgers_lattice"], line["family"],
-                        repr(line["length"]), line["kind"],
+                        frame["frame"], line["track"], *line["burgers_lattice"],
+                        csv_cell(line["family"]), repr(line["length"]), csv_cell(line["kind"]),
                     ]
                 )  # fmt: skip

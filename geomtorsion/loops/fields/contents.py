@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from math import prod
@@ -89,6 +90,16 @@ def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -
                 f"{path}: {what} would take {total:,} bytes, with what is before it, more than "
                 f"{LARGEST_ARRAYS:,}. Give a part."
             )
+
+
+def check_distinct(path: Path, names: Sequence[str]) -> None:
+    """Refuse axes of which one is named twice."""
+    twice = next((name for name, count in Counter(names).items() if count > 1), None)
+    if twice is not None:
+        raise FileFormatError(
+            f"{path}: names: expected a different name for each axis, got {cut(twice, 60)!r} "
+            f"{names.count(twice):,} times. Write the file again."
+        )
 
 
 def periodic_names(given: object, path: Path) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -12,22 +13,24 @@ from typing import Any
 import numpy as np
 
 from geomtorsion.checks import cut
-from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, LimitError
 from geomtorsion.files import read_text
 from geomtorsion.loops.fields.contents import (
     TEXTS,
     Contents,
-    check_room,
     guarded,
     module,
     periodic_names,
 )
 from geomtorsion.loops.fields.grid import regular_axis
-from geomtorsion.npz import LARGEST_ARRAYS
+from geomtorsion.loops.fields.vtu_blocks import check_vtu
+from geomtorsion.npz import LARGEST_ARRAYS, most_unpacked
+from geomtorsion.outgoing import one_line
 
 _COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
 _EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
 _SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
+_DIMENSIONS = re.compile(rb"(?im)^[ \t]*DIMENSIONS[ \t]+([-+0-9_ \t]+)")
 _AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
 
 
@@ -148,7 +151,14 @@ def _array(
     if missing:
         i, mu = missing[0]
         raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
-    check_room(path, {"the grid": (rows, width, *shape)})
+    # Few nodes far apart make a large grid that is empty.
+    size, most = 8 * rows * width * math.prod(shape), most_unpacked(path.stat().st_size)
+    if size > most:
+        raise LimitError(
+            f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
+            f"{' x '.join(map(str, shape))} nodes, most of them missing, of {size:,} bytes. Give "
+            "the part in which values are known, or save it as .npz."
+        )
     found = np.full((rows, width, int(np.prod(shape))), np.nan)
     for (i, mu), name in keys.items():
         found[i, mu, flat] = columns[name]
@@ -173,7 +183,9 @@ def _columns(contents: Contents) -> dict[str, np.ndarray]:
 def write_csv(path: Path, contents: Contents) -> None:
     """One line for each node; the numbers come back as they were."""
     columns = _columns(contents)
-    said = [f"# {key}: {contents.options[key]}" for key in TEXTS if contents.options.get(key)]
+    said = [
+        f"# {key}: {one_line(contents.options[key])}" for key in TEXTS if contents.options.get(key)
+    ]
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
         said.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))
@@ -197,6 +209,7 @@ def read_vtk(path: Path) -> Contents:
     reader = meshio.vtu if xml else meshio.vtk
 
     def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
+        check_vtu(path) if xml else _check_dimensions(path)
         try:
             mesh = reader.read(path)
         except meshio.ReadError as error:
@@ -278,6 +291,19 @@ def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
             rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
     head, found, rest = content.partition(mark)
     path.write_bytes(head + found + b"\n".join(rows) + rest)
+
+
+def _check_dimensions(path: Path) -> None:
+    """Refuse a grid of more points than the file has bytes: each has a value in it."""
+    content = path.read_bytes()
+    for found in _DIMENSIONS.finditer(content):
+        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in found[1].split()]
+        points = math.prod(sizes)
+        if points > len(content):
+            raise LimitError(
+                f"{path}: expected DIMENSIONS of at most {len(content):,} points, as many as the "
+                f"file has bytes, got {cut(found[1].decode())}. Is the file complete?"
+            )
 
 
 def _legacy_field(path: Path) -> dict[str, np.ndarray]:

@@ -1,0 +1,174 @@
+"""Outgoing: text that came from outside, made harmless for the place where it is written.
+
+One function for each target. HTML is escaped by `html.escape`, and JSON by `json.dumps`.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import unicodedata
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+# Characters that a terminal obeys or hides: controls, and marks that turn the direction of writing.
+_UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+# Bold, faint, colours and their end: all that commands themselves write to a terminal.
+_STYLE = re.compile("\x1b\\[(?:0|1|2|3[0-7]|9[0-7])m")
+# Signs that LaTeX obeys -> what shows them in a formula.
+_LATEX = {
+    "\\": r"\backslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
+    "^": r"\hat{}", "_": r"\_", "~": r"\sim{}",
+}  # fmt: skip
+# What spreadsheets take for the beginning of a formula.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def terminal_text(text: str, *, styled: bool = True) -> str:
+    r"""Text without what a terminal obeys, hides or writes backwards; such signs are written out.
+
+    styled: bold and colours stay.
+
+    Examples
+    --------
+    >>> print(terminal_text("a\x1b]0;b\x07\n\x1b[1mc\x1b[0m", styled=False))
+    a\x1b]0;b\x07
+    \x1b[1mc\x1b[0m
+    """
+    if not _UNSEEN.search(text):
+        return text
+    styles = _STYLE.findall(text) if styled else []
+    parts = _STYLE.split(text) if styled else [text]
+    written = [_UNSEEN.sub(lambda sign: ascii(sign[0])[1:-1], part) for part in parts]
+    return "".join(part + style for part, style in zip(written, [*styles, ""], strict=True))
+
+
+def one_line(text: str) -> str:
+    r"""Text in one line, without control characters.
+
+    Examples
+    --------
+    >>> one_line("a\r\n\\input{b}\u2028c\0")
+    'a \\input{b} c'
+    """
+    kept = (" " if unicodedata.category(x) in ("Cc", "Cs", "Zl", "Zp") else x for x in text)
+    return " ".join("".join(kept).split())
+
+
+def latex_comment(text: str) -> str:
+    r"""A line of comment in LaTeX.
+
+    Examples
+    --------
+    >>> latex_comment("a\n\\input{b}")
+    '% a \\input{b}'
+    """
+    return f"% {one_line(text)}"
+
+
+def latex_letters(text: str) -> str:
+    r"""Letters of a name in a formula of LaTeX: nothing in it is obeyed.
+
+    Examples
+    --------
+    >>> latex_letters("mass"), latex_letters("a\\input{b}")
+    ('mass', 'a\\backslash{}input\\{b\\}')
+    """
+    return "".join(_LATEX.get(sign, sign) for sign in one_line(text))
+
+
+def mathematica_comment(text: str) -> str:
+    """A comment in Mathematica, whose comments can hold others.
+
+    Examples
+    --------
+    >>> mathematica_comment("a *) Quit[] (* b")
+    '(* a * ) Quit[] ( * b *)'
+    """
+    # A bracket or star at either end would meet those of the comment.
+    inner = one_line(text).replace("(*", "( *").replace("*)", "* )").replace("(*", "( *")
+    return f"(* {inner} *)"
+
+
+def python_text(text: str) -> str:
+    r"""Text inside a docstring of Python.
+
+    Examples
+    --------
+    >>> python_text('a\"\"\"\nimport os\\')
+    "a''' import os/"
+    """
+    return one_line(text).replace("\\", "/").replace('"', "'")
+
+
+def csv_cell(text: str) -> str:
+    """Text in a cell of a CSV file, which no spreadsheet takes for a formula.
+
+    Examples
+    --------
+    >>> csv_cell("=1+1"), csv_cell("-1"), csv_cell("b1")
+    ("'=1+1", "'-1", 'b1')
+    """
+    return f"'{text}" if text.startswith(_FORMULA) else text
+
+
+def figure_text(text: str) -> str:
+    r"""Text in a figure of matplotlib, which sets what stands between two $ as mathematics.
+
+    Examples
+    --------
+    >>> figure_text("a $\\frac$"), figure_text("b")
+    ('a \\$\\frac\\$', 'b')
+    """
+    return text.replace("$", r"\$")
+
+
+class PlainStream:
+    """A stream that writes nothing which a terminal obeys, but bold and colours.
+
+    Everything that a command says goes through it: names, titles and messages hold text of files.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+        self.encoding = stream.encoding
+        self.errors = stream.errors
+
+    def write(self, text: str) -> int:
+        """Write text, with such signs written out."""
+        self.stream.write(terminal_text(text))
+        return len(text)
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        """Write lines."""
+        for line in lines:
+            self.write(line)
+
+    def flush(self) -> None:
+        """Write what waits."""
+        self.stream.flush()
+
+    def isatty(self) -> bool:
+        """Whether it is a terminal."""
+        return self.stream.isatty()
+
+    def fileno(self) -> int:
+        """Number of the file."""
+        return self.stream.fileno()
+
+
+@contextmanager
+def plain_streams() -> Iterator[None]:
+    """A block in which standard output and standard error are plain."""
+    output, errors = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = PlainStream(output), PlainStream(errors)  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = output, errors
+
+
+def moving(stream: TextIO) -> TextIO:
+    """The stream behind a plain one: for a bar, which moves on the terminal."""
+    return stream.stream if isinstance(stream, PlainStream) else stream

@@ -1,0 +1,230 @@
+"""Files that declare more than they hold: refused before memory and time are taken for it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import struct
+import time
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.crystals.atom_files import atom_frames
+from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.exercises import grading
+from geomtorsion.files import read_toml_text
+from geomtorsion.images import LatticeImage
+from geomtorsion.loops import DislocationNetwork, SampledFrame
+from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
+from geomtorsion.orientations import OrientationMap
+
+# Seconds of work that a refusal may take; without a bound it was minutes, or without end.
+SECONDS = 5.0
+POSCAR = "x\n1.0\n4 0 0\n0 4 0\n0 0 4\n"
+XYZ = '2\nLattice="4 0 0 0 4 0 0 0 4" {}\nFe 0 0 0\nFe 1 1 1\n'
+DATA = (
+    "t\n\n{} atoms\n1 atom types\n0 4 xlo xhi\n0 4 ylo yhi\n0 4 zlo zhi\n\nAtoms # atomic\n\n"
+    "1 1 0 0 0\n2 1 1 1 1\n"
+)
+VTK = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 1000 1000 1000\n"
+PARADIS = (
+    "numFileSegments = 1\nminCoordinates = [\n0\n0\n0\n]\nmaxCoordinates = [\n9\n9\n9\n]\n"
+    "nodeCount = {}\n{}nodalData =\n{}"
+)
+ARMS = "0,0 1 1 1 20000 0\n" + "0,1 1 0 0\n 0 0 1\n" * 20000
+PHASE = "# Phase 1\n# MaterialName Fe\n# Symmetry 43\n# LatticeConstants 3 3 3 90 90 90\n"
+PHASES = "".join(PHASE.replace("Phase 1", f"Phase {k}") for k in range(1, 300))
+PIXEL = "0 0 0 0 0 1 1 1\n"
+GRID = (
+    "# GRID: SqrGrid\n# XSTEP: 1\n# YSTEP: 1\n# NCOLS_ODD: {0}\n# NCOLS_EVEN: {0}\n# NROWS: {0}\n"
+)
+
+
+def atoms(path: Path) -> object:
+    """All frames of a file of atoms."""
+    return list(atom_frames(path, "vasp-xdatcar" if path.name == "XDATCAR" else None))
+
+
+def tiff(*, compression: int, strip: bytes, samples: int = 1, tile: int = 0) -> bytes:
+    """A TIFF file of 64 x 64 pixels with one strip, or one tile of this side."""
+    where = [(322, 4, tile), (323, 4, tile), (324, 4, 8), (325, 4, len(strip))]
+    if not tile:
+        where = [(273, 4, 8), (278, 4, 64), (279, 4, len(strip))]
+    tags = sorted([
+        (256, 4, 64), (257, 4, 64), (258, 3, 8), (259, 3, compression), (262, 3, 1),
+        (277, 3, samples), (284, 3, 1), *where,
+    ])  # fmt: skip
+    rows = b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags)
+    head = b"II*\0" + struct.pack("<I", 8 + len(strip)) + strip
+    return head + struct.pack("<H", len(tags)) + rows + bytes(4)
+
+
+def bomb(size: int = 300_000_000) -> bytes:
+    """Many zeros in few bytes."""
+    packer, part = zlib.compressobj(9), bytes(10**7)
+    return b"".join(packer.compress(part) for _ in range(size // 10**7)) + packer.flush()
+
+
+def diagonal(count: int) -> str:
+    """A table with nodes on the diagonal of a cube alone."""
+    names = ",".join(f"e_{i}_{mu}" for i in range(3) for mu in range(3))
+    return f"x,y,z,{names}\n" + "".join(f"{k},{k},{k}{',1' * 9}\n" for k in range(count))
+
+
+CASES: list[tuple[str, str | bytes | Callable[[], bytes], Callable[[Path], object], str]] = [
+    ("columns.xyz", XYZ.format("Properties=species:S:1:pos:R:1000000000"), atoms, "4 columns"),
+    ("quoted.xyz", XYZ.format('"Prop"erties=species:S:1:a:I:300000000'), atoms, "4 columns"),
+    ("count.xyz", "1000000000\nx\nFe 0 0 0\n", atoms, "ends after 1"),
+    ("rows.xyz", "3000\nx\n" + "".join(f"Fe {'1 ' * k}\n" for k in range(3000)), atoms, "line 1"),
+    ("a.poscar", f"{POSCAR}Fe\n1000000000\nDirect\n0 0 0\n", atoms, "at most 9 atoms"),
+    ("b.poscar", f"{POSCAR}1000000000\nDirect\n0 0 0\n", atoms, "at most 8 atoms"),
+    ("c.poscar", f"{POSCAR}Fe\n-5 +1000000000\nDirect\n0 0 0\n", atoms, "at most 9 atoms"),
+    ("XDATCAR", f"{POSCAR}H9999999999\n1\nDirect configuration= 1\n0 0 0\n", atoms, "one symbol"),
+    ("a.lmp", DATA.format("2 atoms\n1000000000"), atoms, "at most 13 atoms"),
+    ("a.cfg", "Number of particles = 1000000000\nA = 1\n", atoms, "at most 2 atoms"),
+    ("b.cfg", "Number of particles = 2\nentry_count = 900000000\n", atoms, "columns"),
+    ("strip.tif", lambda: tiff(compression=8, strip=bomb()), LatticeImage.read, "4,096 bytes"),
+    ("tile.tif", lambda: tiff(compression=8, strip=bomb(), tile=64), LatticeImage.read, "4,096"),
+    ("wide.tif", tiff(compression=1, strip=bytes(64), tile=60000), LatticeImage.read, "GB"),
+    ("samples.tif", tiff(compression=1, strip=bytes(64), samples=60000), LatticeImage.read, "grey"),
+    ("a.vtk", VTK + "ORIGIN 0 0 0\nSPACING 1 1 1\n", SampledFrame.read, "DIMENSIONS"),
+    ("far.csv", diagonal(290), SampledFrame.read, "290 x 290 x 290 nodes"),
+    ("a.data", PARADIS.format(10**9, "", "0,0 1 1 1 0 0\n"), DislocationNetwork.read, "file ends"),
+    (
+        "head.data",
+        PARADIS.format(1, "x = [\n" + "1\n" * 100_000, ""),
+        DislocationNetwork.read,
+        "file ends",
+    ),
+    ("arms.data", PARADIS.format(1, "", ARMS), DislocationNetwork.read, "at most 100 arms"),
+    ("a.ang", PHASES + GRID.format(2) + PIXEL, OrientationMap.read, "at most 255 phases"),
+    ("b.ang", PHASE + GRID.format(10**9) + PIXEL, OrientationMap.read, "NCOLS_ODD"),
+    ("deep.json", "[" * 100_000, DislocationNetwork.read, "nested too deeply"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "content", "read", "words"), CASES, ids=[x[0] for x in CASES])
+def test_what_is_declared_is_bounded(
+    name: str,
+    content: str | bytes | Callable[[], bytes],
+    read: Callable[[Path], object],
+    words: str,
+    tmp_path: Path,
+):
+    """Refused in words of our own, within seconds."""
+    if name.endswith((".xyz", ".poscar", ".lmp", ".cfg", "XDATCAR")):
+        pytest.importorskip("ase")
+    for end, library in ((".tif", "tifffile"), (".vtk", "meshio")):
+        if name.endswith(end):
+            pytest.importorskip(library)
+    path = tmp_path / name
+    given = content() if callable(content) else content
+    path.write_bytes(given.encode() if isinstance(given, str) else given)
+    began = time.process_time()
+    with pytest.raises((FileFormatError, LimitError), match=words):
+        read(path)
+    assert time.process_time() - began < SECONDS
+
+
+def test_packed_blocks_of_vtu(tmp_path: Path):
+    """Blocks that unpack to far more than the file: alone, and one that many arrays name."""
+    pytest.importorskip("meshio")
+
+    packed = bomb(20_000_000)
+    head = struct.pack("<4I", 1, 32768, 32768, len(packed))
+    appended = base64.b64encode(head).decode() + base64.b64encode(packed).decode()
+    arrays = "".join(
+        f'<DataArray type="Float64" Name="e_{k}" format="appended" offset="0"/>' for k in range(99)
+    )
+    path = tmp_path / "a.vtu"
+    path.write_text(
+        '<VTKFile type="UnstructuredGrid" compressor="vtkZLibDataCompressor" '
+        'header_type="UInt32" byte_order="LittleEndian"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="4" NumberOfCells="0"><PointData>{arrays}</PointData></Piece>'
+        f'</UnstructuredGrid><AppendedData encoding="base64">_{appended}</AppendedData></VTKFile>'
+    )
+    with pytest.raises(LimitError, match="expected arrays of at most"):
+        SampledFrame.read(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"), [("deep", "50 deep"), ("chunk", "no larger"), ("bomb", "is larger")]
+)
+def test_hdf5(kind: str, words: str, tmp_path: Path):
+    """Groups of many levels, a chunk beyond its data, and a packed one that is no chunk."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        group = file
+        for _ in range(300 if kind == "deep" else 0):
+            group = group.create_group("g")
+        side = 7000 if kind == "chunk" else 9
+        data = file.create_dataset(
+            "coframe", (2, 2, 9, 9), chunks=(2, 2, side, side), maxshape=(2, 2, None, None),
+            compression="gzip", dtype="f8",
+        )  # fmt: skip
+        if kind == "bomb":
+            data.id.write_direct_chunk((0, 0, 0, 0), bomb())
+    with pytest.raises(LimitError, match=words):
+        SampledFrame.read(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ".".join("a" * 48_000) + " = 1",
+        f"[{'.'.join('a' * 48_000)}]",
+        f"x = {{ {'.'.join('a' * 48_000)} = 1 }}",
+        ".".join(['"a"'] * 33) + " = 1",
+    ],
+    ids=["key", "table", "inline", "quoted"],
+)
+def test_dotted_keys(text: str):
+    """97 kB of them took 9.6 GB."""
+    with pytest.raises(LimitError, match="at most 32 parts"):
+        read_toml_text(text, "a.toml")
+
+
+def test_dots_that_are_no_key():
+    """Texts, comments and numbers may have as many as they like."""
+    dots = ".".join("a" * 100)
+    text = f'x = "{dots}"\ny = \'{dots}\'\nz = """\n{dots} = 1\n"""\n# {dots}\n'
+    assert read_toml_text(text + ".".join("b" * 32) + " = 1.5", "a.toml").data["x"] == dots
+
+
+@pytest.mark.parametrize("number", ["1e9999999", "1/0", "f0x1p9999999", "9" * 5000])
+def test_numbers_of_saved_solutions(number: str, tmp_path: Path):
+    """An exponent asks for a number of any length."""
+    path = tmp_path / "a.npz"
+    solve(ODE.of({"x": "-x"}, [1]), [0.1], 1e-6, RungeKutta()).save(path)
+    arrays = dict(np.load(path))
+    metadata = json.loads(str(arrays["metadata"]))
+    metadata["problem"]["start"][0] = number
+    arrays["metadata"] = np.array(json.dumps(metadata))
+    np.savez(path, **arrays)
+    with pytest.raises(FileFormatError, match="no solution saved"):
+        SavedSolution.load(path)
+
+
+def test_one_file_does_not_end_the_marking(tmp_path: Path):
+    """A file that takes too much is not graded, and says so; the others are."""
+    good = 'seed = 1\n[answers]\n"3.2" = "1/tan(phi2)"\n'
+    (tmp_path / "ada.toml").write_text(good)
+    (tmp_path / "eve.toml").write_text(".".join("a" * 48_000) + " = 1\n")
+    rows = {row["file"]: row for row in grading.grade(tmp_path, tmp_path / "marks.csv").rows}
+    assert rows["eve.toml"]["status"] == grading.REFUSED
+    assert "at most 32 parts" in rows["eve.toml"]["remarks"]
+    assert rows["ada.toml"]["status"] == grading.GRADED
+
+
+def test_a_file_that_is_not_read_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Whatever keeps its process busy or ends it costs its own student the marks."""
+    monkeypatch.setattr(grading, "SECONDS", 0.0)
+    (tmp_path / "eve.toml").write_text("seed = 1\n")
+    (row,) = grading.grade(tmp_path, tmp_path / "marks.csv", ["3.2"]).rows
+    assert row["status"] == grading.REFUSED
+    assert "eve.toml could not be read: it takes longer than 0 s" in row["remarks"]

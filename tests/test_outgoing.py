@@ -1,0 +1,156 @@
+"""Text that goes out: names of files that would be obeyed, through every command and format."""
+
+from __future__ import annotations
+
+import ast
+import csv
+import json
+import re
+import unicodedata
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from geomtorsion.cli.app import app
+from geomtorsion.files import finite_number
+from geomtorsion.outgoing import csv_cell
+from geomtorsion.pictures.latex import latex_name
+from geomtorsion.scenes.result import write_csv
+
+# Each breaks out of one target: comments of Mathematica and of LaTeX, docstrings, HTML, terminals
+# (titles, colours, concealed text, the eight-bit form, text that runs backwards), spreadsheets,
+# and mathematics in figures.
+NAMES = (
+    "a *) Quit[]; (* b",
+    "a *\n) Quit[]; (\r* b",
+    "a\n\\input{/etc/passwd}",
+    "a\r\\immediate\\write18{id}",
+    "a\u2028\\input{b}",
+    'a"""\nimport os\n"""',
+    "a\\",
+    "<script>alert(1)</script>",
+    "a\x1b]0;title\x07",
+    "a\x1b[2J\x1b[8mhidden",
+    "a\x9b31m",
+    "a\u202egnp.exe",
+    "=cmd|' /C calc'!A0",
+    "$\\frac$ $x_{$",
+    "a\0b\x7f",
+)
+# What is said by all of them at once, for commands that draw.
+TOGETHER = ("".join(NAMES), "$x_{$")
+TETRAD = 'coordinates = ["x", "y"]\ncoframe = [[1, 0], [0, "exp(x)"]]\n'
+SCENE = "t = 0.1\naccuracy = 1e-6\n[body]\nmoments = [1, 2, 3]\n[start]\nomega = [0.1, 1, 0]\n"
+KEYS = ("name", "title", "story", "source", "notes")
+COMMANDS = (
+    *(f"geometry FILE --only metric --format {form}" for form in
+      ("text", "latex", "json", "python", "mathematica")),
+    "check FILE",
+    "plan FILE metric",
+    "plan FILE metric --dot",
+    "report FILE -o OUT",
+    "curve FILE --start 0,0 --velocity 1,1 --t 0.1 -o OUT",
+    "burgers FILE --circle 0,0:1",
+    "burgers FILE --circle 0,0:1 --format json",
+)  # fmt: skip
+
+
+def written(folder: Path, name: str, body: str, keys: tuple[str, ...]) -> Path:
+    """A file in which every text is this one."""
+    path = folder / "a.toml"
+    path.write_text("".join(f"{key} = {json.dumps(name)}\n" for key in keys) + body, "utf-8")
+    return path
+
+
+def obeyed(text: str) -> list[str]:
+    """Signs in a text that a terminal obeys or hides."""
+    return [
+        sign for sign in text
+        if (unicodedata.category(sign) in ("Cc", "Zl", "Zp") and sign not in "\n\t")
+        or sign in "\u202d\u202e\u2066\u2067\u2068"
+    ]  # fmt: skip
+
+
+def check_written(form: str, text: str) -> None:
+    """What a program that reads a format would do with it."""
+    if form == "json":
+        json.loads(text)
+    elif form == "python":
+        assert {type(part) for part in ast.parse(text).body} <= {
+            ast.Expr, ast.Import, ast.FunctionDef,
+        }  # fmt: skip
+        assert "import os" not in [row.strip() for row in text.splitlines()]
+    elif form == "latex":
+        outside = [row for row in text.split("\n") if not row.startswith("%")]
+        assert not re.search(r"\\(input|immediate)", "\n".join(outside))
+    elif form == "mathematica":
+        # Innermost comments first, as Mathematica nests them.
+        while (rest := re.sub(r"\(\*(?:(?!\(\*|\*\)).)*\*\)", "", text, flags=re.DOTALL)) != text:
+            text = rest
+        assert "Quit" not in text
+        assert "*)" not in text
+        assert "(*" not in text
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_name_of_a_tetrad_is_obeyed(command: str, tmp_path: Path):
+    """Every text of a tetrad file in every command that takes one."""
+    form = re.search(r"--format (\w+)", command)
+    for k, name in enumerate(TOGETHER if " -o " in command else NAMES):
+        path = written(tmp_path, name, TETRAD, KEYS)
+        out = tmp_path / str(k)
+        words = command.replace("FILE", str(path)).replace("OUT", str(out)).split()
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, (name, result.output, result.exception)
+        assert not obeyed(result.output), (name, obeyed(result.output))
+        if form is not None:
+            check_written(form[1], result.stdout)
+        for page in out.glob("*.html"):
+            assert "<script>alert" not in page.read_text("utf-8")
+        for table in out.glob("*.csv"):
+            with table.open(encoding="utf-8", newline="") as stream:
+                cells = [cell for row in csv.reader(stream) for cell in row]
+            assert all(cell == csv_cell(cell) or finite_number(cell) is not None for cell in cells)
+        for file in out.glob("*.json"):
+            json.loads(file.read_text("utf-8"))
+
+
+@pytest.mark.parametrize("command", ["run FILE -o OUT --format svg", "run FILE", "plan FILE"])
+def test_no_name_of_a_scene_is_obeyed(command: str, tmp_path: Path):
+    """Every text of a scene file; pictures show what is no mathematics as it stands."""
+    for k, name in enumerate(TOGETHER if " -o " in command else NAMES):
+        path = written(tmp_path, name, SCENE, ("name", "title", "story"))
+        words = command.replace("FILE", str(path)).replace("OUT", str(tmp_path / str(k))).split()
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 0, (name, result.output, result.exception)
+        assert not obeyed(result.output), (name, obeyed(result.output))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_message_is_obeyed(name: str, tmp_path: Path):
+    """Keys, words and rows of a damaged file in what is said about it."""
+    key = json.dumps(name)
+    for text in (f"{key} = 1\n", f"coordinates = [{key}]\ncoframe = [[1]]\n", f"x = {name}\n"):
+        path = tmp_path / "a.toml"
+        path.write_text(text, "utf-8")
+        result = CliRunner().invoke(app, ["check", str(path)])
+        assert result.exit_code == 2, result.output
+        assert not obeyed(result.output), (text, result.output)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_any_name_in_latex(name: str):
+    """A name stays letters of a formula, whatever it holds."""
+    assert not re.search(r"\\(input|immediate|write)", latex_name(name))
+
+
+def test_tables_hold_no_formulas(tmp_path: Path):
+    """Texts in cells and headers that spreadsheets would compute; numbers come back as written."""
+    path = tmp_path / "a.csv"
+    write_csv(path, {"=1+1": [-0.5, 1e-300], "@b": ["=cmd|' /C calc'!A0", "-x"]})
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0] == ["'=1+1", "'@b"]
+    assert rows[1] == ["-0.5", "'=cmd|' /C calc'!A0"]
+    assert rows[2] == ["1e-300", "'-x"]
