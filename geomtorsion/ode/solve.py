@@ -393,15 +393,13 @@ def run_jointly(
         system, finest, width=len(COLUMNS), optimised=False, measured=True, backward=backward
     )
     grids = [times, times, times, just_before(times)]
-    with kept.lock:
+    with kept.ready(np.array(parameters)) as ready:
         began = time.perf_counter()
-        integrator = kept.integrator
+        integrator = ready.integrator
         integrator.set_time(float(times[0]))
         integrator.state[:-1] = np.array([starts[k] for k in COLUMNS]).T
         integrator.state[-1] = [size * tolerances[k] / finest for k in COLUMNS]
-        if len(integrator.pars):
-            rows = [system.with_constants(numbers) for numbers in parameters]
-            integrator.pars[:] = np.array([rows[k] for k in COLUMNS]).T[: len(integrator.pars)]
+        ready.choose(COLUMNS)
         if integrator.with_events:
             integrator.reset_cooldowns()
         # Of one order, runs that take a single step each would agree whatever it leaves out.

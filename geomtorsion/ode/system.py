@@ -165,8 +165,8 @@ class System:
         return np.where(np.isnan(least), -1.0, least)
 
     @cached_property
-    def _hoisted(self) -> tuple[System, list[Graph]]:
-        """See `hoisted`, and the graphs that make its further parameters, one after another."""
+    def hoisted(self) -> Hoisted:
+        """The equations for an engine of series, with what makes all their numbers."""
         names, parts, made = self.parameters, list[Graph](), list[Graph]()
         for k, part in enumerate((self.rates, self.guard)):
             if part is not None:
@@ -174,45 +174,12 @@ class System:
                 rest, constants = wide.hoisted(self.size, f"constant {k}")
                 names = rest.arguments[self.size :]
                 parts.append(rest)
-                made.append(constants)
+                if constants.size:
+                    made.append(constants)
         rates = replace(parts[0], arguments=(*self.states, *names))
         guard = None if self.guard is None else parts[1]
-        return replace(self, parameters=names, rates=rates, guard=guard, end=None), made
-
-    @property
-    def hoisted(self) -> System:
-        """The same equations, over further parameters where these are made of others alone."""
-        return self._hoisted[0]
-
-    def with_constants(self, values: np.ndarray) -> np.ndarray:
-        """Parameters of `hoisted` in doubles, from those of this, or from rows of them."""
-        if values.ndim == 1:
-            return np.array(self._with_constants_of_one(values.tolist()))
-        for made in self._hoisted[1]:
-            if made.size:
-                further = made.numpy()(*values.T)
-                values = np.concatenate((values, further.T), axis=-1)
-        return values
-
-    def _with_constants_of_one(self, found: list[float]) -> list[float]:
-        """The same of one motion: arrays would take ten times as long."""
-        for made in self._hoisted[1]:
-            try:
-                found += made.python()(*found)
-            except NO_VALUE:
-                # What is infinite on the way may have a value in the end.
-                found += made.numpy()(*found).tolist()
-        return found
-
-    def with_long_constants(self, values: Sequence[Any] | np.ndarray, bits: int) -> list[Any]:
-        """The same for one motion in numbers of more bits."""
-        found = list(values)
-        for made in self._hoisted[1]:
-            try:
-                found += made.exactly(found, bits)
-            except NO_VALUE:
-                found += [float("nan")] * made.size
-        return found
+        wide = replace(self, parameters=names, rates=rates, guard=guard, end=None)
+        return Hoisted(wide, tuple(made))
 
     @cached_property
     def unguarded(self) -> System:
@@ -223,6 +190,52 @@ class System:
     def to_the_end(self) -> System:
         """The same equations, watched up to where the chart ends and not to its margin."""
         return self if self.end is None else replace(self, guard=self.end, end=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Hoisted:
+    """A system whose constants are further parameters, and the only route to their values.
+
+    A constant is made of parameters and numbers alone, such as sqrt(2)*a or 1/(2*pi).
+
+    system: the equations over all parameters: those of the plain system, then the constants.
+    constants: graphs of the constants, each over all parameters before it.
+    """
+
+    system: System
+    constants: tuple[Graph, ...]
+
+    def numbers(self, values: Sequence[Any] | np.ndarray, bits: int = 53) -> np.ndarray | list[Any]:
+        """Values of all parameters of `system`, from those of the plain system.
+
+        values: of one motion, or an array with one row for each motion.
+        bits: above 53 the constants of one motion are worked out to so many bits.
+        """
+        if isinstance(values, np.ndarray) and values.ndim == 2:
+            for made in self.constants:
+                further = [np.broadcast_to(x, len(values)) for x in made.numpy()(*values.T)]
+                values = np.concatenate((values, np.array(further).T), axis=1)
+            return values
+        if bits > 53:
+            return self._long_numbers(list(values), bits + 20)
+        # One motion: arrays would take ten times as long.
+        row = floats(values)
+        for made in self.constants:
+            try:
+                row += made.python()(*row)
+            except NO_VALUE:
+                # An infinite intermediate result may still give a finite value.
+                row += made.numpy()(*row).tolist()
+        return np.array(row)
+
+    def _long_numbers(self, row: list[Any], bits: int) -> list[Any]:
+        """The numbers of one motion to so many bits."""
+        for made in self.constants:
+            try:
+                row += made.exactly(row, bits)
+            except NO_VALUE:
+                row += [float("nan")] * made.size
+        return row
 
 
 # States (the largest of each group) and durations within this factor of one are run as they are.
