@@ -393,7 +393,7 @@ def run_jointly(
         system, finest, width=len(COLUMNS), optimised=False, measured=True, backward=backward
     )
     grids = [times, times, times, just_before(times)]
-    with kept.ready(np.array(parameters)) as ready:
+    with kept.ready(*parameters) as ready:
         began = time.perf_counter()
         integrator = ready.integrator
         integrator.set_time(float(times[0]))

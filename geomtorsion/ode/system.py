@@ -213,8 +213,10 @@ class Hoisted:
         """
         if isinstance(values, np.ndarray) and values.ndim == 2:
             for made in self.constants:
-                further = [np.broadcast_to(x, len(values)) for x in made.numpy()(*values.T)]
-                values = np.concatenate((values, np.array(further).T), axis=1)
+                # Constants of numbers alone are the same in all rows.
+                further = made.numpy()(*values.T).reshape(made.size, -1).T
+                rows = (len(values), made.size)
+                values = np.concatenate((values, np.broadcast_to(further, rows)), axis=1)
             return values
         if bits > 53:
             return self._long_numbers(list(values), bits + 20)

@@ -63,14 +63,17 @@ class Compiled:
     shared: _Shared
 
     @contextmanager
-    def ready(self, parameters: Sequence[Real] | np.ndarray) -> Iterator[Ready]:
+    def ready(self, *parameters: Sequence[Real] | np.ndarray) -> Iterator[Ready]:
         """Lock the integrator and set all its numbers, constants included.
 
-        parameters: those of the system, shape (parameters,), or (number, parameters) for a batch.
+        parameters: those of the system, for one motion; for each of a few motions, in a few
+            arguments; or for the members of a batch, in one array of shape (number, parameters).
         """
-        numbers = self.hoisted.numbers(parameters, self.engine.precision)
+        bits = self.engine.precision
+        numbers = [self.engine.array(self.hoisted.numbers(row, bits)) for row in parameters]
         with self.shared.lock:
-            yield Ready(self.shared.integrator, self.engine.array(numbers))
+            rows = numbers[0] if len(numbers) == 1 else np.array(numbers)
+            yield Ready(self.shared.integrator, rows)
 
 
 class Ready:
