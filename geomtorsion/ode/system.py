@@ -341,7 +341,12 @@ class Engine(Protocol):
         dense: bool = False,
         watch: Watch | None = None,
     ) -> Run:
-        """Integrate from times[0] through all times (monotone); watching changes no bit of it."""
+        """Integrate from times[0] through all times (monotone); watching changes no bit of it.
+
+        The run has a state at each time that it reached, the first and the last of them included.
+        It ends where `system.guard_at` falls through zero (outcome "edge"), and gives `dense`
+        where that is asked for. Times and states are in the units of the call.
+        """
         ...
 
 

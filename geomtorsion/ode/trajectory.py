@@ -11,6 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
+from geomtorsion.errors import StartError
 from geomtorsion.ode.numbers import PARTS, Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.system import (
@@ -275,7 +276,11 @@ class Trajectory:
                     self.tolerance,
                     dense=True,
                 )
-                assert again.dense is not None
+                if again.dense is None:
+                    raise StartError(
+                        f"engine {self.engine.name}: expected Run.dense from run(dense=True), got "
+                        "None. Return a function of times, or read the solution at its times."
+                    )
                 self._dense[k] = again.dense
         return self._dense[k]
 
