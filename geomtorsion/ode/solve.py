@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import AccuracyError, StartError
+from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -105,6 +105,11 @@ def solve(
     unit = problem.time_unit
     # What nobody may write to need not be copied.
     scaled = grid if unit == 1.0 and not grid.flags.writeable else grid * unit
+    if unit != 1.0 and not (np.isfinite(scaled[-1]) and np.diff(scaled).all()):
+        raise TimeError(
+            f"t up to {checks.shown(float(times[-1]))}: expected the way to fit into floats, got a "
+            f"motion {unit:.3g} times as fast. Use other units of time."
+        )
     report = None if progress is None else Report(progress, float(scaled[-1]))
     kept = None
     if checkpoint is not None:

@@ -449,6 +449,16 @@ def extents_of(
     ]
 
 
+def eigenvalues(jacobian: np.ndarray) -> np.ndarray | None:
+    """Eigenvalues of a Jacobian; None where it is not finite, or too large to have them found."""
+    if not np.isfinite(jacobian).all():
+        return None
+    try:
+        return np.linalg.eigvals(jacobian)
+    except np.linalg.LinAlgError:
+        return None
+
+
 def units_of(
     system: System,
     start: Sequence[Real] | np.ndarray,
@@ -467,10 +477,10 @@ def units_of(
     values = np.abs(floats(start))
     if not duration or not np.isfinite(values).all():
         return None
-    jacobian = system.jacobian(floats(start), parameters)
-    if not np.isfinite(jacobian).all():
+    own = eigenvalues(system.jacobian(floats(start), parameters))
+    if own is None:
         return None
-    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    fastest = float(np.abs(own).max())
     time = 1 / fastest if fastest * duration > 1 else duration
     largest = values
     # What a state has after that time, where no terms cancel; velocities come before coordinates.
