@@ -63,7 +63,6 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "times": lambda value: solve(SWING, [value]),
     "accuracy": lambda value: solve(SWING, 1.0, value),
     "engine": lambda value: solve(SWING, 1.0, engine=value),
-    "time of members": lambda value: solve_many(SWING, [[1, 0]], value),
     "start of members": lambda value: solve_many(SWING, [[1, value]], 1.0),
     "start": lambda value: circle(start=[value, 0.3]),
     "velocity": lambda value: circle(frame_velocity=[0.2, value]),

@@ -170,10 +170,10 @@ def _by_heyoka(
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     done = 0
-    # Beyond a guard steps may become as small as they like; without one, motions just go on.
-    most = MOST_STEPS if crossed is not None else 0
+    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
+    most = MOST_STEPS if crossed is not None else ready.max_steps
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
-    hits = [event.callback.members for event in integrator.nt_events] if most else []
+    hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
     try:
         for k in range(count):
             own[:] = calls.states[k]
@@ -185,7 +185,7 @@ def _by_heyoka(
                 found[k, : len(rows)] = rows
             else:
                 until(ends[k], max_steps=most)
-                if most and (integrator.time != ends[k]).any():
+                if crossed is not None and (integrator.time != ends[k]).any():
                     _go_on(integrator, ends[k], hits, most)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.

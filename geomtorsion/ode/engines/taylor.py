@@ -73,18 +73,19 @@ class Compiled:
         numbers = [self.engine.array(self.hoisted.numbers(row, bits)) for row in parameters]
         with self.shared.lock:
             rows = numbers[0] if len(numbers) == 1 else np.array(numbers)
-            yield Ready(self.shared.integrator, rows)
+            yield Ready(self.shared.integrator, rows, self.engine.max_steps)
 
 
 class Ready:
     """A locked integrator with the numbers of one motion, or of the members of a batch.
 
     The numbers of a batch are not a number until `choose` names the members.
-    integrator: heyoka's.
+    integrator: heyoka's. max_steps: of one run.
     """
 
-    def __init__(self, integrator: Any, numbers: np.ndarray) -> None:
+    def __init__(self, integrator: Any, numbers: np.ndarray, max_steps: int) -> None:
         self.integrator = integrator
+        self.max_steps = max_steps
         # heyoka has no room for the last parameters where these do not occur.
         self._columns = numbers.T[: len(integrator.pars)]
         integrator.pars[:] = self._columns if numbers.ndim == 1 else np.nan
