@@ -161,10 +161,23 @@ class _PythonWriter:
 
 def _number(value: Fraction) -> tuple[str, Binding]:
     """A rational number as floating-point code."""
-    above, below = float(value.numerator), float(value.denominator)
+    try:
+        above, below = float(value.numerator), float(value.denominator)
+    except OverflowError:
+        return _far_number(value)
     if value.denominator & (value.denominator - 1) == 0:
         return repr(above / below), Binding.WHOLE if value >= 0 else Binding.SUM
     return f"({above!r}/{below!r})", Binding.WHOLE
+
+
+def _far_number(value: Fraction) -> tuple[str, Binding]:
+    """A number whose numerator or denominator is beyond all floats."""
+    try:
+        return repr(float(value)), Binding.WHOLE if value >= 0 else Binding.SUM
+    except OverflowError:
+        raise ExpressionError(
+            "expected numbers below 1.8e308 in size, got a larger one. Use other units."
+        ) from None
 
 
 def _sign(x: float) -> float:

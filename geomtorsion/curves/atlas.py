@@ -464,9 +464,10 @@ class Atlas:
         UnknownNameError
             The atlas has no such chart.
         """
-        if name not in self.makers:
+        if not isinstance(name, str) or name not in self.makers:
             raise UnknownNameError(
-                f"{name!r} is no chart of this space. There are {', '.join(self.makers)}."
+                f"{checks.shown(name)} is no chart of this space. There are "
+                f"{', '.join(self.makers)}."
             )
         if name not in self._charts:
             self._charts[name] = self.makers[name]()

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
@@ -22,6 +22,8 @@ from geomtorsion.ode.system import System
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Connection, Frame
+
+Number = TypeVar("Number")
 
 
 @dataclass(frozen=True)
@@ -345,6 +347,15 @@ class Equations:
     def width(self) -> int:
         """Number of coordinates that are states."""
         return 0 if self.chart is None else len(self.chart.coordinates)
+
+    def numbers(
+        self, parameters: Mapping[str, Number], velocities: Sequence[Number]
+    ) -> list[Number | Fraction]:
+        """Values of the parameters in order: of the space, of the law, and constant velocities."""
+        table: dict[str, Number | Fraction] = {**parameters, **self.constants}
+        if not self.moves:
+            table |= dict(zip(self.velocities, velocities, strict=True))
+        return [table[name] for name in self.parameters]
 
     @cached_property
     def invariant_graphs(self) -> Mapping[str, tuple[Graph, Graph]]:

@@ -317,7 +317,7 @@ class CurveProblem:
         equations = self.equations(label)
         moving = point.velocities if equations.moves else []
         states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
-        numbers: Sequence[Real] | np.ndarray = self._numbers(equations, point.velocities)
+        numbers: Sequence[Real] | np.ndarray = equations.numbers(self.parameters, point.velocities)
         if perturbation:
             if not begin:
                 states = perturbed(states, perturbation, precision, all_of_them=True)
@@ -391,13 +391,6 @@ class CurveProblem:
         if equations.moves:
             return MovingPoint(values[:width], values[width : width + n], values[width + n :])
         return MovingPoint(values[:width], list(velocities), values[width:])
-
-    def _numbers(self, equations: Equations, velocities: Sequence[Real]) -> list[Real]:
-        """Values of the parameters of a system, in its order."""
-        table: dict[str, Real] = dict(self.parameters) | dict(equations.constants)
-        if not equations.moves:
-            table |= dict(zip(equations.velocities, velocities, strict=True))
-        return [table[name] for name in equations.parameters]
 
     def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
         """The first stage, unless it is linear by its very form."""

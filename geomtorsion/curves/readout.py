@@ -14,7 +14,7 @@ from geomtorsion.errors import ChartEdgeError, ShapeError, StartError
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Real, multiplied, precision_of
+from geomtorsion.ode.numbers import Real, floats, multiplied, precision_of
 from geomtorsion.ode.trajectory import Segment, Trajectory
 from geomtorsion.precision import working_precision
 
@@ -229,10 +229,9 @@ def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np
 
 def problem_numbers(problem: CurveProblem, segment: Segment) -> Sequence[float]:
     """Values of the parameters of the equations of a segment."""
-    parameters = problem.equations(segment.label).parameters
     if segment.stage.lift is None:
-        return [float(x) for x in segment.stage.parameters]
-    return [float(problem.parameters[name]) for name in parameters]
+        return floats(segment.stage.parameters)
+    return floats(problem.equations(segment.label).numbers(problem.parameters, ()))
 
 
 def read_members(
@@ -335,13 +334,9 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
     equations = smaller.equations
     varied["own_velocity"] = scaled * units[:, None]
     parts = [part for part in (place, scaled if equations.moves else None) if part is not None]
-    table: dict[str, float | np.ndarray] = {}
-    for numbers in (problem.parameters, equations.constants):
-        table |= {name: float(value) for name, value in numbers.items()}
-    if not equations.moves:
-        table |= dict(zip(equations.velocities, scaled.T, strict=True))
     number = len(scaled)
-    columns = [np.broadcast_to(table[name], number) for name in equations.parameters]
+    values = equations.numbers(problem.parameters, list(scaled.T))
+    columns = [np.broadcast_to(np.asarray(x, dtype=float), number) for x in values]
     parameters = np.array(columns).T if columns else np.zeros((number, 0))
     several = len(problem.charts) > 1
     return Members(

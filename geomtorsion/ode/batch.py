@@ -11,7 +11,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.ode.engines import Engine, Taylor
 from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
-from geomtorsion.ode.engines.taylor import heyoka
+from geomtorsion.ode.engines.taylor import Ready, heyoka
 from geomtorsion.ode.system import STANDSTILL, System, member_units, scaled_system
 
 # Called with the number of members that are done.
@@ -91,12 +91,11 @@ def run_batch(
             width = int(heyoka().recommended_simd_size()) * (2 if size <= FEW else 1)
             backward = bool(times[-1] < times[0])
             kept, compiling = engine.compiled(system, tolerance, width=width, backward=backward)
-            with kept.lock:
-                numbers = system.with_constants(parameters)
-                calls = _calls(states, numbers, units, pace, times, width)
+            with kept.ready(parameters) as ready:
+                calls = _calls(states, units, pace, times, width)
                 watched = crossed if system.guard is not None else None
                 noted = steps if counted else None
-                _by_heyoka(kept.integrator, calls, result, finished, watched, noted, show)
+                _by_heyoka(ready, calls, result, finished, watched, noted, show)
         else:
             share = max(1, STACKED // size)
             for first in range(0, number, share):
@@ -127,13 +126,11 @@ class _Calls:
     index: np.ndarray
     starts: np.ndarray
     states: np.ndarray
-    parameters: np.ndarray
     times: np.ndarray
 
 
 def _calls(
     states: np.ndarray,
-    parameters: np.ndarray,
     units: np.ndarray,
     pace: np.ndarray,
     times: np.ndarray,
@@ -144,9 +141,9 @@ def _calls(
     order = np.argsort(pace, kind="stable")
     count = -(-number // width)
     index = order[np.minimum(np.arange(count * width), number - 1)]
-    blocks = [_blocks(array[index], width) for array in (states, parameters)]
+    blocks = _blocks(states[index], width)
     scaled = np.multiply.outer(times, units[index]).reshape(len(times), count, width)
-    return _Calls(index, states, blocks[0], blocks[1], scaled)
+    return _Calls(index, states, blocks, scaled)
 
 
 def _blocks(array: np.ndarray, width: int) -> np.ndarray:
@@ -156,7 +153,7 @@ def _blocks(array: np.ndarray, width: int) -> np.ndarray:
 
 
 def _by_heyoka(
-    integrator: Any,
+    ready: Ready,
     calls: _Calls,
     result: np.ndarray,
     finished: np.ndarray,
@@ -166,21 +163,21 @@ def _by_heyoka(
 ) -> None:
     """Fill in states of members that come to the end, which those are, and their steps."""
     index, (count, size, width) = calls.index, calls.states.shape
-    own, pars, until = integrator.state, integrator.pars, integrator.propagate_until
+    integrator, chosen = ready.integrator, index.reshape(count, width)
+    own, until = integrator.state, integrator.propagate_until
     ends, clocks = calls.times[-1], np.zeros((count, width))
     taken = np.zeros((count, width, 3))
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     done = 0
-    # Beyond a guard steps may become as small as they like; without one, motions just go on.
-    most = MOST_STEPS if crossed is not None else 0
+    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
+    most = MOST_STEPS if crossed is not None else ready.max_steps
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
-    hits = [event.callback.members for event in integrator.nt_events] if most else []
+    hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
     try:
         for k in range(count):
             own[:] = calls.states[k]
-            if calls.parameters.shape[1]:
-                pars[:] = calls.parameters[k][: len(pars)]
+            ready.choose(chosen[k])
             integrator.set_time(0.0)
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
@@ -188,7 +185,7 @@ def _by_heyoka(
                 found[k, : len(rows)] = rows
             else:
                 until(ends[k], max_steps=most)
-                if most and (integrator.time != ends[k]).any():
+                if crossed is not None and (integrator.time != ends[k]).any():
                     _go_on(integrator, ends[k], hits, most)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.

@@ -24,7 +24,8 @@ from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 if TYPE_CHECKING:
     from geomtorsion.ode.solution import Problem
 
-FORMAT = 3
+# Files of format 3 may hold runs in which constants of the equations were 0.
+FORMAT = 4
 # Writing may take this part of the time; how often it is done changes no result.
 SHARE = 0.1
 _FIELDS = ("steps", "evaluations", "outcome", "reason", "compile_seconds", "run_seconds",

@@ -16,11 +16,12 @@ from geomtorsion.checks import DECLARED, cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
 from geomtorsion.ode.constructor import check_declared, declared_symbols
-from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.engines import Engine
+from geomtorsion.ode.engines.named import engine_named, is_own
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import checked_times
 from geomtorsion.ode.problem import ODE
-from geomtorsion.ode.solution import Cost, Solution
+from geomtorsion.ode.solution import DOUBLE, Cost, Solution
 from geomtorsion.ode.terms import At, When
 from geomtorsion.ode.trajectory import integrate
 from geomtorsion.ode.writing import FORMAT
@@ -92,8 +93,9 @@ class SavedSolution(Mapping[str, np.ndarray]):
 
     @property
     def error(self) -> float:
-        """Error estimate of the solution that was saved."""
-        return float(self.metadata["error"])
+        """Error estimate of the saved values, which are doubles."""
+        error = float(self.metadata["error"])
+        return error if self.metadata["accuracy"] >= DOUBLE else max(error, DOUBLE)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.moment[name]
@@ -111,15 +113,21 @@ class SavedSolution(Mapping[str, np.ndarray]):
         Raises
         ------
         StartError
-            it was a curve in a space, of which the file holds arrays only.
+            it was a curve in a space, of which the file holds arrays only; or an engine of the
+            user's own made it.
         """
         if self.problem is None:
             raise StartError(
                 "a saved curve holds what it was at its times only. Solve the problem again to "
                 "know what lies between."
             )
-        made = self.metadata["made"]
-        engine = _engine(made["engine"])
+        made, engine = self.metadata["made"], _engine(self.metadata)
+        if engine is None:
+            raise StartError(
+                "expected a solution by Taylor, RungeKutta or Stiff, got one by "
+                f"{shown(self.metadata['engine'])}, an engine that files cannot keep. Read the "
+                "values at the saved times, or solve `problem` again with that engine."
+            )
         stage = self.problem.first_stage(engine.precision, 0.0)
         again = integrate(stage, self.grid, _tolerance(made["tolerance"]), engine)
         known = self.metadata
@@ -135,7 +143,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
         Raises
         ------
         StartError
-            it was a curve in a space, of which the file holds arrays only.
+            as `solution`.
         """
         return self.solution.at(time)
 
@@ -170,7 +178,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
         try:
             _check_times(arrays["times"], arrays["grid"])
             part = "metadata: made"
-            _ = _tolerance(metadata["made"]["tolerance"]), _engine(metadata["made"]["engine"])
+            _ = _tolerance(metadata["made"]["tolerance"]), _engine(metadata)
             part = "metadata: whole"
             if not set(metadata["whole"]) <= set(values):
                 raise ValueError("it names arrays that are missing")
@@ -230,16 +238,11 @@ def _tolerance(text: str) -> float:
     return found
 
 
-def _engine(text: str) -> Engine:
-    """The engine of a word, as far as it decides what is computed."""
-    name, _, rest = text.partition(":")
-    if name == "Taylor":
-        return Taylor(int(rest))
-    if name == "Stiff":
-        return Stiff(rest)
-    if name == "RungeKutta":
-        return RungeKutta()
-    raise ValueError(f"{shown(text)} is no engine")
+def _engine(metadata: Mapping[str, Any]) -> Engine | None:
+    """The engine that made the samples; None for an engine of the user's own."""
+    name = metadata["engine"]
+    # Older files name another engine in `made` where the engine was the user's own.
+    return engine_named(name) if metadata["made"]["engine"] and is_own(name) else None
 
 
 def _value(text: Any) -> Any:

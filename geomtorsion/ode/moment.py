@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.checks import near_names
+from geomtorsion.checks import near_names, shown
 from geomtorsion.errors import UnknownNameError
 
 
@@ -28,13 +28,13 @@ class Moment(Mapping[str, np.ndarray]):
     whole: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name in self.values:
+        if isinstance(name, str) and name in self.values:
             return self.values[name]
         known = list(self)
         near = near_names(name, known)
         hint = f"Did you mean {near}? " if near else ""
         raise UnknownNameError(
-            f"{name!r} is not known of this motion. {hint}There are {', '.join(known)}."
+            f"{shown(name)} is not known of this motion. {hint}There are {', '.join(known)}."
         )
 
     def __iter__(self) -> Iterator[str]:

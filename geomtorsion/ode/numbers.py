@@ -88,8 +88,14 @@ def multiplied(values: np.ndarray, factors: float | np.ndarray) -> np.ndarray:
 
 
 def floats(values: Iterable[Real]) -> list[float]:
-    """Numbers as floats."""
-    return [float(value) for value in values]
+    """Numbers as floats; StartError where one is beyond all floats, or complex."""
+    try:
+        return [float(value) for value in values]
+    except (OverflowError, TypeError):
+        raise StartError(
+            "numbers of the equations: expected real ones below 1.8e308 in size, got another. Use "
+            "other units, or real equations."
+        ) from None
 
 
 def perturbed(
@@ -174,6 +180,11 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     if single is not None:
         if not np.isfinite(single):
             raise TimeError(f"t contains {single}: all times must be finite.")
+        if 0 < abs(single) < np.finfo(float).tiny:
+            raise TimeError(
+                f"t = {single}: expected 0 or at least 2.2e-308 in size, below which floats lose "
+                "their digits. Use another unit of time."
+            )
         return _samples(single), _samples(single)
     if isinstance(t, np.ndarray):
         # An array may show one number very often; it is looked at before it is copied.

@@ -20,7 +20,7 @@ from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
 from geomtorsion.ode.moment import Moment
-from geomtorsion.ode.numbers import Numbers, Real, mpf, perturbed
+from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
 from geomtorsion.ode.roots import shares_left
 from geomtorsion.ode.system import System
@@ -318,7 +318,7 @@ class ODE:
         if self.rates.has_clock:
             states = [*start, begin / CLOCK]
         if precision == 53:
-            states, numbers = (np.array([float(x) for x in row]) for row in (states, numbers))
+            states, numbers = (np.array(floats(row)) for row in (states, numbers))
         ending = partial(self._ending, dict(parameters), [float(x) for x in states])
         events = [] if self.system.guard is None else [Event(None, None, ending)]
         if later:
@@ -659,7 +659,7 @@ class ODE:
         values = [table[name] for name in self.rates.parameters]
         if not any(isinstance(value, np.ndarray) for value in values):
             exact = self.rates.numbers.exactly(values)
-            return np.tile(np.array([float(x) for x in exact], dtype=float), (number, 1))
+            return np.tile(np.array(floats(exact), dtype=float), (number, 1))
         columns = [x if isinstance(x, np.ndarray) else float(x) for x in values]
         found = self.rates.numbers.numpy()(*columns)
         return np.array([np.broadcast_to(x, number) for x in found], dtype=float).T

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.codegen.arrays import BLOCK
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
-from geomtorsion.errors import ExpressionError, TimeError
+from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import PARTS, times_between
@@ -356,6 +357,11 @@ class Solution:
         >>> swing.event_times("x").round(6).tolist()
         [1.570796, 4.712389, 7.853982]
         """
+        if checks.whole(direction) not in (-1, 0, 1):
+            raise ArgumentError(
+                f"direction: expected 1 (upwards), -1 (downwards) or 0 (both), got "
+                f"{checks.shown(direction)}."
+            )
         read = self.problem.term(term)
 
         def function(times: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import AccuracyError, StartError
+from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.engines.taylor import is_available
@@ -105,6 +105,11 @@ def solve(
     unit = problem.time_unit
     # What nobody may write to need not be copied.
     scaled = grid if unit == 1.0 and not grid.flags.writeable else grid * unit
+    if unit != 1.0 and not (np.isfinite(scaled[-1]) and np.diff(scaled).all()):
+        raise TimeError(
+            f"t up to {checks.shown(float(times[-1]))}: expected the way to fit into floats, got a "
+            f"motion {unit:.3g} times as fast. Use other units of time."
+        )
     report = None if progress is None else Report(progress, float(scaled[-1]))
     kept = None
     if checkpoint is not None:
@@ -395,15 +400,13 @@ def run_jointly(
         system, finest, width=len(COLUMNS), optimised=False, measured=True, backward=backward
     )
     grids = [times, times, times, just_before(times)]
-    with kept.lock:
+    with kept.ready(*parameters) as ready:
         began = time.perf_counter()
-        integrator = kept.integrator
+        integrator = ready.integrator
         integrator.set_time(float(times[0]))
         integrator.state[:-1] = np.array([starts[k] for k in COLUMNS]).T
         integrator.state[-1] = [size * tolerances[k] / finest for k in COLUMNS]
-        if len(integrator.pars):
-            rows = [system.with_constants(numbers) for numbers in parameters]
-            integrator.pars[:] = np.array([rows[k] for k in COLUMNS]).T[: len(integrator.pars)]
+        ready.choose(COLUMNS)
         if integrator.with_events:
             integrator.reset_cooldowns()
         # Of one order, runs that take a single step each would agree whatever it leaves out.

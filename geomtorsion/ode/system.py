@@ -170,8 +170,8 @@ class System:
         return np.where(np.isnan(least), -1.0, least)
 
     @cached_property
-    def _hoisted(self) -> tuple[System, list[Graph]]:
-        """See `hoisted`, and the graphs that make its further parameters, one after another."""
+    def hoisted(self) -> Hoisted:
+        """The equations for an engine of series, with what makes all their numbers."""
         names, parts, made = self.parameters, list[Graph](), list[Graph]()
         for k, part in enumerate((self.rates, self.guard)):
             if part is not None:
@@ -179,45 +179,12 @@ class System:
                 rest, constants = wide.hoisted(self.size, f"constant {k}")
                 names = rest.arguments[self.size :]
                 parts.append(rest)
-                made.append(constants)
+                if constants.size:
+                    made.append(constants)
         rates = replace(parts[0], arguments=(*self.states, *names))
         guard = None if self.guard is None else parts[1]
-        return replace(self, parameters=names, rates=rates, guard=guard, end=None), made
-
-    @property
-    def hoisted(self) -> System:
-        """The same equations, over further parameters where these are made of others alone."""
-        return self._hoisted[0]
-
-    def with_constants(self, values: np.ndarray) -> np.ndarray:
-        """Parameters of `hoisted` in doubles, from those of this, or from rows of them."""
-        if values.ndim == 1:
-            return np.array(self._with_constants_of_one(values.tolist()))
-        for made in self._hoisted[1]:
-            if made.size:
-                further = made.numpy()(*values.T)
-                values = np.concatenate((values, further.T), axis=-1)
-        return values
-
-    def _with_constants_of_one(self, found: list[float]) -> list[float]:
-        """The same of one motion: arrays would take ten times as long."""
-        for made in self._hoisted[1]:
-            try:
-                found += made.python()(*found)
-            except NO_VALUE:
-                # What is infinite on the way may have a value in the end.
-                found += made.numpy()(*found).tolist()
-        return found
-
-    def with_long_constants(self, values: Sequence[Any] | np.ndarray, bits: int) -> list[Any]:
-        """The same for one motion in numbers of more bits."""
-        found = list(values)
-        for made in self._hoisted[1]:
-            try:
-                found += made.exactly(found, bits)
-            except NO_VALUE:
-                found += [float("nan")] * made.size
-        return found
+        wide = replace(self, parameters=names, rates=rates, guard=guard, end=None)
+        return Hoisted(wide, tuple(made))
 
     @cached_property
     def unguarded(self) -> System:
@@ -228,6 +195,54 @@ class System:
     def to_the_end(self) -> System:
         """The same equations, watched up to where the chart ends and not to its margin."""
         return self if self.end is None else replace(self, guard=self.end, end=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Hoisted:
+    """A system whose constants are further parameters, and the only route to their values.
+
+    A constant is made of parameters and numbers alone, such as sqrt(2)*a or 1/(2*pi).
+
+    system: the equations over all parameters: those of the plain system, then the constants.
+    constants: graphs of the constants, each over all parameters before it.
+    """
+
+    system: System
+    constants: tuple[Graph, ...]
+
+    def numbers(self, values: Sequence[Any] | np.ndarray, bits: int = 53) -> np.ndarray | list[Any]:
+        """Values of all parameters of `system`, from those of the plain system.
+
+        values: of one motion, or an array with one row for each motion.
+        bits: above 53 the constants of one motion are worked out to so many bits.
+        """
+        if isinstance(values, np.ndarray) and values.ndim == 2:
+            for made in self.constants:
+                # Constants of numbers alone are the same in all rows.
+                further = made.numpy()(*values.T).reshape(made.size, -1).T
+                rows = (len(values), made.size)
+                values = np.concatenate((values, np.broadcast_to(further, rows)), axis=1)
+            return values
+        if bits > 53:
+            return self._long_numbers(list(values), bits + 20)
+        # One motion: arrays would take ten times as long.
+        row = floats(values)
+        for made in self.constants:
+            try:
+                row += made.python()(*row)
+            except NO_VALUE:
+                # An infinite intermediate result may still give a finite value.
+                row += made.numpy()(*row).tolist()
+        return np.array(row)
+
+    def _long_numbers(self, row: list[Any], bits: int) -> list[Any]:
+        """The numbers of one motion to so many bits."""
+        for made in self.constants:
+            try:
+                row += made.exactly(row, bits)
+            except NO_VALUE:
+                row += [float("nan")] * made.size
+        return row
 
 
 # States (the largest of each group) and durations within this factor of one are run as they are.
@@ -331,7 +346,12 @@ class Engine(Protocol):
         dense: bool = False,
         watch: Watch | None = None,
     ) -> Run:
-        """Integrate from times[0] through all times (monotone); watching changes no bit of it."""
+        """Integrate from times[0] through all times (monotone); watching changes no bit of it.
+
+        The run has a state at each time that it reached, the first and the last of them included.
+        It ends where `system.guard_at` falls through zero (outcome "edge"), and gives `dense`
+        where that is asked for. Times and states are in the units of the call.
+        """
         ...
 
 
@@ -434,6 +454,16 @@ def extents_of(
     ]
 
 
+def eigenvalues(jacobian: np.ndarray) -> np.ndarray | None:
+    """Eigenvalues of a Jacobian; None where it is not finite, or too large to have them found."""
+    if not np.isfinite(jacobian).all():
+        return None
+    try:
+        return np.linalg.eigvals(jacobian)
+    except np.linalg.LinAlgError:
+        return None
+
+
 def units_of(
     system: System,
     start: Sequence[Real] | np.ndarray,
@@ -452,10 +482,10 @@ def units_of(
     values = np.abs(floats(start))
     if not duration or not np.isfinite(values).all():
         return None
-    jacobian = system.jacobian(floats(start), parameters)
-    if not np.isfinite(jacobian).all():
+    own = eigenvalues(system.jacobian(floats(start), parameters))
+    if own is None:
         return None
-    fastest = float(np.abs(np.linalg.eigvals(jacobian)).max())
+    fastest = float(np.abs(own).max())
     time = 1 / fastest if fastest * duration > 1 else duration
     largest = values
     # What a state has after that time, where no terms cancel; velocities come before coordinates.

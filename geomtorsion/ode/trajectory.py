@@ -11,6 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
+from geomtorsion.errors import StartError
 from geomtorsion.ode.numbers import PARTS, Real, floats, perturbed
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.system import (
@@ -21,6 +22,7 @@ from geomtorsion.ode.system import (
     Run,
     System,
     Watch,
+    eigenvalues,
     extents_of,
     scaled_run,
 )
@@ -132,9 +134,8 @@ class Stage:
     @cached_property
     def decay_rate(self) -> float:
         """The largest rate at which a neighbour decays towards this motion, at the beginning."""
-        if not np.isfinite(self._jacobian).all():
-            return 0.0
-        return float(-np.linalg.eigvals(self._jacobian).real.min())
+        own = eigenvalues(self._jacobian)
+        return 0.0 if own is None else float(-np.real(own).min())
 
     @cached_property
     def timed(self) -> Event | None:
@@ -275,7 +276,11 @@ class Trajectory:
                     self.tolerance,
                     dense=True,
                 )
-                assert again.dense is not None
+                if again.dense is None:
+                    raise StartError(
+                        f"engine {self.engine.name}: expected Run.dense from run(dense=True), got "
+                        "None. Return a function of times, or read the solution at its times."
+                    )
                 self._dense[k] = again.dense
         return self._dense[k]
 
@@ -348,8 +353,9 @@ def integrate(
             lasts = run.outcome == "stuck"
             if event is None or (lasts and event.then is None):
                 return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
-            # What cannot go on in two stages in a row cannot go on at all.
-            moved = abs(float(run.reached) - begin) > STANDSTILL * abs(float(run.reached))
+            # What cannot go on in two stages in a row cannot go on at all. Engines measure a
+            # standstill by the whole time too, so that the same motion ends in every chart.
+            moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
             idle = idle + 1 if lasts and not moved else 0
         after = None
         if idle < 2 and len(segments) <= MOST_STAGES and event.then is not None:

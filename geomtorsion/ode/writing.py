@@ -14,7 +14,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import MissingExtraError
 from geomtorsion.files import written
-from geomtorsion.ode.engines import Engine, Stiff, Taylor
+from geomtorsion.ode.engines.named import own_name
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.trajectory import Trajectory
@@ -40,7 +40,7 @@ def write_solution(
         **known,
         "whole": list(moment.whole),
         "made": {
-            "engine": _engine_text(trajectory.engine),
+            "engine": own_name(trajectory.engine),
             "tolerance": trajectory.tolerance.hex(),
             "unit": unit,
         },
@@ -59,13 +59,6 @@ def write_solution(
         np.savez_compressed(
             file, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
         )
-
-
-def _engine_text(engine: Engine) -> str:
-    """An engine in a word."""
-    if isinstance(engine, Taylor):
-        return f"Taylor:{engine.precision}"
-    return f"Stiff:{engine.method}" if isinstance(engine, Stiff) else "RungeKutta:"
 
 
 def term_text(term: sp.Expr) -> str:

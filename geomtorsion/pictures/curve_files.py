@@ -101,7 +101,11 @@ def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
     """Every number with all its digits; cells of a curve that stopped early stay empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(map(csv_cell, table))
-    columns = [[repr(float(x)) for x in column] for column in table.values()]
+    # Numbers of more than 53 bits print all their digits; floats do so by repr alone.
+    columns = [
+        [repr(float(x)) if column.dtype == float else str(x) for x in column]
+        for column in table.values()
+    ]
     writer.writerows(zip_longest(*columns, fillvalue=""))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +10,9 @@ import numpy as np
 
 from geomtorsion.checks import shown
 from geomtorsion.errors import CheckpointError
-from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode import Engine
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint, part_name
+from geomtorsion.ode.engines.named import engine_named, is_own
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.system import Run
@@ -56,12 +56,14 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     if not Path(path).exists():
         raise CheckpointError(f"{path}: there is no such checkpoint. Run the scene with it first.")
     saved = Checkpoint(path, fingerprint(ode, times, scene.accuracy, engine))
+    own = None if engine is None else engine.name
     found: dict[tuple[str, float, float], int] = {}
     for part in saved.parts:
         try:
             name, tolerance, perturbation, number = part.rsplit(" ", 3)
             key = name, float(tolerance), float(perturbation)
-            _ = _engine(name)
+            if not is_own(name) and name != own:
+                raise ValueError(name)
         except ValueError:
             raise CheckpointError(
                 f"{path}: {shown(part)} is no part of a run. Remove the file, or name another."
@@ -73,7 +75,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
         raise CheckpointError(f"{path}: nothing was computed yet. Run the scene again.")
     # Runs from a perturbed start only show how rounding grows.
     name, tolerance, perturbation = max(found, key=lambda key: (key[2] == 0, found[key]))
-    solver = engine if engine is not None and engine.name == name else _engine(name)
+    solver = engine if engine is not None and own == name else engine_named(name)
 
     def from_file(k: int, stage: Stage, at: np.ndarray) -> Run:
         """A part from the file; where it has none, the end."""
@@ -103,14 +105,3 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
         reason="kept from a run that was stopped",
         outcome="interrupted",
     )
-
-
-def _engine(name: str) -> Engine:
-    """The engine that calls itself so."""
-    bits = re.fullmatch(r"Taylor\((\d+)\)", name)
-    if bits is not None:
-        return Taylor(precision=int(bits[1]))
-    known = {engine.name: engine for engine in (Taylor(), RungeKutta(), Stiff())}
-    if name not in known:
-        raise ValueError(f"{name} is no engine")
-    return known[name]

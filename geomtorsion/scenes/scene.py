@@ -185,7 +185,7 @@ class Scene:
             )
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
-        if isinstance(self.t, Iterable):
+        if isinstance(self.t, Iterable) and checks.real(self.t) is None:
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
         whole = "{subject} = {value}: a whole number from 2 on was needed."
         samples = checks.count(self.samples, "samples", SceneError, 2, message=whole)

@@ -175,6 +175,11 @@ def solve_scene(
     """Solve a scene; see `Scene.run`."""
     # Equations that cannot be written down are refused before anything is computed.
     ode = scene.ode
+    if scene.accuracy < DOUBLE:
+        raise AccuracyError(
+            f"accuracy: expected {DOUBLE:.3g} or more, got {scene.accuracy:.3g}. The values of a "
+            "scene are doubles; for more digits solve its equations, `solve(scene.ode, ...)`."
+        )
     form = closed_form(scene) if engine is None else None
     if form is not None:
         found = _in_closed_form(scene, form)

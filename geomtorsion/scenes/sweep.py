@@ -14,7 +14,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
-from geomtorsion.ode import solve_many
+from geomtorsion.ode import ODE, solve_many
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.ode import Engine
     from geomtorsion.scenes.scene import Scene
+    from geomtorsion.scenes.selection import StateSelection
     from geomtorsion.scenes.state import State
 
 # Numbers in memory at once, 160 MB: longer batches are solved in parts.
@@ -420,8 +421,8 @@ def _in_batches(
                     found.lose(member, "it does not reach the last time")
                 continue
             own = replace(ode, parameters={**ode.parameters, **member.parameters})
-            values = observed(own, first.selection, times, solved.states[k])
-            found.measure(member, times, values, float(solved.errors[k]))
+            numbers = times, solved.states[k], float(solved.errors[k])
+            _measure(found, member, own, first.selection, *numbers)
         if solved.interrupted:
             raise KeyboardInterrupt
         _one_by_one(scene, again, engine, found)
@@ -437,8 +438,25 @@ def _in_closed_form(scene: Scene, members: list[_Member], found: _Measured) -> N
             _one_by_one(scene, [member], None, found)
             continue
         found.engines.add("closed form")
-        values = observed(own.ode, own.selection, times, checked.states)
-        found.measure(member, times, values, checked.error)
+        _measure(found, member, own.ode, own.selection, times, checked.states, checked.error)
+
+
+def _measure(
+    found: _Measured,
+    member: _Member,
+    ode: ODE,
+    selection: StateSelection,
+    times: np.ndarray,
+    states: np.ndarray,
+    error: float,
+) -> None:
+    """Measure the states of a member; a member with a value that is not finite is lost."""
+    try:
+        values = observed(ode, selection, times, states)
+    except SceneError as reason:
+        found.lose(member, str(reason))
+        return
+    found.measure(member, times, values, error)
 
 
 def _one_by_one(

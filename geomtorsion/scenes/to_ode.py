@@ -176,13 +176,25 @@ def _check_constrained(
 def observed(
     ode: ODE, selection: StateSelection, times: np.ndarray, states: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What is watched, by name, of states of shape (m, size) at these times."""
+    """What is watched, by name, of states of shape (m, size) at these times.
+
+    Raises
+    ------
+    SceneError
+        a value is not finite, such as an energy beyond all doubles.
+    """
     found = ode.read_outputs(times, states)
     values = {}
     for item in selection.watch:
         value = found[f"watch {item.name}"]
         if item.finish is not None:
             value = item.finish(value)
+        finite = np.isfinite(value).all(axis=tuple(range(1, value.ndim)))
+        if not finite.all():
+            raise SceneError(
+                f"{item.name}: expected finite values, got one that is not finite at t = "
+                f"{float(times[~finite][0]):.6g}. Use other units, or do not watch it."
+            )
         values[item.name] = value if item.labels or value.ndim == 1 else value[:, 0]
     return values
 

@@ -241,6 +241,17 @@ def test_save_and_load(engine, tmp_path):
     assert solve(again.problem, 3.0, 1e-9, engine).states == pytest.approx(sol.states, abs=1e-9)
 
 
+@needs_heyoka
+def test_the_error_of_a_file_is_that_of_its_doubles(tmp_path):
+    """Thirty digits are saved as doubles, whose error the file reports."""
+    solution = solve(ODE.of({"x": "-x"}, [1]), 1.0, 1e-25)
+    assert solution.error < 1e-25
+    solution.save(tmp_path / "decay.npz")
+    saved = SavedSolution.load(tmp_path / "decay.npz")
+    assert saved.error == 2.0**-53
+    assert saved.solution.error == solution.error
+
+
 def test_files_of_others(tmp_path):
     """What is no saved solution is refused."""
     with pytest.raises(FileFormatError, match="no solution saved"):

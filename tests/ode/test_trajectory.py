@@ -36,9 +36,9 @@ def test_how_many_events_a_motion_may_meet():
     assert len(found.segments) == 10_001
 
 
-@pytest.mark.parametrize(("moved", "count"), [(0.4e-9, 3), (0.7e-9, 6)])
+@pytest.mark.parametrize(("moved", "count"), [(0.7e-9, 3), (1.3e-9, 6)])
 def test_what_gets_nowhere_in_two_stages_stands_still(moved, count):
-    """Four stages that cannot go on after a billionth of the time t = 1/2; the fifth would do."""
+    """Four stages that cannot go on after a billionth of all the time; the fifth would do."""
     found = followed([0.5, *[moved] * 4], "stuck")
     assert len(found.segments) == count
     assert (found.outcome == "done") == (count == 6)

@@ -192,3 +192,14 @@ def test_a_long_free_symmetric_top(engine, moments):
     assert result.error <= 1e-12
     assert worst <= 1e-12
     assert worst <= 2 * result.error
+
+
+@pytest.mark.parametrize("accuracy", [1e-20, 1.1e-16])
+@pytest.mark.parametrize("acting", [(), (E.AngularDamping(0.1),)], ids=["free", "damped"])
+def test_an_accuracy_beyond_doubles_is_refused(acting, accuracy):
+    """What is watched is doubles; the equations themselves give more digits."""
+    start = gt.State(omega=(0.3, 1, 0.2), euler=(0.3, 0.5, 2))
+    scene = gt.Scene(gt.Body(moments=(1, 2, 3)), acting, start, ["omega"], t=1, accuracy=accuracy)
+    with pytest.raises(gt.errors.AccuracyError, match=r"expected 1.11e-16 or more, got 1.*solve"):
+        scene.run()
+    assert scene.with_values(accuracy=1.2e-16).run(engine=gt.Taylor(64)).error <= 1.2e-16

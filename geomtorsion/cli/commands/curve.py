@@ -135,7 +135,8 @@ def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
     ]
     for k in rows:
         cells = [
-            right_aligned((f"{x:.5g}" for x in pair.coordinates[name][k]), WIDTH) for name in curves
+            right_aligned((f"{float(x):.5g}" for x in pair.coordinates[name][k]), WIDTH)
+            for name in curves
         ]
         lines.append(f"{pair.times[k]:>10.5g}{'  '.join(cells)}  {pair.distance[k]:>10.3g}")
     return lines

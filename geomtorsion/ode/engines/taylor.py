@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache, partial
@@ -28,6 +29,7 @@ from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
     Dense,
+    Hoisted,
     Run,
     System,
     Watch,
@@ -44,12 +46,53 @@ FAINT = Fraction(1, 2**30)
 DISK = 2**30
 
 
-@dataclass
-class Compiled:
-    """A compiled integrator; `lock` is held while it runs, for threads share it."""
+@dataclass(frozen=True, eq=False)
+class _Shared:
+    """heyoka's integrator of all systems of equal code, and the lock of the thread that uses it."""
 
     integrator: Any
     lock: Any = field(default_factory=RLock)
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """The compiled integrator of one system; `ready` is the only way to run it."""
+
+    engine: Taylor
+    hoisted: Hoisted
+    shared: _Shared
+
+    @contextmanager
+    def ready(self, *parameters: Sequence[Real] | np.ndarray) -> Iterator[Ready]:
+        """Lock the integrator and set all its numbers, constants included.
+
+        parameters: those of the system, for one motion; for each of a few motions, in a few
+            arguments; or for the members of a batch, in one array of shape (number, parameters).
+        """
+        bits = self.engine.precision
+        numbers = [self.engine.array(self.hoisted.numbers(row, bits)) for row in parameters]
+        with self.shared.lock:
+            rows = numbers[0] if len(numbers) == 1 else np.array(numbers)
+            yield Ready(self.shared.integrator, rows, self.engine.max_steps)
+
+
+class Ready:
+    """A locked integrator with the numbers of one motion, or of the members of a batch.
+
+    The numbers of a batch are not a number until `choose` names the members.
+    integrator: heyoka's. max_steps: of one run.
+    """
+
+    def __init__(self, integrator: Any, numbers: np.ndarray, max_steps: int) -> None:
+        self.integrator = integrator
+        self.max_steps = max_steps
+        # heyoka has no room for the last parameters where these do not occur.
+        self._columns = numbers.T[: len(integrator.pars)]
+        integrator.pars[:] = self._columns if numbers.ndim == 1 else np.nan
+
+    def choose(self, members: Sequence[int] | np.ndarray) -> None:
+        """Set the numbers of the members that a batch integrates next, shape (width,)."""
+        self.integrator.pars[:] = self._columns[:, members]
 
 
 class Crossed:
@@ -63,7 +106,7 @@ class Crossed:
         self.members.add(member)
 
 
-_kept: OrderedDict[tuple[Any, ...], Compiled] = OrderedDict()
+_kept: OrderedDict[tuple[Any, ...], _Shared] = OrderedDict()
 _kept_lock = Lock()
 
 
@@ -103,7 +146,7 @@ def tolerance_of(order: int) -> float:
     return math.exp(-2 * (order - 1)) * (1 + 1e-6)
 
 
-def compiled(
+def _compiled(
     system: System,
     order: int,
     precision: int,
@@ -112,7 +155,7 @@ def compiled(
     measured: bool,
     number: Callable[[Any], Any],
     backward: bool = False,
-) -> tuple[Compiled, float]:
+) -> tuple[_Shared, float]:
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
@@ -130,7 +173,7 @@ def compiled(
             _kept.move_to_end(key)
             return found, 0.0
     integrator = _integrator(system, order, precision, width, optimised, measured, number, backward)
-    made = Compiled(integrator)
+    made = _Shared(integrator)
     with _kept_lock:
         _kept[key] = made
         while len(_kept) > KEPT:
@@ -309,12 +352,6 @@ class Taylor:
         kind = type(self.number(0.0))
         return np.array([self.number(value) for value in values], dtype=kind)
 
-    def _numbers(self, system: System, parameters: Sequence[Real] | np.ndarray) -> np.ndarray:
-        """What the compiled integrator of a system takes for its parameters."""
-        if self.precision == 53:
-            return system.with_constants(self.array(parameters))
-        return self.array(system.with_long_constants(parameters, self.precision + 20))
-
     def compiled(
         self,
         system: System,
@@ -328,7 +365,10 @@ class Taylor:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
-        return compiled(hoisted, order, bits, width, optimised, measured, self.number, backward)
+        shared, seconds = _compiled(
+            hoisted.system, order, bits, width, optimised, measured, self.number, backward
+        )
+        return Compiled(self, hoisted, shared), seconds
 
     def run(
         self,
@@ -367,13 +407,11 @@ class Taylor:
         watch: Watch | None,
     ) -> Run | None:
         """The run by one integrator; None where it is long and the code is not optimised."""
-        # Nobody else may use the integrator meanwhile.
-        with kept.lock:
-            began = time.perf_counter()
-            integrator, record = kept.integrator, None
+        began = time.perf_counter()
+        with kept.ready(parameters) as ready:
+            integrator, record = ready.integrator, None
             grid, start = self.array(times), self.array(start)
-            numbers = self._numbers(system, parameters) if system.parameters else None
-            _place(integrator, grid[0], start, numbers)
+            _place(integrator, grid[0], start)
             at = partial(_room, system, [float(x) for x in parameters], integrator)
             room = None if system.guard_is_entire else at
             propagated = self._propagated(integrator, grid, optimised, watch, room)
@@ -383,7 +421,7 @@ class Taylor:
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
                 if room is not None:
-                    _place(integrator, grid[0], start, numbers)
+                    _place(integrator, grid[0], start)
                     edge = _edge_ahead(integrator, place, grid[-1], room, room())
                     if edge is not None:
                         outcome, reason, place = "edge", "", edge
@@ -393,7 +431,7 @@ class Taylor:
             reached, last = integrator.time, integrator.state.copy()
             if dense and reached != grid[0]:
                 # The steps are the same with and without the grid.
-                _place(integrator, grid[0], start, numbers)
+                _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
                 integrator.propagate_until(reached, callback=record, write_tc=True)
             return Run(
@@ -471,13 +509,10 @@ def _room(system: System, numbers: Sequence[float], integrator: Any) -> float:
     return system.guard_at(integrator.state.astype(float).tolist(), numbers)
 
 
-def _place(integrator: Any, at: Any, state: np.ndarray, numbers: np.ndarray | None) -> None:
+def _place(integrator: Any, at: Any, state: np.ndarray) -> None:
     """Set an integrator to a time and a state."""
     integrator.time = at
     integrator.state[:] = state
-    if numbers is not None:
-        # heyoka has no room for the last parameters where these do not occur.
-        integrator.pars[:] = numbers[: len(integrator.pars)]
     if integrator.with_events:
         integrator.reset_cooldowns()
 
@@ -537,7 +572,7 @@ def _edge_ahead(
         middle = low + (high - low) / 2
         if middle in (low, high):
             break
-        _place(integrator, low, state, None)
+        _place(integrator, low, state)
         # What takes more steps lies beyond a place where steps shrink.
         integrator.propagate_until(middle, max_steps=2)
         arrived = integrator.time == middle and np.isfinite(integrator.state.astype(float)).all()
@@ -545,7 +580,7 @@ def _edge_ahead(
             low, state = middle, integrator.state.copy()
         else:
             high = middle
-    _place(integrator, low, state, None)
+    _place(integrator, low, state)
     return (low, state) if room() <= first * math.sqrt(np.finfo(float).eps) else None
 
 
@@ -572,7 +607,7 @@ def _last_regular(
             trail.append((at.time, at.state.copy()))
             return True
 
-        _place(integrator, *good, None)
+        _place(integrator, *good)
         integrator.propagate_until(end, callback=keep, max_steps=min(left, STEPS_AT_ONCE))
         if size is None:
             # What begins at zero is as large as its first step makes it.
@@ -580,7 +615,7 @@ def _last_regular(
         for at, state in trail:
             if not (np.isfinite(float(at)) and np.isfinite(state.astype(float)).all()):
                 return good
-            _place(integrator, at, state, None)
+            _place(integrator, at, state)
             integrator.propagate_until(good[0], max_steps=STEPS_AT_ONCE)
             gap = np.abs((integrator.state - good[1]).astype(float)).max()
             if not gap <= CLOSE * max(size, np.abs(good[1].astype(float)).max()):

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from geomtorsion.checks import plain
 from geomtorsion.errors import SceneError
 from geomtorsion.scenes.body import Number, exact
 from geomtorsion.scenes.context import Context
@@ -43,10 +44,10 @@ class AngularDamping(Effect):
 
     def __post_init__(self) -> None:
         """One number or three, none of them negative."""
-        value = self.coefficient
+        value = plain(self.coefficient)
         wanted = f"angular_damping.coefficient = {value!r}: one number >= 0 (N m s) or three were "
-        if isinstance(value, Iterable) and not isinstance(value, str):
-            object.__setattr__(self, "coefficient", tuple(value))
+        several = isinstance(value, Iterable) and not isinstance(value, str)
+        object.__setattr__(self, "coefficient", tuple(value) if several else value)
         try:
             numbers = [exact(each, "coefficient") for each in self._three()]
         except (SceneError, TypeError):

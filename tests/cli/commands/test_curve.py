@@ -4,12 +4,14 @@ import csv
 import json
 from pathlib import Path
 
+import mpmath
 import pytest
 
 from geomtorsion.ode import RungeKutta
 from geomtorsion.spaces import load
 from geomtorsion.spaces.pair import solve_pair
 from tests.cli.running import run
+from tests.ode.engines import needs_heyoka
 
 DATA = Path(__file__).parent.parent.parent / "data"
 CHEAP = ("--engine", "rungekutta", "--accuracy", "1e-8", "--samples", "21")
@@ -130,3 +132,13 @@ def test_bad_input_is_refused(arguments, says):
     assert says in result.stderr
     assert "Traceback" not in result.output
     assert result.stderr.startswith("geomtorsion: ")
+
+
+@needs_heyoka
+def test_all_digits_of_an_accuracy_beyond_doubles(tmp_path, no_pictures):
+    """A straight line in the plane to 1e-25: the table holds r = sqrt(5)/2 to as many digits."""
+    motion = ("--start", "1,0", "--velocity", "0,1/2", "--t", "1", "--samples", "3")
+    run("curve", "flat_polar", *motion, "--accuracy", "1e-25", "-o", str(tmp_path))
+    last = table_of(tmp_path)["geodesic r"][-1]
+    with mpmath.workdps(40):
+        assert abs(mpmath.mpf(last) - mpmath.sqrt(5) / 2) < 1e-25

@@ -1,0 +1,46 @@
+"""Named: the engines of this package, by the names that files keep."""
+
+from __future__ import annotations
+
+import re
+
+from geomtorsion.checks import cut
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.ode.engines.runge_kutta import METHODS, RungeKutta, Stiff
+from geomtorsion.ode.engines.taylor import Taylor
+from geomtorsion.ode.system import Engine
+
+_PLAIN: tuple[Engine, ...] = (Taylor(), RungeKutta(), *map(Stiff, METHODS))
+_BITS = re.compile(r"Taylor\((\d{1,4})\)")
+
+
+def is_own(name: str) -> bool:
+    """Whether an engine of this package has a name."""
+    return _BITS.fullmatch(name) is not None or any(engine.name == name for engine in _PLAIN)
+
+
+def engine_named(name: str) -> Engine:
+    """The engine of this package with a name.
+
+    Raises
+    ------
+    UnknownNameError
+        no engine of this package has the name.
+
+    Examples
+    --------
+    >>> engine_named("Taylor(113)").precision, engine_named("Stiff(LSODA)").name
+    (113, 'Stiff(LSODA)')
+    """
+    bits = _BITS.fullmatch(name)
+    if bits is not None:
+        return Taylor(precision=int(bits[1]))
+    for engine in _PLAIN:
+        if engine.name == name:
+            return engine
+    raise UnknownNameError(f"expected {', '.join(x.name for x in _PLAIN)}, got {cut(name)}.")
+
+
+def own_name(engine: Engine) -> str:
+    """The name of an engine of this package; empty for an engine of the user's own."""
+    return engine.name if type(engine) in {type(own) for own in _PLAIN} else ""

@@ -1,0 +1,188 @@
+"""Laws: what holds for every engine, a user's own among them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy
+import sympy as sp
+
+from geomtorsion import scenes, spaces
+from geomtorsion.curves import geodesic
+from geomtorsion.errors import CheckpointError, GeomtorsionError, StartError
+from geomtorsion.ode import (
+    ODE,
+    Engine,
+    RungeKutta,
+    SavedSolution,
+    Stiff,
+    Taylor,
+    solve,
+    solve_many,
+)
+from geomtorsion.ode.engines import Run
+from geomtorsion.ode.engines.taylor import is_available
+from geomtorsion.scenes.checkpoint import partial_result
+
+
+class Mine:
+    """A small engine as a user may write it: scipy's DOP853 at a tolerance."""
+
+    name = "Mine"
+    precision = 53
+    finds_every_root = False
+    follows_rounding = True
+
+    def __repr__(self) -> str:
+        return "Mine()"
+
+    def first(self, accuracy: float) -> float:
+        """Half a rung finer than the accuracy."""
+        return self.rung(accuracy / 10)
+
+    def rung(self, tolerance: float) -> float:
+        """Powers of ten, down to what scipy takes."""
+        return max(10.0 ** math.floor(math.log10(tolerance) + 1e-9), 1e-13)
+
+    def finer(self, tolerance: float) -> float | None:
+        """A hundredth."""
+        return tolerance / 100 if tolerance > 1e-11 else None
+
+    def run(
+        self,
+        system: Any,
+        start: Any,
+        parameters: Any,
+        times: np.ndarray,
+        tolerance: float,
+        *,
+        dense: bool = False,
+        watch: Any = None,
+    ) -> Run:
+        """One call of solve_ivp, up to where the guard falls through zero."""
+        values, y0 = [float(x) for x in parameters], np.array([float(x) for x in start])
+        span = float(times[0]), float(times[-1])
+        if span[0] == span[1]:
+            return Run(times[:1], y0[None], span[0], y0, "done", 0, 0, 0.0, 0.0)
+
+        def guard(_: float, y: np.ndarray) -> float:
+            return min(system.guard_at(y.tolist(), values), 1.0)
+
+        guard.terminal, guard.direction = True, -1  # type: ignore[attr-defined]  # as scipy asks
+        found = scipy.integrate.solve_ivp(
+            system.scalar_rates(values), span, y0, "DOP853", rtol=tolerance, atol=tolerance / 10,
+            dense_output=True, events=guard,
+        )  # fmt: skip
+        reached = float(found.t[-1])
+        here = times[np.abs(times - span[0]) <= abs(reached - span[0])]
+        outcome = {-1: "stuck", 0: "done", 1: "edge"}[found.status]
+        return Run(
+            here, found.sol(here).T, reached, found.y[:, -1], outcome, len(found.t) - 1,
+            found.nfev, 0.0, 0.0, (lambda t: found.sol(t).T) if dense else None, found.message,
+            float(np.abs(np.diff(found.t)).max()),
+        )  # fmt: skip
+
+
+OWN: list[Engine] = [RungeKutta(), Stiff("Radau"), Stiff("LSODA")]
+if is_available():
+    OWN += [Taylor(), Taylor(64), Taylor(113)]
+every_engine = pytest.mark.parametrize("engine", [*OWN, Mine()], ids=lambda engine: engine.name)
+ACCURACY = 1e-8
+
+
+def swing() -> ODE:
+    """x'' = -4 x from x = 1: a cosine."""
+    return ODE.of({"x": "v", "v": "-4*x"}, [1, 0])
+
+
+@every_engine
+def test_samples_and_what_lies_between(engine: Engine) -> None:
+    """Both are right, and the error estimate is not below the truth."""
+    solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
+    assert solution.engine == engine.name
+    truth = np.cos(2 * solution.times)
+    error = np.abs(solution["x"].astype(float) - truth).max()
+    assert error <= max(solution.error, 1e-15) <= ACCURACY
+    times = np.linspace(0.1, 2.9, 7)
+    assert solution.at(times)["x"].astype(float) == pytest.approx(np.cos(2 * times), abs=1e-6)
+    assert solution.event_times("x", -1)[0] == pytest.approx(np.pi / 4, abs=1e-6)
+
+
+@every_engine
+def test_a_great_circle_over_both_poles(engine: Engine) -> None:
+    """Of the sphere, in two charts that end, by as many stages as it takes."""
+
+    frame = spaces.load("s2").frame
+    problem = geodesic(frame, [sp.pi / 2, 0.3], frame_velocity=[1, 1e-3], parameters={"R": 1})
+    solution = solve(problem, 6.0, 1e-6, engine)
+    z = np.cos(solution.coordinates[:, 0].astype(float))
+    speed = np.sqrt(1 + 1e-6)
+    assert z == pytest.approx(-np.sin(speed * solution.times.astype(float)) / speed, abs=1e-5)
+
+
+@every_engine
+def test_a_saved_solution_is_the_same_or_is_refused(engine: Engine, tmp_path: Path) -> None:
+    """Samples are kept always; what lies between comes from the same engine, or from none."""
+    solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
+    solution.save(tmp_path / "swing.npz")
+    saved = SavedSolution.load(tmp_path / "swing.npz")
+    assert saved.metadata["engine"] == engine.name
+    assert saved["x"].tolist() == solution["x"].astype(float).tolist()
+    if engine in OWN:
+        assert saved.at(0.5)["x"] == solution.at(0.5)["x"]
+        assert saved.solution.trajectory.engine == engine
+    else:
+        with pytest.raises(StartError, match="got one by 'Mine'.*solve `problem` again"):
+            saved.at(0.5)
+        again = solve(saved.problem, [1.0, 2.0, 3.0], ACCURACY, engine)
+        assert again["x"].tolist() == saved["x"].tolist()
+
+
+@every_engine
+def test_a_checkpoint_goes_on(engine: Engine, tmp_path: Path) -> None:
+    """The second run takes all parts from the file; another engine is refused."""
+    runs = [
+        solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine, checkpoint=tmp_path / "run.npz")
+        for _ in range(2)
+    ]
+    assert runs[0]["x"].tolist() == runs[1]["x"].tolist()
+    other = RungeKutta(max_evaluations=10**6)
+    with pytest.raises(CheckpointError, match="engine differ"):
+        solve(swing(), [1.0, 2.0, 3.0], ACCURACY, other, checkpoint=tmp_path / "run.npz")
+
+
+@every_engine
+def test_a_scene_and_what_its_checkpoint_holds(engine: Engine, tmp_path: Path) -> None:
+    """A stopped scene is read with the engine that ran it."""
+    scene = replace(scenes.load("lagrange_cusp"), accuracy=1e-6)
+    whole = scene.run(engine=engine, checkpoint=tmp_path / "run.npz")
+    part = partial_result(scene, tmp_path / "run.npz", engine)
+    assert part.engine == whole.engine == engine.name
+    assert np.abs(part["energy"] - whole["energy"]).max() < 1e-5
+
+
+class Sampling(Mine):
+    """An engine that knows its samples only."""
+
+    def run(self, *given: Any, **more: Any) -> Run:
+        """The same run without dense output."""
+        return super().run(*given, **{**more, "dense": False})
+
+
+def test_an_engine_without_dense_output() -> None:
+    """Samples are right; between them there is an error that names the engine."""
+    solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, Sampling())
+    assert solution["x"] == pytest.approx(np.cos(2 * solution.times), abs=ACCURACY)
+    with pytest.raises(StartError, match="engine Mine: expected Run.dense"):
+        solution.at(0.5)
+
+
+def test_ensembles_name_the_engines_that_they_take() -> None:
+    """solve_many refuses the user's engine in clear words."""
+    with pytest.raises(GeomtorsionError, match="Taylor.. or RungeKutta.*Mine"):
+        solve_many(swing(), [[1, 0], [2, 0]], 1.0, engine=Mine())
