@@ -61,9 +61,7 @@ def main(arguments: list[str] | None = None) -> None:
     circle = gt.Loop.circle([0, 0], 3)
 
     u = displacement(x, y) + 2e-3 * rng.normal(size=(2, *x.shape))
-    field = gt.SampledFrame.from_displacement(
-        axes, u, branch="find", sigma="estimate", unit="nm"
-    )
+    field = gt.SampledFrame.from_displacement(axes, u, branch="find", sigma="estimate", unit="nm")
     print(field, field.source, sep="\n")
     tell("displacement", field.burgers(circle), 0.1)
     naive = np.stack([np.gradient(part, *axes) for part in u])

@@ -28,7 +28,7 @@ from geomtorsion.ode import (
 )
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load, names
-from geomtorsion.spaces.first_motions import first_motion
+from geomtorsion.spaces.first_motion import first_motion
 from tests.cli.running import run
 
 COORDINATES = sp.symbols("x y z", real=True)
