@@ -58,6 +58,7 @@ NEIGHBOURS: dict[tuple[str, str], str] = {
 LONG: dict[str, str] = {
     "ode/problem.py": "what a solver asks of equations, in one place; a quarter is documentation",
     "checks.py": "all validators side by side, so that nobody writes another; half are examples",
+    "files.py": "all that is read from text files, and one way to write a file whole or not",
     # Each stands for several files that were always read together.
     "codegen/reading.py": "all that is read: elements, their products, expressions",
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
