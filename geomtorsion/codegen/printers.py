@@ -85,9 +85,12 @@ class Binding(IntEnum):
 Body = tuple[tuple[str, ...], tuple[str, ...]]
 
 
-def python_body(steps: Sequence[Step], outputs: Sequence[Signed]) -> Body:
-    """The code of outputs over a0, a1, ..."""
-    writer = _PythonWriter(steps, outputs)
+def python_body(steps: Sequence[Step], outputs: Sequence[Signed], *, long: bool = False) -> Body:
+    """The code of outputs over a0, a1, ...
+
+    long: with constants to the digits of long doubles.
+    """
+    writer = _PythonWriter(steps, outputs, long)
     results = tuple(writer.signed(sign, place) for sign, place in outputs)
     return tuple(writer.lines), results
 
@@ -103,8 +106,9 @@ def python_source(arguments: int, body: Body) -> str:
 class _PythonWriter:
     """Writes steps: those needed once in place, others as statements before."""
 
-    def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
+    def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed], long: bool) -> None:
         self.lines: list[str] = []
+        self._long: bool = long
         self._codes: list[tuple[str, Binding]] = []
         for step, count in zip(steps, uses(steps, outputs), strict=True):
             code, kind = self._step(step)
@@ -133,8 +137,10 @@ class _PythonWriter:
         if kind == "argument":
             return f"a{detail}", Binding.WHOLE
         if kind == "number":
-            return _number(detail)
+            return _long_number(detail) if self._long else _number(detail)
         if kind == "digits":
+            if self._long:
+                return f"longdouble('{detail.evalf(LONG_DIGITS)}')", Binding.WHOLE
             return repr(float(detail)), Binding.WHOLE
         if kind == "imaginary":
             return "1j", Binding.WHOLE
@@ -151,7 +157,8 @@ class _PythonWriter:
             return f"{first}{sign}{second}", Binding.PRODUCT
         inner = [self._codes[place][0] for place in operands]
         if kind == "root":
-            name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"1/{detail}"])
+            one = "longdouble(1)" if self._long else "1"
+            name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"{one}/{detail}"])
         else:
             name = "pow" if detail == "power" else FUNCTIONS[detail].math
         return f"{name}({', '.join(inner)})", Binding.WHOLE
@@ -171,6 +178,17 @@ def _number(value: Fraction) -> tuple[str, Binding]:
     if value.denominator & (value.denominator - 1) == 0:
         return repr(above / below), Binding.WHOLE if value >= 0 else Binding.SUM
     return f"({above!r}/{below!r})", Binding.WHOLE
+
+
+# More than a long double holds.
+LONG_DIGITS = 2 * int(np.finfo(np.longdouble).precision)
+
+
+def _long_number(value: Fraction) -> tuple[str, Binding]:
+    """A rational number as code for long doubles."""
+    if value == float(value):
+        return _number(value)
+    return f"(longdouble('{value.numerator}')/longdouble('{value.denominator}'))", Binding.WHOLE
 
 
 def _sign(x: float) -> float:
@@ -201,7 +219,20 @@ _ARRAYS: dict[str, Any] = {
     "sqrt": np.sqrt,
     "max": _largest,
     "min": _smallest,
+    "longdouble": np.longdouble,
 }
+
+
+def _in_doubles(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of scipy.special, which takes no long doubles, of these too."""
+
+    def values(*arguments: Any) -> Any:
+        kinds = [getattr(x, "dtype", None) for x in arguments]
+        if np.longdouble not in kinds:
+            return function(*arguments)
+        return function(*[np.asarray(x, dtype=float) for x in arguments])
+
+    return values
 
 
 @lru_cache(maxsize=1024)
@@ -211,6 +242,7 @@ def compiled(
     """A function of source text that this package has written, by its name there.
 
     numbers: what its functions take; floats go to those of the math module, which make no arrays.
+    Long doubles go to those of NumPy.
 
     Examples
     --------
@@ -224,7 +256,7 @@ def compiled(
         from scipy import special
 
         by_name = {names.math: names.numpy for names in FUNCTIONS.values()}
-        table |= {known: getattr(special, by_name[known]) for known in missing}
+        table |= {known: _in_doubles(getattr(special, by_name[known])) for known in missing}
     # The source is made of our own names and numbers; no text of a user gets into it.
     exec(compile(source, "<geomtorsion>", "exec"), table)  # noqa: S102
     return table[name]

@@ -397,13 +397,6 @@ class CurveProblem:
             table |= dict(zip(equations.velocities, velocities, strict=True))
         return [table[name] for name in equations.parameters]
 
-    def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
-        """The first stage, unless it is linear by its very form."""
-        equations = self.equations(self.charts[0])
-        if not equations.moves and not equations.carried:
-            return []
-        return [(self.first_stage(53, 0.0), abs(end))]
-
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment in another chart, angles as the maps give them."""
         if segment.label == label:
