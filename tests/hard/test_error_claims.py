@@ -11,7 +11,7 @@ import pytest
 from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import AccuracyError
-from geomtorsion.ode import ODE, RungeKutta, Taylor, solve
+from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
 from geomtorsion.spaces import load
 from tests.ode.engines import every_engine, needs_heyoka
 
@@ -75,6 +75,16 @@ def test_orbits_by_keplers_equation(problem, end, accuracy, engine):
     """Orbits whose errors two runs in doubles share, or which agree by chance."""
     solution = solve(problem, end, accuracy, engine)
     assert_claim(orbit_error(solution), solution, accuracy)
+
+
+def test_orbits_side_by_side():
+    """Members of a batch whose steps round as much as they leave out are judged as by `solve`."""
+    speeds = np.array([2.0, 2.01, 1.99])
+    problem, end = orbit(0.4, 2.0), 1000.0
+    many = solve_many(problem, {"v": speeds}, [end], 1e-9, Taylor())
+    for k, speed in enumerate(speeds):
+        alone = solve(problem.with_start(start=[0.4, 0, 0, speed]), [end], 1e-9, Taylor())
+        assert many.errors[k] == alone.error
 
 
 @pytest.mark.slow
