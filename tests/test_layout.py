@@ -70,7 +70,6 @@ LONG: dict[str, str] = {
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "ode/engines/taylor.py": "the engine and the integrators that are compiled for it",
     "ode/solution.py": "a solution with its cost, and the outline of what can be solved",
-    "ode/trajectory.py": "one integration: its stages, what ends them, and the samples",
     "ode/system.py": "equations, engines that take them, and the units they are run in",
 }
 LONGEST = 500

@@ -392,13 +392,6 @@ class CurveProblem:
             return MovingPoint(values[:width], values[width : width + n], values[width + n :])
         return MovingPoint(values[:width], list(velocities), values[width:])
 
-    def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
-        """The first stage, unless it is linear by its very form."""
-        equations = self.equations(self.charts[0])
-        if not equations.moves and not equations.carried:
-            return []
-        return [(self.first_stage(53, 0.0), abs(end))]
-
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment in another chart, angles as the maps give them."""
         if segment.label == label:

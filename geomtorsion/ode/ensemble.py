@@ -186,8 +186,8 @@ def solve_many(
     progress
         show a bar; None: on a terminal, for long work.
 
-    Members that leave their chart, and those whose steps may have passed over something, are
-    solved one by one, as by `solve`. Ctrl-C returns what is finished.
+    Members that leave their chart, and those whose steps may have passed over something or may
+    round too much, are solved one by one, as by `solve`. Ctrl-C returns what is finished.
 
     Raises
     ------

@@ -2,10 +2,9 @@
 
 The answer is compared with one run two orders finer, which starts a rounding away. Twice the
 largest difference is the error: the finer run shows what the steps of the answer leave out, and
-the other start shows how rounding grows along this very motion. Where a motion goes by fits and
-starts, a finer run is put a rounding aside there, too: all runs would share what is lost at a
-near miss. Such an error, and one close to what was asked, is confirmed by a second finer run; so is
-one after a tolerance that missed, where that run was made beside the others.
+the other start shows how rounding grows along this very motion. Roundings of two runs in doubles
+may agree, by chance or as both add up the same ones. Where roundings may be a noticeable part of
+the error, the answer is compared with a finer run in numbers of more digits instead.
 What roundings of the rates make of an answer is added up where all runs would share them.
 """
 
@@ -17,8 +16,10 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, System, columns
-from geomtorsion.ode.trajectory import Segment, Trajectory
+from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
+from geomtorsion.precision import GOLDEN
 
 # The error is so many times the difference, for the finer run has an error of its own; and that run
 # starts so many units in the last place away, for roundings add up on the way.
@@ -26,12 +27,13 @@ SAFETY = 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
-# An error that is less than so many times below what was asked is confirmed by a second finer run,
-# which takes other steps and starts elsewhere: two roundings may agree by chance.
+# An error that is less than so many times below what was asked is confirmed by a second finer run
+# where that was made beside the first, in one batch.
 CLOSE = 1 / AIM
 # A motion goes by fits and starts if this part of its way lies between two of its samples.
 PEAK = 0.15
-# States that are no larger than so many roundings of the terms of their rates are nothing else.
+# States that are no larger than so many roundings of the terms of their rates have no size of their
+# own.
 NOISE = 100.0
 # They differ by more than this part of their size, for a rounding is no smaller.
 UNALIKE = 1 / NOISE
@@ -63,41 +65,41 @@ def verified(
     problem: Comparable,
     engine: Engine,
     accuracy: float,
-    run: Callable[[float, float, float | None], Trajectory],
+    run: Callable[[Engine, float, float], Trajectory],
     jointly: Callable[[Sequence[float], float], Sequence[Trajectory]] = lambda *_: (),
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
-    Or the best one, where none is. run: (tolerance, part by which states are perturbed, time at
-    which they are, besides the start) -> a trajectory. jointly: (three tolerances, part) -> the
-    answer and both finer runs, from starts changed by the part and by its opposite, and the answer
-    again with samples just before these, where all this can be had at one go.
+    Or the best one, where none is. run: (engine, tolerance, part by which the start is changed) ->
+    a trajectory. jointly: (three tolerances, part) -> the answer and both finer runs, from starts
+    changed by the part and by its opposite, and the answer again with samples just before these,
+    where all this can be had at one go.
     """
     perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
     tolerance: float | None = engine.first(AIM * accuracy)
     while tolerance is not None and (steps := tolerances_compared(engine, tolerance)):
-        _, finer, between = steps
-        answer, *others = jointly(steps, perturbation) or [run(tolerance, 0.0, None)]
+        finer = steps[1]
+        answer, *others = jointly(steps, perturbation) or [run(engine, tolerance, 0.0)]
         least = SAFETY * rounding(engine, answer.steps)
         again = others.pop() if others else None
-        reference, *others = others or [run(finer, perturbation, busiest_time(answer))]
+        reference, *others = others or [run(engine, finer, perturbation)]
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
         if error <= accuracy:
             error = max(error, SAFETY * rounding_of_rates(answer))
-        at = busiest_time(answer) if error <= accuracy else None
-        # After a tolerance that missed, two may agree by chance; the third is often at hand.
-        at_hand = best is not None and len(others) > 0
-        if error <= accuracy and (at is not None or accuracy < CLOSE * error or at_hand):
-            # Runs side by side are put aside at the start alone.
-            if at is not None or not others:
-                others = [run(between, -perturbation, at)]
+        if error <= accuracy:
+            # After a tolerance that missed, two may agree by chance; the third is often at hand.
+            if best is None and accuracy >= CLOSE * error:
+                others = []
+            if roundings_matter(answer, amplified=best is not None):
+                others = [run_without_rounding(answer, finer, perturbation, run)]
             runs += others
             for other in others:
-                second = SAFETY * difference(problem, answer, other)
-                if second > error:
+                second = max(SAFETY * difference(problem, answer, other), least)
+                # The first finer run has roundings of its own, one with more digits has none.
+                if second > error or other.engine.precision > engine.precision:
                     reference, error = other, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
@@ -109,6 +111,39 @@ def verified(
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
     return best._replace(runs=tuple(runs))
+
+
+def roundings_matter(answer: Trajectory, *, amplified: bool) -> bool:
+    """Whether roundings may make more than AIM of the error of a run.
+
+    The motion carries on what a step rounds as it carries on what a step leaves out, which is
+    about the tolerance: so both are compared step by step, the roundings as they add up at random.
+    A near miss multiplies roundings of the way to it.
+
+    amplified: whether an error was larger than what was asked of a tolerance, so that the motion
+        amplifies; then steps may leave out less than their tolerance where that counts.
+    """
+    least = rounding(answer.engine, answer.steps)
+    part = AIM**2 if amplified else AIM
+    return least > part * answer.tolerance or busiest_time(answer) is not None
+
+
+def run_without_rounding(
+    answer: Trajectory,
+    finer: float,
+    perturbation: float,
+    run: Callable[[Engine, float, float], Trajectory],
+) -> Trajectory:
+    """A run whose own errors are negligible beside the roundings of an answer.
+
+    Its difference from the answer is the error, which two runs that round alike would hide. Where
+    no engine has more digits, the run starts as far away as the roundings of the answer add up to.
+    """
+    # Engines of users need not have one with more digits.
+    sharper: Engine | None = getattr(answer.engine, "sharper", None)
+    if sharper is None:
+        return run(answer.engine, finer, perturbation * math.sqrt(max(answer.steps, 1)))
+    return run(sharper, finer, 0.0)
 
 
 def tolerances_compared(engine: Engine, tolerance: float) -> tuple[float, ...]:
@@ -192,7 +227,7 @@ def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajector
     """The same at each sample of the first, shape (m,); not a number where the second ended."""
     found = np.full(one.count, np.nan)
     for pair in _pairs(problem, one, two, False):
-        found[pair.places] = pair.at_samples(one)
+        found[pair.places] = pair.at_samples()
     return found
 
 
@@ -238,8 +273,10 @@ def rounding_on(
         known = (extent > 0) & (way < math.inf)
         part = np.divide(way, extent, out=np.zeros(worst.shape), where=known)
         if (part > UNALIKE).any():
-            noise = lasts * _noise(system, values, group, engine)
-            part[(part > UNALIKE) & (extent <= noise)] = 0.0
+            # As in `_size_of_noise`.
+            full = lasts * system.rates.sizes(*values)[group].max(axis=(0, -1))
+            noise = (part > UNALIKE) & (extent <= NOISE * 2.0**-engine.precision * full)
+            part = np.where(noise, way / np.where(noise, full, 1.0), part)
         worst = np.maximum(worst, part)
     return worst * 2.0 ** (53 - engine.precision)
 
@@ -248,12 +285,6 @@ def _columns(segment: Segment) -> np.ndarray:
     """States of the system at the beginning, the samples and the end; below them parameters."""
     begin, end = (np.asarray(state)[None] for state in (segment.stage.start, segment.run.last))
     return columns([begin, segment.run.states, end], segment.stage.parameters)
-
-
-def _noise(system: System, values: np.ndarray, group: list[int], engine: Engine) -> np.ndarray:
-    """How fast what rounding their rates makes of zero grows, at most, among a group of states."""
-    largest = system.rates.sizes(*values)[group].max(axis=(0, -1))
-    return NOISE * 2.0**-engine.precision * largest
 
 
 class _Pair(NamedTuple):
@@ -284,11 +315,12 @@ class _Pair(NamedTuple):
             if gap > 0:
                 extent = max([self.sizes[k] for k in group])
                 part = gap / extent if extent > 0 else math.inf
-                if part > worst and not self.is_noise(group, part, extent, one):
-                    worst = part
+                if part > UNALIKE:
+                    part = gap / _size_of_noise(self.parts[0][1].stage, one, group, extent)
+                worst = max(worst, part)
         return worst
 
-    def at_samples(self, one: Trajectory) -> np.ndarray:
+    def at_samples(self) -> np.ndarray:
         """The difference at each sample."""
         gaps = np.abs(self.first - self.second).astype(float)
         worst = np.zeros(len(gaps))
@@ -296,8 +328,8 @@ class _Pair(NamedTuple):
             if not group:
                 continue
             gap, extent = gaps[:, group].max(axis=1), max([self.sizes[k] for k in group])
-            if gap.max() > 0 and not self.is_noise(group, gap.max() / extent, extent, one):
-                worst = np.maximum(worst, gap / extent)
+            if gap.max() > 0:
+                worst = np.maximum(worst, gap / extent if extent > 0 else math.inf)
         return worst
 
     @property
@@ -306,15 +338,39 @@ class _Pair(NamedTuple):
         size = self.first.shape[1]
         return [[k for k in group if k < size] for group in self.parts[0][1].stage.groups]
 
-    def is_noise(self, group: list[int], part: float, extent: float, one: Trajectory) -> bool:
-        """Whether states are no larger than what rounding their rates makes of zero."""
-        if part <= UNALIKE:
-            return False
-        segments = [segment for _, segment, _ in self.parts]
-        if any(x.stage.lift is not None or not x.count for x in segments):
-            return False
-        noise = [_noise(x.stage.system, _columns(x), group, one.engine) for x in segments]
-        return extent <= abs(one.reached) * max(map(float, noise))
+
+def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: float) -> float:
+    """The size against which a group of states is measured whose differences are as large as it is.
+
+    That is its extent at the samples, unless this is no more than what roundings of its rates add
+    up to, over all of the time or over that in which the motion damps them. Then it is the extent
+    between the samples, as at whole turns all of these may be zero; and for states that vanish
+    there too, such as the radial velocity of a circle, what the terms of the rates would add up to
+    if they did not cancel.
+    """
+    system = stage.system
+    if stage.lift is not None:
+        return extent
+    some = [x for x in one.segments if x.stage.system is system]
+    terms = max([float(system.rates.sizes(*_columns(x))[group].max()) for x in some])
+    last, numbers = floats(some[-1].run.last), floats(some[-1].stage.parameters)
+    damping = float((-np.diagonal(system.jacobian(last, numbers))[group]).min())
+    full = terms * min(abs(one.reached), 1 / damping if damping > 0 else math.inf)
+    noise = NOISE * 2.0**-one.engine.precision * full
+    if extent > noise:
+        return extent
+    between = _size_between(one, stage.label, group)
+    return between if between > noise else full
+
+
+def _size_between(one: Trajectory, label: str, group: Sequence[int]) -> float:
+    """Largest state of a group between the samples, in one set of coordinates."""
+    samples = np.concatenate([segment.times for segment in one.segments]).astype(float)
+    times = np.unique(np.concatenate(([0.0], samples, [one.reached])))
+    between = times[:-1] + (1 - GOLDEN) * np.diff(times)
+    between = between if one.reached > 0 else between[::-1]
+    found = [states for segment, states, _ in one.at(between) if segment.label == label]
+    return max([float(np.abs(states[:, group]).max()) for states in found], default=0.0)
 
 
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:

@@ -10,7 +10,7 @@ import numpy as np
 from geomtorsion.copies import only_fields
 from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
 from geomtorsion.ode.engines import Engine
-from geomtorsion.ode.error_estimate import rounding_on
+from geomtorsion.ode.error_estimate import AIM, rounding, rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
 from geomtorsion.ode.system import System
@@ -117,7 +117,7 @@ class BatchRows:
     """The same of members that stay together, by one tolerance.
 
     left: shape (number,), errors that a finer run shares: by roundings of the rates, and by what
-        steps passed over; infinite where they may have.
+        steps passed over; infinite where they may have, and where roundings of steps may matter.
     """
 
     states: np.ndarray
@@ -196,6 +196,9 @@ def _run_parts(
         if accuracy is not None and not interrupted:
             errors, interrupted = _left(part, run, units, pace, times, tolerance, engine, accuracy)
             left[part.index] = errors + _rounding(part, run, units, times, engine)
+            # One by one they are compared with runs of more digits, see `roundings_matter`.
+            many = run.steps > (AIM * tolerance / rounding(engine, 1)) ** 2
+            left[part.index[run.finished & many]] = np.inf
         if interrupted:
             break
     return BatchRows(states, finished, left, interrupted, compiling)

@@ -105,7 +105,8 @@ def perturbed(
 
     Up and down in turn, or (for a part below zero) in pairs: another direction altogether.
 
-    all_of_them: False leaves alone what a float of this precision holds without rounding.
+    all_of_them: False leaves alone what a float of this precision holds without rounding, and
+        changes numbers of equal size alike, as rounding does: laws of conservation stay.
 
     Examples
     --------
@@ -113,10 +114,12 @@ def perturbed(
     [1.0009765625, 1.998046875]
     """
     found: list[Real] = []
-    for k, value in enumerate(values):
+    sizes = [] if all_of_them else [abs(value) for value in values]
+    for place, value in enumerate(values):
         if not all_of_them and _is_held(value, precision):
             found.append(value)
             continue
+        k = place if all_of_them else sizes.index(sizes[place])
         down = k % 2 if part > 0 else k // 2 % 2
         change = -abs(part) if down else abs(part)
         if precision == 53:

@@ -115,6 +115,12 @@ def _of_piece(
     states = values[: system.size]
     rates = system.array_function(*values)
     gaps = _unexplained(states, rates, lasts, over)
+    if gaps.any():
+        # States with this error have rates with this part of their terms as error. On a stiff
+        # motion the terms cancel, and such errors are all that is left of the rates.
+        terms = system.rates.sizes(*values)
+        doubt = claimed * np.maximum(terms[:, 1:], terms[:, :-1]) * np.abs(lasts)
+        gaps[np.abs(gaps) <= doubt] = 0.0
     if not gaps.any():
         return [], 0.0
     sums, parts = np.add.accumulate(gaps, axis=1), np.abs(gaps)

@@ -388,30 +388,6 @@ class ODE:
                 states[:, places] = part / np.sqrt((part * part).sum(axis=1))[:, None]
         return states
 
-    def stages_to_probe(self, end: float) -> list[tuple[Stage, float]]:
-        """Stages at the start with the parameters of each later time, and how long they last."""
-        probed = [(begin, stage) for begin, stage in self._probes if begin < end or not begin]
-        ends = [*(event.time for event in self.events if 0 < event.time < end), end]
-        return [
-            (stage, abs(next(at for at in ends if at > begin or at == end) - begin))
-            for begin, stage in probed
-        ]
-
-    @cached_property
-    def _probes(self) -> list[tuple[float, Stage]]:
-        """The start with the parameters of each time from which on they are others."""
-        found, parameters = [], dict(self.parameters)
-        for begin in dict.fromkeys((0.0, *(event.time for event in self.events))):
-            changes: dict[str, Real] = {}
-            for event in self.events:
-                if event.time == begin:
-                    changes |= self._parameter_changes(event)
-            if begin == 0 or changes:
-                parameters |= changes
-                stage = self._stage(begin, list(self.start), parameters, (), 53, 0.0)
-                found.append((begin, stage))
-        return found
-
     # -- reading a solution ----------------------------------------------------------------------
 
     def moment(

@@ -12,6 +12,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.codegen.arrays import BLOCK
+from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
@@ -93,10 +94,6 @@ class Problem(Protocol):
         """The equations with their start; perturbation: the part by which this is changed."""
         ...
 
-    def stages_to_probe(self, end: float) -> Sequence[tuple[Stage, float]]:
-        """Stages that may be stiff, and how long each lasts."""
-        ...
-
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
         """States of a segment in the coordinates of a label."""
         ...
@@ -150,7 +147,8 @@ class Solution:
         stopped they end there.
     accuracy: what was asked for, relative to the size of the solution.
     error: estimate of the largest error at `times`, each group of states (coordinates, frame
-        velocities, ...) against its own largest size. What is read off the states, such as
+        velocities, ...) against its own largest size; a group that is zero but for rounding
+        against what the terms of its rates would add up to. What is read off the states, such as
         velocities in coordinates or outputs, may be known better or worse: see `error_of`; so
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
@@ -368,14 +366,17 @@ class Solution:
             return np.broadcast_to(read(self.at(times)), len(times))
 
         found = [np.zeros(0)]
-        for times in _stretches(self):
+        for k, times in enumerate(_stretches(self)):
             blocks = range(0, len(times), BLOCK)
-            values = np.concatenate([function(times[k : k + BLOCK]) for k in blocks])
+            values = np.concatenate([function(times[j : j + BLOCK]) for j in blocks])
             if not np.isfinite(values).all():
                 raise ExpressionError(
                     f"{term!r} has no finite value at {self.problem.time_name} = "
                     f"{times[~np.isfinite(values)][0]:.6g}."
                 )
+            if k == 0 and abs(values[0]) <= ROUNDINGS * EPS * np.abs(values).max():
+                # A zero at the start may be read as a rounding of either sign.
+                values[0] = 0.0
             found.append(crossings(function, times, values, direction))
         return np.concatenate(found)
 

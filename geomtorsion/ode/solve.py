@@ -14,7 +14,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
-from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
 from geomtorsion.ode.numbers import (
@@ -36,8 +36,6 @@ from geomtorsion.ode.system import STEPS_AT_ONCE, Run, System, WorkLimitError, u
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate, is_beyond
 
 Progress: TypeAlias = Callable[[float], object]
-# A motion whose fastest decay times its duration exceeds this is left to an implicit engine.
-STIFF = 3e4
 
 
 def solve(
@@ -66,7 +64,8 @@ def solve(
     accuracy
         largest error, relative to the size of the solution (see `Solution.error`).
     engine
-        Taylor(), RungeKutta() or Stiff(); None chooses and says why.
+        Taylor(), RungeKutta() or Stiff(); None chooses one of the first two and says why. Both
+        refuse stiff equations on which they would take too many steps.
     checkpoint
         a file into which the run is written as it goes; a later call with the same problem,
         times, accuracy and engine goes on from there, to the same result.
@@ -136,21 +135,30 @@ def _solved(
 ) -> Solution:
     """The answer of the first engine that is good enough."""
     runs: list[Trajectory] = []
+    names: list[str] = []
     best = math.inf
     end = float(grid[-1])
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
-    for candidate, reason in engines(problem, end, accuracy, engine):
+    for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
         found = _unbroken(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
+        names.append(candidate.name)
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":
             solution = _solution(problem, times, grid, accuracy, reason, found, runs)
-            if not solution.complete:
+            if solution.complete:
+                return solution
+            other = None
+            if engine is None and isinstance(candidate, Taylor) and is_coarse(accuracy):
+                # Series have no value where roots begin, which steps may leave behind.
+                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
+                other = _complete(stepwise, runs)
+            if other is None:
                 error = problem.stuck_error(solution.trajectory)
                 error.solution = solution  # type: ignore[attr-defined]  # both errors have it
                 raise error
-            return solution
-    names = dict.fromkeys(run.engine.name for run in runs)
+            reason = "a series has no value on the way"
+            return _solution(problem, times, grid, accuracy, reason, other, runs)
     none = f"gives {'no ' if names else ''}two runs to compare"
     got = f"gets to {best:.2g}" if math.isfinite(best) else none
     raise AccuracyError(
@@ -191,20 +199,29 @@ class _Runs:
         stages = [self.problem.first_stage(self.engine.precision, x) for x in (0.0, part, -part)]
         return side_by_side(stages, self.grid, tolerances, self.engine)
 
-    def run(self, tolerance: float, part: float, at: float | None) -> Trajectory:
+    def run(self, engine: Engine, tolerance: float, part: float) -> Trajectory:
         try:
             return integrate(
-                self.problem.first_stage(self.engine.precision, part),
+                self.problem.first_stage(engine.precision, part),
                 self.grid,
                 tolerance,
-                self.engine,
+                engine,
                 cuts=self.cuts,
-                perturbed_at=None if at is None else (at, part),
-                runner=self.kept and self.kept.runner(self.engine, tolerance, part, len(self.cuts)),
+                runner=self.kept and self.kept.runner(engine, tolerance, part, len(self.cuts)),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:
             raise limit.counted(1 / self.problem.time_unit, self.problem.time_name) from None
+
+
+def _complete(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
+    """The answer if it comes to the end, and is good enough."""
+    try:
+        found = _unbroken(asked, runs)
+    except WorkLimitError:
+        return None
+    ended = found.answer.outcome in ("done", "stopped")
+    return found if ended and found.error <= asked.accuracy else None
 
 
 def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> Verified:
@@ -234,7 +251,7 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
             if again is None:
                 # The same steps, with samples just before both ends of what is in doubt.
                 needed = np.append(places.before, (0.0, end))
-                again = asked.at(needed).run(looked.answer.tolerance, 0.0, None)
+                again = asked.at(needed).run(asked.engine, looked.answer.tolerance, 0.0)
                 runs.append(again)
             places = confirmed(again, places)
         new = cuts_of(places, end) - {0.0, end, *asked.cuts}
@@ -270,20 +287,16 @@ def _solution(
 
 
 def engines(
-    problem: Problem, end: float, accuracy: float, engine: Engine | None
+    problem: Problem, accuracy: float, engine: Engine | None
 ) -> Iterator[tuple[Engine, str]]:
     """Engines in the order in which to try them, each with the reason."""
     if engine is not None:
         yield engine, "as asked"
         return
-    if any(_is_stiff(stage, lasts) for stage, lasts in problem.stages_to_probe(end)):
-        # Of higher order than Radau, and as good between its steps as at them.
-        yield Stiff("LSODA"), "the equations are stiff at the start"
-        yield Stiff(), "the equations are stiff at the start"
     has_series = problem.first_stage(53, 0.0).system.has_series
     if not (is_available() and has_series):
         reason = "heyoka is not installed" if has_series else "a function has no Taylor series"
-        if accuracy > 1e-13:
+        if is_coarse(accuracy):
             yield RungeKutta(), reason
         return
     if accuracy > 4e-16:
@@ -295,9 +308,9 @@ def engines(
     yield Taylor(300), "quadruple precision does not give this accuracy"
 
 
-def _is_stiff(stage: Stage, lasts: float) -> bool:
-    """Whether some direction decays much faster than the stage lasts; False if unknown."""
-    return stage.rate_norm * lasts > STIFF and stage.decay_rate * lasts > STIFF
+def is_coarse(accuracy: float) -> bool:
+    """Whether RungeKutta is worth a try: its steps round to about as much."""
+    return accuracy > 1e-13
 
 
 def _remedy(engine: Engine | None) -> str:

@@ -102,6 +102,11 @@ class System:
         """The same in long doubles, but for the numbers in the equations."""
         return self.rates.numpy(np.longdouble)
 
+    @cached_property
+    def long_scalar_function(self) -> Callable[..., tuple[np.longdouble, ...]]:
+        """f(*states, *parameters) on single long doubles; see `Graph.long_python`."""
+        return self.rates.long_python()
+
     def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
         """f(t, y) for one motion, on plain floats; not a number where there is no value."""
         inner = self.scalar_function
@@ -126,6 +131,17 @@ class System:
             return np.array(self._jacobian(*state, *values)).reshape(n, n)
         except NO_VALUE:
             return np.full((n, n), np.nan)
+
+    def damping(self, state: Sequence[float], values: Sequence[float]) -> float:
+        """The largest rate at which a neighbour approaches; 0 where others part as fast.
+
+        Every direction that decays has one that grows beside it where a motion conserves an energy.
+        """
+        jacobian = self.jacobian(state, values)
+        if not np.isfinite(jacobian).all():
+            return 0.0
+        real = np.linalg.eigvals(jacobian).real
+        return float(-real.min()) if -real.min() > 2 * real.max() else 0.0
 
     @cached_property
     def has_series(self) -> bool:
@@ -297,7 +313,44 @@ class WorkLimitError(LimitError):
     def counted(self, unit: float, name: str = "t") -> WorkLimitError:
         """The same in other units of time, whose name may be another one."""
         work, reached, advice, _ = self.args
-        return WorkLimitError(work, reached * unit, advice, name)
+        return type(self)(work, reached * unit, advice, name)
+
+
+class StiffnessError(WorkLimitError):
+    """A run whose steps end with stability, and of which it needs too many.
+
+    args: how many steps there may be, the time reached, how many are needed, the name of the time.
+    """
+
+    def __str__(self) -> str:
+        most, reached, needed, name = self.args
+        return (
+            f"expected at most {most} steps, got equations that need about {needed}: they are "
+            f"stiff at {name} = {reached:.6g}, where stability limits each step. "
+            "Use engine=Stiff()."
+        )
+
+
+# A step may be this many times as long as a neighbour takes to approach where accuracy alone limits
+# it; explicit methods of order eight and more become unstable at some six.
+STABLE = 2.0
+
+
+def refuse_stiff(
+    system: System,
+    state: Sequence[float],
+    values: Sequence[float],
+    pace: float,
+    reached: float,
+    left: float,
+    most: int,
+) -> None:
+    """Refuse a run that goes on with steps limited by stability, and would need too many.
+
+    pace: the mean of its last steps; left: the time to its end; most: the steps it may take.
+    """
+    if left > most * pace and pace * system.damping(state, values) > STABLE:
+        raise StiffnessError(most, reached, f"{left / pace:.2g}", "t")
 
 
 class Engine(Protocol):

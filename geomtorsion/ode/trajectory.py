@@ -12,7 +12,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import StartError
-from geomtorsion.ode.numbers import PARTS, Real, floats, perturbed
+from geomtorsion.ode.numbers import PARTS, Real, floats
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.system import (
     STANDSTILL,
@@ -22,7 +22,6 @@ from geomtorsion.ode.system import (
     Run,
     System,
     Watch,
-    eigenvalues,
     extents_of,
     scaled_run,
 )
@@ -119,23 +118,6 @@ class Stage:
             rates = self.system.scalar_rates(numbers)(0.0, np.asarray(self.start))
             slopes = [abs(x) if k in idle else 0.0 for k, x in enumerate(rates)]
         return list(zip([abs(float(x)) for x in self.start], slopes, strict=True))
-
-    @cached_property
-    def _jacobian(self) -> np.ndarray:
-        """df/dy at the beginning."""
-        numbers = ([float(x) for x in row] for row in (self.start, self.parameters))
-        return self.system.jacobian(*numbers)
-
-    @cached_property
-    def rate_norm(self) -> float:
-        """A bound of all rates at which neighbours part or approach, at the beginning."""
-        return float(np.abs(self._jacobian).sum(axis=1).max())
-
-    @cached_property
-    def decay_rate(self) -> float:
-        """The largest rate at which a neighbour decays towards this motion, at the beginning."""
-        own = eigenvalues(self._jacobian)
-        return 0.0 if own is None else float(-np.real(own).min())
 
     @cached_property
     def timed(self) -> Event | None:
@@ -295,7 +277,6 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
-    perturbed_at: tuple[float, float] | None = None,
     runner: Runner | None = None,
     watch: Watch | None = None,
 ) -> Trajectory:
@@ -309,8 +290,6 @@ def integrate(
         local tolerance for the engine.
     cuts
         times at which a stage is ended and goes on, so that its parts can be kept in a file.
-    perturbed_at
-        a time, and the relative part by which the states are changed there.
     runner
         (number, stage, times) -> its run, in the place of the engine.
     watch
@@ -320,8 +299,6 @@ def integrate(
     end = float(times[-1])
     sign = -1.0 if end < 0 else 1.0
     done, idle, waiting = 0, 0, list(cuts)
-    if perturbed_at is not None:
-        waiting = sorted({*cuts, perturbed_at[0]}, key=lambda at: sign * at)
     while True:
         begin = float(stage.begin)
         while waiting and sign * waiting[0] <= sign * begin:
@@ -344,8 +321,6 @@ def integrate(
             event = stage.timed
             if event is None or event.when != stop:
                 last = run.last if stage.kept is None else stage.kept(run.last)
-                if perturbed_at is not None and stop == perturbed_at[0]:
-                    last = _perturbed(last, perturbed_at[1], engine.precision)
                 stage = replace(stage, start=last, begin=stop)
                 continue
         else:
@@ -366,12 +341,6 @@ def integrate(
                 outcome, reason = event.ending(float(run.reached), segments[-1].last)
             return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
-
-
-def _perturbed(state: State, part: float, precision: int) -> State:
-    """A state on the way, changed by a relative part."""
-    found = perturbed(list(state), part, precision, all_of_them=True)
-    return np.array(found) if precision == 53 else found
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:

@@ -2,6 +2,7 @@
 
 import math
 import sys
+import time
 from functools import cache
 
 import mpmath
@@ -10,10 +11,17 @@ import pytest
 
 from geomtorsion.accuracy.cost import truth_of
 from geomtorsion.curves import autoparallel, distance_apart, geodesic
-from geomtorsion.errors import AccuracyError, ChartEdgeError, TimeError, UnknownNameError
+from geomtorsion.errors import (
+    AccuracyError,
+    ChartEdgeError,
+    LimitError,
+    StuckError,
+    TimeError,
+    UnknownNameError,
+)
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.geometry.connections import blend
-from geomtorsion.ode import ODE, RungeKutta, Stiff, Taylor, solve
+from geomtorsion.ode import ODE, At, RungeKutta, Stiff, Taylor, solve
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.spaces import load
 from tests.chosen import one_in
@@ -265,9 +273,86 @@ def test_nothing_to_compare_is_said(monkeypatch):
 
 
 @needs_heyoka
-@pytest.mark.parametrize(("rate", "implicit"), [(2e4, False), (5e4, True)])
-def test_how_fast_a_decay_makes_a_motion_stiff(rate, implicit):
-    """A decay 30,000 times within the motion is left to an implicit engine, a slower one is not."""
-    decay = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": rate})
-    found = solve(decay, 1.0, 1e-6)
-    assert found.engine.startswith("Stiff") == implicit
+@pytest.mark.parametrize("engine", [None, RungeKutta()], ids=["default", "RungeKutta"])
+def test_stiff_equations_are_refused_at_once(engine):
+    """Where stability limits each step, and too many are left; an implicit engine solves them."""
+    k = 1e9
+    decay = ODE.of({"x": "-k*(x - cos(t))"}, [0], parameters={"k": k})
+    kinetics = ODE.of(
+        {"a": "-a/25 + 1e4*b*c", "b": "a/25 - 1e4*b*c - 3e7*b**2", "c": "3e7*b**2"}, [1, 0, 0]
+    )
+    began = time.process_time()
+    for problem, end in ((decay, 1.0), (kinetics, 1e11)):
+        with pytest.raises(LimitError, match=r"stiff at t = .*Use engine=Stiff\(\)\."):
+            solve(problem, end, 1e-6, engine)
+    assert time.process_time() - began < 5
+    found = solve(decay, 1.0, 1e-6, Stiff())
+    assert found["x"][-1] == pytest.approx(np.cos(1.0) + np.sin(1.0) / k, abs=1e-6)
+
+
+@needs_heyoka
+@pytest.mark.parametrize(
+    ("eccentricity", "end"), [(0.8, 2000.0), pytest.param(0.6, 1e4, marks=pytest.mark.slow)]
+)
+def test_a_long_conservative_motion_is_not_taken_for_stiff(eccentricity, end):
+    """An orbit approaches some neighbours as fast as it leaves others."""
+    near = 1 - eccentricity
+    orbit = ODE.of(
+        {"x": "u", "y": "v", "u": "-x/(x*x + y*y)**(3/2)", "v": "-y/(x*x + y*y)**(3/2)"},
+        {"x": near, "y": 0, "u": 0, "v": math.sqrt((1 + eccentricity) / near)},
+    )
+    began = time.process_time()
+    found = solve(orbit, end, 1e-7)
+    assert found.engine == "Taylor"
+    assert time.process_time() - began < 5
+
+
+def test_robertsons_problem():
+    """Eleven powers of ten of time, to the values of its literature."""
+    kinetics = ODE.of(
+        {"a": "-a/25 + 1e4*b*c", "b": "a/25 - 1e4*b*c - 3e7*b**2", "c": "3e7*b**2"}, [1, 0, 0]
+    )
+    for end, exact in (
+        (40.0, [0.7158270687193, 9.185534764557e-06, 0.2841637457458]),
+        (1e11, [2.0833401500e-08, 8.3333607700e-14, 0.99999997916651]),
+    ):
+        found = solve(kinetics, end, 1e-6, Stiff())
+        sizes = np.abs(found.states).max(axis=0)
+        away = np.abs(found.states[-1] - exact)
+        assert (away <= 1e-6 * sizes).all()
+        assert (away <= found.error * sizes + 1e-8 * np.array(exact)).all()
+        assert found.states[-1] == pytest.approx(exact, rel=2e-7)
+
+
+def test_a_tiny_state_behind_a_switch():
+    """A velocity of 1e-16 sets no scale of its own beside an acceleration of one."""
+    swing = ODE.of(
+        {"y": "v", "v": "-s*y"}, [1, 0], parameters={"s": 1}, events=[At(1, {"v": 1e-16, "s": 2})]
+    )
+    for engine in (None, RungeKutta()):
+        found = solve(swing, 2.0, engine=engine)
+        assert found["y"][-1] == pytest.approx(np.cos(1) * np.cos(np.sqrt(2)), abs=1e-10)
+    pushed = ODE.of(
+        {"y": "v", "v": "-pi**2*y + s"}, [1, 0], parameters={"s": 1},
+        events=[At(k, {"s": (-1) ** k}) for k in range(1, 8)],
+    )  # fmt: skip
+    found = solve(pushed, 8.0, 1e-10, RungeKutta())
+    # At whole times the velocity is zero, and y turns over about each s/pi**2 in turn.
+    height = 1.0
+    for k in range(8):
+        height = 2 * (1 if k == 0 else (-1) ** k) / np.pi**2 - height
+    assert found["y"][-1] == pytest.approx(height, abs=1e-10)
+
+
+@every_engine
+def test_rates_that_end_where_the_motion_does(engine):
+    """(1 - t)**(1/3) to t = 1, and roots that begin at 0, by the engine that can."""
+    end = solve(ODE.of({"x": "(1 - t)**(1/3)"}, [0]), 1.0, 1e-8, engine)
+    assert end["x"][-1] == pytest.approx(0.75, abs=1e-8)
+    for rate, value in (("sqrt(t)", 2 / 3), ("t**(3/2)", 0.4)):
+        found = solve(ODE.of({"x": rate}, [0]), 1.0, 1e-8)
+        assert found.engine == "RungeKutta"
+        assert found["x"][-1] == pytest.approx(value, abs=1e-8)
+        assert abs(found["x"][-1] - value) <= found.error
+    with pytest.raises(StuckError, match="t = 1"):
+        solve(ODE.of({"x": "1/(1 - t)"}, [0]), 2.0, 1e-8)

@@ -17,8 +17,15 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen import Graph, compiled
+from geomtorsion.ode.engines.dop853 import STAGES
 from geomtorsion.ode.rates import KEPT
-from geomtorsion.ode.system import NO_VALUE, STEPS_AT_ONCE, System, WorkLimitError
+from geomtorsion.ode.system import (
+    NO_VALUE,
+    STEPS_AT_ONCE,
+    System,
+    WorkLimitError,
+    refuse_stiff,
+)
 
 # Larger systems are faster on arrays; the steps are the same.
 LARGEST = 24
@@ -26,6 +33,9 @@ LARGEST = 24
 SAFETY, SHORTEST, LONGEST = 0.9, 0.2, 10.0
 # So many times are worked out one by one: faster, and the same.
 FEW_TIMES = 4
+# Steps of fewer last places of the time are too small; ends so many of these ahead are reached.
+LEAST_ULPS = 10
+NEAR_END = LEAST_ULPS**2
 
 
 class Polynomial:
@@ -94,7 +104,10 @@ class Steps:
         scales: Sequence[float],
         longest: float,
         most: int,
+        *,
+        long: bool = False,
     ) -> None:
+        self._system: System = system
         self.values: tuple[float, ...] = tuple(values)
         self.state: tuple[float, ...] = tuple(y0)
         self.time: float
@@ -106,8 +119,8 @@ class Steps:
         self.floors: tuple[float, ...] = tuple(tolerance * x for x in scales)
         self.longest: float = longest
         self.most: int = most
-        self._function = system.scalar_function
-        self._step, self._rows = step_of(system), rows_of(system)
+        self._function: Any = system.long_scalar_function if long else system.scalar_function
+        self._step, self._rows = step_of(system, long=long), rows_of(system)
         self.rates: tuple[float, ...] = tuple(self._function(*self.state, *self.values))
         self.count: int = 0
         self.tried: int = 0
@@ -149,16 +162,18 @@ class Steps:
         bend = norm([a - b for a, b in zip(self.inner(*there), self.rates, strict=True)]) / guess
         largest = max(slope, bend)
         second = (0.01 / largest) ** 0.125 if largest > 1e-15 else max(1e-6, guess * 1e-3)
-        return min(100 * guess, second, self.duration, self.longest)
+        # A tiny state beside large ones makes the guess tiny: behind a switch it is tried anyhow.
+        least = LEAST_ULPS * math.ulp(self.time) if self.time else 0.0
+        return max(min(100 * guess, second, self.duration, self.longest), least)
 
     def advance(self) -> Polynomial | None:
         """One accepted step; None where none is: see `stuck`."""
         rejected = False
         while True:
             size = min(self._size, self.longest)
-            if size < 10 * math.ulp(self.time) or not size > 0:
+            if size < LEAST_ULPS * math.ulp(self.time) or not size > 0:
                 self.stuck = "the steps became too small"
-                return None
+                return self._last()
             after = self.time + self.sign * size
             if self.sign * (after - self.end) >= 0:
                 after = self.end
@@ -176,7 +191,7 @@ class Steps:
             except NO_VALUE:
                 fifth = third = float("nan")
                 new = rates = stages = ()
-            error = 0.0
+            error, fifth, third = 0.0, float(fifth), float(third)
             if fifth or third:
                 error = size * fifth / math.sqrt((fifth + 0.01 * third) * len(self.state))
             if error < 1:
@@ -193,10 +208,33 @@ class Steps:
         self.count += 1
         return piece
 
+    def _last(self) -> Polynomial | None:
+        """The rest of the way, where it is a rounding of the time and changes nothing.
+
+        Beyond an end such as that of (1 - t)**(1/3) the rates have no value, and a clock may be
+        beyond it by a rounding.
+        """
+        h = self.end - self.time
+        if abs(h) > NEAR_END * LEAST_ULPS * math.ulp(self.end):
+            return None
+        rows = zip(self.state, self.rates, self.floors, strict=True)
+        if not all(abs(h * k) <= floor + self.tolerance * abs(y) for y, k, floor in rows):
+            return None
+        new = tuple([y + h * k for y, k in zip(self.state, self.rates, strict=True)])
+        stages = self.rates * (stage_count() - 1)
+        parts = (self.state, self.rates, new, self.rates, stages)
+        piece = Polynomial(self._coefficients, self.time, h, parts)
+        self.time, self.state, self.stuck = self.end, new, ""
+        self.count += 1
+        return piece
+
     def _stalls(self) -> bool:
         """Whether time stands still; too many steps are an error."""
         if self.tried * stage_count() > self.most:
             raise too_many_evaluations(self.most, self.time)
+        pace, left = abs(self.time - self._mark) / STEPS_AT_ONCE, abs(self.end - self.time)
+        state, most = [float(x) for x in self.state], self.most // stage_count()
+        refuse_stiff(self._system, state, self.values, pace, self.time, left, most)
         if abs(self.time - self._mark) < 1e-6 * self.duration:
             self.stuck = "time stands still"
             return True
@@ -215,12 +253,13 @@ def stage_count() -> int:
 LONGEST_SOURCE = 4000
 
 
-def step_of(system: System) -> Callable[..., Any]:
+def step_of(system: System, *, long: bool = False) -> Callable[..., Any]:
     """The step of a system: `step(rates, h, rtol, floors, y, y', parameters)`, all spread out.
 
     It returns error measures of orders five and three, new states, new rates, all stages.
+    long: of states in long doubles.
     """
-    return _made("step", system.size, system.rates)
+    return _made("long step" if long else "step", system.size, system.rates)
 
 
 def rows_of(system: System) -> Callable[..., Any]:
@@ -234,9 +273,25 @@ def rows_of(system: System) -> Callable[..., Any]:
 @lru_cache(maxsize=KEPT)
 def _made(name: str, n: int, rates: Graph) -> Callable[..., Any]:
     """A function of the writer; equal rates give the same one."""
+    if name == "long step":
+        values = tuple(f"a{k}" for k in range(n, len(rates.arguments)))
+        writer = _Writer(n, values, tuple(range(n)), (), (), long=True)
+        code = "\n".join([*_LONG_CONSTANTS, "\n    ".join(writer.step())])
+        return compiled(code, "arrays", "step")
     writer = _writer(n, rates)
     code = "\n    ".join(writer.step() if name == "step" else writer.rows())
     return compiled(code, "floats", name)
+
+
+# Names of the coefficients of each stage in long doubles, and the lines that make them.
+_LONG_STAGES = [
+    [f"c{s}_{k}" if k in row else "" for k in range(s)] for s, row in enumerate(STAGES, 1)
+]
+_LONG_CONSTANTS = [
+    f"c{s}_{k} = longdouble('{digits}')"
+    for s, row in enumerate(STAGES, 1)
+    for k, digits in row.items()
+]
 
 
 def _writer(n: int, rates: Graph) -> _Writer:
@@ -248,6 +303,11 @@ def _writer(n: int, rates: Graph) -> _Writer:
     return _Writer(n, values, tuple(k for k in range(n) if k in asked), *rates.python_body)
 
 
+def _written(row: Sequence[float]) -> list[str]:
+    """Coefficients in doubles as source; empty where they are zero."""
+    return [repr(float(a)) if a else "" for a in row]
+
+
 @dataclass(frozen=True)
 class _Writer:
     """Writes functions line by line.
@@ -255,6 +315,7 @@ class _Writer:
     n: number of states, which rates know as a0, a1, ...; values: names of the parameters.
     needed: the states that rates ask for; others need not be worked out on the way.
     body, results: the rates written out; where there are none, they are called.
+    long: whether states are long doubles.
     """
 
     n: int
@@ -262,12 +323,20 @@ class _Writer:
     needed: tuple[int, ...]
     body: tuple[str, ...]
     results: tuple[str, ...]
+    long: bool = False
 
     def _all(self, letter: str) -> str:
         return ", ".join(f"{letter}{i}" for i in range(self.n))
 
-    def _combined(self, row: Sequence[float], i: int) -> str:
-        return " + ".join(f"{float(a)!r}*k{s}_{i}" for s, a in enumerate(row) if a)
+    def _combined(self, row: Sequence[str], i: int) -> str:
+        return " + ".join(f"{a}*k{s}_{i}" for s, a in enumerate(row) if a)
+
+    def _coefficients(self, s: int) -> Sequence[str]:
+        """Of a stage, or (for the number after the last) of the new states."""
+        if self.long:
+            return _LONG_STAGES[s - 1]
+        tables = scipy.integrate.DOP853
+        return _written(tables.B if s == stage_count() else tables.A[s, :s])
 
     def _rates(self, s: int) -> list[str]:
         """A stage from the states a0, a1, ..."""
@@ -275,7 +344,7 @@ class _Writer:
             return [f"{self._all(f'k{s}_')}, = rates({', '.join((self._all('a'), *self.values))})"]
         return [*self.body, *(f"k{s}_{i} = {one}" for i, one in enumerate(self.results))]
 
-    def _stage(self, s: int, row: Sequence[float]) -> list[str]:
+    def _stage(self, s: int, row: Sequence[str]) -> list[str]:
         places = [f"a{i} = y{i} + h*({self._combined(row, i)})" for i in self.needed]
         return [*places, *self._rates(s)]
 
@@ -285,18 +354,19 @@ class _Writer:
         given = ["rates", "h", "rtol", *map(self._all, ("floor", "y", "k0_")), *self.values]
         lines = [f"def step({', '.join(given)}):"]
         for s in range(1, last):
-            lines += self._stage(s, tables.A[s, :s])
-        lines += [f"d{i} = {self._combined(tables.B, i)}" for i in each]
+            lines += self._stage(s, self._coefficients(s))
+        lines += [f"d{i} = {self._combined(self._coefficients(last), i)}" for i in each]
         lines += [f"n{i} = y{i} + h*d{i}" for i in each]
         lines += [f"a{i} = n{i}" for i in self.needed]
         lines += self._rates(last)
         lines.append("fifth = third = 0.0")
         # Of order three is what the new states are made of, but for three stages.
         gaps = [a - b for a, b in zip(tables.B, tables.E3, strict=False)]
-        lower = [a if abs(a) > 1e-15 else 0.0 for a in gaps]
+        lower = _written([a if abs(a) > 1e-15 else 0.0 for a in gaps])
+        fifth = _written(tables.E5)
         for i in each:
             lines.append(f"a = abs(y{i}); b = abs(n{i}); s = floor{i} + rtol*(a if a > b else b)")
-            lines.append(f"e = ({self._combined(tables.E5, i)})/s; fifth += e*e")
+            lines.append(f"e = ({self._combined(fifth, i)})/s; fifth += e*e")
             lines.append(f"e = (d{i} - ({self._combined(lower, i)}))/s; third += e*e")
         every = ", ".join(self._all(f"k{s}_") for s in range(1, last))
         parts = f"({self._all('n')},), ({self._all(f'k{last}_')},), ({every},)"
@@ -309,12 +379,12 @@ class _Writer:
         spread = map(self._all, ("y", "k0_", "n", f"k{last}_", *stages))
         lines = [f"def rows({', '.join(['rates', 'h', *spread, *self.values])}):"]
         for s, row in enumerate(tables.A_EXTRA, last + 1):
-            lines += self._stage(s, row[:s])
+            lines += self._stage(s, _written(row[:s]))
         lines += [f"d{i} = n{i} - y{i}" for i in each]
         rows = [
             [f"d{i}" for i in each],
             [f"h*k0_{i} - d{i}" for i in each],
             [f"2*d{i} - h*(k{last}_{i} + k0_{i})" for i in each],
-            *([f"h*({self._combined(row, i)})" for i in each] for row in tables.D),
+            *([f"h*({self._combined(row, i)})" for i in each] for row in map(_written, tables.D)),
         ]
         return [*lines, f"return ({', '.join(f'({chr(44).join(row)},)' for row in rows)})"]

@@ -20,6 +20,7 @@ from geomtorsion.ode.engines.stepper import (
     step_of,
     too_many_evaluations,
 )
+from geomtorsion.ode.engines.taylor import Taylor
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
@@ -36,8 +37,14 @@ from geomtorsion.precision import EPS
 # Smaller differences than this are told from rounding by no step of generated code: below it steps
 # are shortened, by the order of the method, and wherever that begins they are as good.
 LEAST = 1e-15
+# The same of long doubles, which have eleven bits more.
+LONG_LEAST = LEAST / 2**11
 # scipy accepts no smaller relative tolerance: it is its own rule.
 FLOOR = 100 * EPS
+
+# Implicit steps are to follow what has decayed to this part of its size, as far as doubles hold it:
+# others hang on it, as fast reactions on what feeds them.
+DECAYED = 1e-6
 
 
 class Piece:
@@ -85,7 +92,8 @@ class ScipySteps:
         self.state: Sequence[float] = tuple(y0)
         self.count: int = 0
         self.stuck: str = ""
-        floors = tolerance * np.asarray(scales)
+        least = tolerance if method == "DOP853" else max(DECAYED * tolerance, FLOOR)
+        floors = least * np.asarray(scales)
         self._solver: Any = None
         try:
             with np.errstate(all="ignore"):
@@ -161,15 +169,17 @@ def stepwise_run(
     dense: bool,
     watch: Watch | None = None,
 ) -> Run:
-    """See `Engine.run`; method: "generated" steps of DOP853, or "DOP853", "Radau", "LSODA"."""
+    """See `Engine.run`; method: steps of DOP853 that are "generated", or "long" ones in long
+    doubles; or "DOP853", "Radau", "LSODA".
+    """
     began = time.perf_counter()
+    long, generated = method == "long", method in ("generated", "long")
     y0, values = floats(start), floats(parameters)
     times = np.asarray(times, dtype=float)
     first, last = float(times[0]), float(times[-1])
     first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
-    generated = method == "generated"
     if generated:
-        step_of(system)
+        step_of(system, long=long)
     ready = time.perf_counter()
     if first == last or not np.isfinite(first_rates).all():
         outcome = "done" if first == last else "stuck"
@@ -182,12 +192,18 @@ def stepwise_run(
     if method in ("Radau", "LSODA"):
         span = _settling(system.jacobian(y0, values), span)
     scales = error_scales(system, np.array(y0), values, first_rates, span).tolist()
-    least = LEAST if generated else FLOOR
+    least = LONG_LEAST if long else LEAST if generated else FLOOR
+    real = np.longdouble if long else float
+    state, numbers = y0, values
+    if long:
+        state, numbers = (list(Taylor(64).array(x)) for x in (start, parameters))
 
     def steps(longest: float) -> Steps | ScipySteps:
         used = max(tolerance, least)
         if generated:
-            return Steps(system, values, y0, (first, last), used, scales, longest, most)
+            return Steps(
+                system, numbers, state, (first, last), used, scales, longest, most, long=long
+            )
         return ScipySteps(method, system, values, y0, (first, last), used, scales, longest, most)
 
     def shorter_steps(after: Steps | ScipySteps) -> ScipySteps:
@@ -196,7 +212,7 @@ def stepwise_run(
         return ScipySteps("Radau", system, values, after.state, rest, used, scales, math.inf, most)
 
     longest = math.inf
-    if tolerance < least and method in ("generated", "DOP853"):
+    if tolerance < least and (generated or method == "DOP853"):
         # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
         trial = steps(math.inf)
         while trial.time != last and trial.advance() is not None:
@@ -205,8 +221,8 @@ def stepwise_run(
             longest = abs(last - first) / (trial.count + 1) * (tolerance / least) ** 0.125
     walk = steps(longest)
     guard = None if system.guard is None else partial(_guard, system, values)
-    samples = np.empty((len(times), len(y0)))
-    samples[0] = y0
+    samples = np.empty((len(times), len(y0)), dtype=real)
+    samples[0] = state
     order = (times * walk.sign).tolist()
     pieces: Pieces = []
     done, outcome, longest_step = 1, "done", 0.0
@@ -289,11 +305,12 @@ def _joined(pieces: Pieces) -> Dense:
     """Dense output of all steps."""
     begins = np.array([piece.t for piece in pieces])
     sign = 1.0 if pieces[0].h > 0 else -1.0
+    kind = pieces[0](begins[:1]).dtype
 
     def values(t: np.ndarray) -> np.ndarray:
         flat = np.atleast_1d(np.asarray(t, dtype=float))
         place = np.clip(np.searchsorted(sign * begins, sign * flat, "right") - 1, 0, None)
-        found = np.empty((len(flat), pieces[0].width))
+        found = np.empty((len(flat), pieces[0].width), dtype=kind)
         order = np.argsort(place, kind="stable")
         numbers, first = np.unique(place[order], return_index=True)
         for k, index in zip(numbers.tolist(), np.split(order, first[1:]), strict=True):
@@ -328,10 +345,12 @@ def error_scales(
     for group in system.groups:
         index = list(group)
         size = np.abs(y0[index]).max(axis=0)
-        if not np.all(size > 0):
-            soon = np.abs(np.asarray(rates)[index]).max(axis=0)
+        soon = np.abs(np.asarray(rates)[index]).max(axis=0)
+        # A rounding of what it soon becomes is as good as zero.
+        still = size <= EPS * soon * abs(duration)
+        if np.any(still):
             terms = np.abs(system.rates.sizes(*y0, *numbers)[index]).max(axis=0)
             soon = np.where(soon > ROUNDINGS * EPS * terms, soon, terms) * abs(duration)
-            size = np.where(size > 0, size, soon)
+            size = np.where(still, soon, size)
         scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
     return scales

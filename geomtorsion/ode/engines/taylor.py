@@ -10,7 +10,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import lru_cache, partial
 from importlib import import_module
@@ -23,7 +23,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingExtraError
-from geomtorsion.ode.numbers import Real, mpf
+from geomtorsion.ode.numbers import Real, floats, mpf
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
     STANDSTILL,
@@ -34,6 +34,7 @@ from geomtorsion.ode.system import (
     System,
     Watch,
     WorkLimitError,
+    refuse_stiff,
 )
 from geomtorsion.precision import EXACT_BITS
 
@@ -308,6 +309,12 @@ class Taylor:
         return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
 
     @property
+    def sharper(self) -> Taylor | None:
+        """With more digits, for a run to compare with; None where heyoka has no longer numbers."""
+        bits = {53: 64, 64: 113}.get(self.precision, 2 * self.precision)
+        return replace(self, precision=bits) if bits <= EXACT_BITS else None
+
+    @property
     def finest(self) -> float:
         """A tolerance at which only rounding is left, two orders beyond where that begins."""
         return 2.0 ** -(self.precision + 9)
@@ -414,7 +421,14 @@ class Taylor:
             _place(integrator, grid[0], start)
             at = partial(_room, system, [float(x) for x in parameters], integrator)
             room = None if system.guard_is_entire else at
-            propagated = self._propagated(integrator, grid, optimised, watch, room)
+
+            def refuse(pace: float, reached: float) -> None:
+                state, left = integrator.state.astype(float).tolist(), float(grid[-1]) - reached
+                refuse_stiff(
+                    system, state, floats(parameters), pace, reached, abs(left), self.max_steps
+                )
+
+            propagated = self._propagated(integrator, grid, optimised, watch, room, refuse)
             if propagated is None:
                 return None
             states, outcome, steps, longest, reason = propagated
@@ -456,11 +470,13 @@ class Taylor:
         optimised: bool,
         watch: Watch | None,
         room: Callable[[], float] | None,
+        refuse: Callable[[float, float], None] = lambda _pace, _reached: None,
     ) -> tuple[np.ndarray, str, int, float, str] | None:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
         A run that gets nowhere is ended. None where a run is long and the code is not optimised.
         room: the guard, where it may have no series within a step, so that its fall is not seen.
+        refuse: (mean step, time reached) -> an error where too many steps would follow.
         """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, 0.0, ""
@@ -492,6 +508,7 @@ class Taylor:
             if room is not None and room() < 0:
                 return np.concatenate(rows), "beyond", steps, longest, ""
             moved = abs(float(integrator.time - before))
+            refuse(moved / at_once, float(integrator.time))
             if moved < STANDSTILL * abs(float(grid[-1] - grid[0])):
                 return np.concatenate(rows), "stuck", steps, longest, "the steps became too small"
             if steps > self.max_steps:

@@ -1,0 +1,157 @@
+"""Claims of error on long motions, where roundings add up alike in runs of doubles."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+
+from geomtorsion.accuracy.cost import truth_of
+from geomtorsion.curves import geodesic
+from geomtorsion.errors import AccuracyError
+from geomtorsion.ode import ODE, RungeKutta, Taylor, solve, solve_many
+from geomtorsion.spaces import load
+from tests.ode.engines import every_engine, needs_heyoka
+
+pytestmark = needs_heyoka
+FORCE = {"u": "-x/(x*x + y*y)**(3/2)", "v": "-y/(x*x + y*y)**(3/2)"}
+
+
+def orbit(near, speed):
+    """Around a mass of one, from the pericentre."""
+    return ODE.of({"x": "u", "y": "v", **FORCE}, {"x": near, "y": 0, "u": 0, "v": speed})
+
+
+def eccentric(e):
+    """An orbit with a major half axis of about one."""
+    return orbit(1 - e, math.sqrt((1 + e) / (1 - e)))
+
+
+def orbit_error(solution):
+    """The largest error against Kepler's equation, each state against its size."""
+    near, _, _, speed = (mpmath.mpf(float(x)) for x in solution.states[0])
+    with mpmath.workdps(40):
+        axis = 1 / (2 / near - speed**2)
+        e, rate = 1 - near / axis, axis ** mpmath.mpf("-1.5")
+        width = axis * mpmath.sqrt(1 - e**2)
+        exact = []
+        for t in solution.times:
+            mean = mpmath.mpf(float(t)) * rate
+            angle = mpmath.findroot(
+                lambda x, m=mean: x - e * mpmath.sin(x) - m,
+                (mean - e, mean + e), solver="anderson", tol=1e-60,
+            )  # fmt: skip
+            turn = rate / (1 - e * mpmath.cos(angle))
+            place = axis * (mpmath.cos(angle) - e), width * mpmath.sin(angle)
+            exact.append(
+                [*place, -axis * mpmath.sin(angle) * turn, width * mpmath.cos(angle) * turn]
+            )
+        gaps = [
+            [float(abs(mpmath.mpf(float(x)) - y)) for x, y in zip(row, there, strict=True)]
+            for row, there in zip(solution.states, exact, strict=True)
+        ]
+    return float((np.max(gaps, axis=0) / np.abs(solution.states).max(axis=0)).max())
+
+
+def assert_claim(true, solution, accuracy):
+    """Between half the truth and a hundred times it, and below what was asked."""
+    assert true <= accuracy
+    assert 0.5 * true <= solution.error <= max(100 * true, 1e-14)
+
+
+@pytest.mark.parametrize(
+    ("problem", "end", "accuracy", "engine"),
+    [
+        (orbit(0.2, 3), 170.0, 1e-9, RungeKutta()),
+        (eccentric(0.6), 200.0, 1e-10, RungeKutta()),
+        (eccentric(0.6), 2000.0, 1e-9, Taylor()),
+        (eccentric(0.6), 2000.0, 1e-10, Taylor()),
+    ],
+    ids=["0.8", "0.6", "0.6, series", "0.6, series, finer"],
+)
+def test_orbits_by_keplers_equation(problem, end, accuracy, engine):
+    """Orbits whose errors two runs in doubles share, or which agree by chance."""
+    solution = solve(problem, end, accuracy, engine)
+    assert_claim(orbit_error(solution), solution, accuracy)
+
+
+def test_orbits_side_by_side():
+    """Members of a batch whose steps round as much as they leave out are judged as by `solve`."""
+    speeds = np.array([2.0, 2.01, 1.99])
+    problem, end = orbit(0.4, 2.0), 1000.0
+    many = solve_many(problem, {"v": speeds}, [end], 1e-9, Taylor())
+    for k, speed in enumerate(speeds):
+        alone = solve(problem.with_start(start=[0.4, 0, 0, speed]), [end], 1e-9, Taylor())
+        assert many.errors[k] == alone.error
+
+
+@pytest.mark.slow
+@every_engine
+@pytest.mark.parametrize("turns", [10, 100, 1000, 10000])
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.8, 0.95])
+def test_many_orbits(e, turns, engine):
+    """Up to ten thousand turns: an honest claim, or a refusal."""
+    if turns > 100 and not isinstance(engine, Taylor):
+        pytest.skip("minutes in Python")
+    for accuracy in (1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
+        try:
+            solution = solve(eccentric(e), 2 * np.pi * turns * 1.01, accuracy, engine)
+        except AccuracyError:
+            continue
+        assert_claim(orbit_error(solution), solution, accuracy)
+
+
+MOTIONS = {
+    "free top": ODE.of(
+        {"a": "-b*c", "b": "c*a", "c": "-a*b/3"}, [0.3, 1.0, 0.01], norm_groups=["abc"]
+    ),
+    "heavy top": ODE.of(
+        {
+            "x": "(y*z + 3/2*q)/2", "y": "(-z*x - 3/2*p)/2", "z": "0",
+            "p": "q*z - r*y", "q": "r*x - p*z", "r": "p*y - q*x",
+        },
+        [0.9, 0.4, 0.7, 0.6, 0.0, 0.8],
+    ),
+    "pendulum": ODE.of({"x": "v", "v": "-sin(x)"}, [3.0, 0.0]),
+    "swing": ODE.of({"x": "v", "v": "-sin(x)"}, [1.0, 0.0]),
+    "Kerr": geodesic(
+        load("kerr").frame, [0, 8.0, 1.4, 0], frame_velocity=[1.2, 0.05, 0.2, 0.6],
+        parameters={"M": 1, "a": 0.6},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@every_engine
+@pytest.mark.parametrize("end", [30.0, 300.0, 1000.0])
+@pytest.mark.parametrize("name", list(MOTIONS))
+def test_long_motions(name, end, engine):
+    """Tops, pendulums and a black hole, against 113 bits."""
+    problem = MOTIONS[name]
+    truth = truth_of(problem, np.linspace(0, end, 65))
+    for accuracy in (1e-6, 1e-8, 1e-10, 1e-11, 1e-12):
+        try:
+            solution = solve(problem, np.linspace(0, end, 65), accuracy, engine)
+        except AccuracyError:
+            continue
+        assert_claim(truth.error(solution), solution, accuracy)
+
+
+@pytest.mark.slow
+@every_engine
+@pytest.mark.parametrize("end", [10.0, 15.0, 18.0])
+def test_chaos(end, engine):
+    """Lorenz's equations from many starts: errors of the first steps grow a billionfold."""
+    for start in np.random.default_rng(3).normal(size=(20, 3)) * 5 + [0, 0, 20]:
+        problem = ODE.of(
+            {"x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8*z/3"}, start.tolist()
+        )
+        truth = truth_of(problem, np.linspace(0, end, 65))
+        for accuracy in (1e-6, 1e-8):
+            try:
+                solution = solve(problem, np.linspace(0, end, 65), accuracy, engine)
+            except AccuracyError:
+                continue
+            assert_claim(truth.error(solution), solution, accuracy)
