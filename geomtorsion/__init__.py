@@ -127,6 +127,10 @@ if TYPE_CHECKING:
         OrientationMap,
         Phase,
     )
+    from geomtorsion.proofs import (
+        Proof,
+        prove,
+    )
     from geomtorsion.rigid import (
         FreeTop,
         free_top,
@@ -169,6 +173,7 @@ _LATER = {
     ),
     "orientations": ("Circuit", "OrientationMap", "Phase"),
     "images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
+    "proofs": ("Proof", "prove"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -221,6 +226,7 @@ __all__ = [
     "NodeRule",
     "OrientationMap",
     "Phase",
+    "Proof",
     "Reaction",
     "RungeKutta",
     "SampledFrame",
@@ -283,6 +289,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "prove",
     "read",
     "scenes",
     "solve",

@@ -163,18 +163,18 @@ def _series_quotient(above: Ball, below: Ball) -> Ball:
 def _series_tanh(x: arb_series) -> arb_series:
     # Each of both keeps the digits of the distance from 1 or -1 on its side.
     if x[0] > 0:
-        return 1 - 2 / ((2 * x).exp() + 1)
-    return 2 / ((-2 * x).exp() + 1) - 1
+        return 1 - _series_quotient(arb(2), (2 * x).exp() + 1)
+    return _series_quotient(arb(2), (-2 * x).exp() + 1) - 1
 
 
 def _series_sinh(x: arb_series) -> arb_series:
     e = x.exp()
-    return (e - 1 / e) / 2
+    return (e - _series_quotient(arb(1), e)) / 2
 
 
 def _series_cosh(x: arb_series) -> arb_series:
     e = x.exp()
-    return (e + 1 / e) / 2
+    return (e + _series_quotient(arb(1), e)) / 2
 
 
 def _step_value(x: arb_series, value: arb) -> Ball:

@@ -144,9 +144,10 @@ def source(steps: Sequence[Step], outputs: Sequence[Signed], kind: Kind) -> str:
         inner = [f"t{operand}" for operand in step.operands]
         name, detail = step.kind, step.detail
         if name == "argument":
-            code = f"a[{detail}]"
+            code = f"ball(a[{detail}])" if flag else f"a[{detail}]"
         elif name in ("number", "digits"):
-            code, numbers = f"n[{numbers}]", numbers + 1
+            code = f"ball(n[{numbers}])" if flag else f"n[{numbers}]"
+            numbers += 1
         elif name == "imaginary":
             code = "unit"
         elif name == "sum":
@@ -186,7 +187,8 @@ def _pairs(steps: Sequence[Step]) -> dict[int, tuple[int, int]]:
 @lru_cache(maxsize=1024)
 def _compiled(text: str, kind: Kind) -> BallFunction:
     table: dict[str, Any] = dict(COMPLEX if kind == "complex" else REAL)
-    return function_of(text, table | {"unit": UNIT})
+    # Methods of acb that are handed an arb would read memory that is not theirs.
+    return function_of(text, table | {"unit": UNIT, "ball": acb})
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,306 @@
+"""Solutions: the states of a solved motion at its times, proved and compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx, fmpq
+
+from geomtorsion.codegen.balls import exact_ball
+from geomtorsion.curves import CurveProblem
+from geomtorsion.errors import ArgumentError, ProofError
+from geomtorsion.ode import ODE, Solution
+from geomtorsion.ode.trajectory import Segment
+from geomtorsion.precision import ball_precision
+from geomtorsion.proofs.charts import CurveCourse
+from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
+from geomtorsion.proofs.motions import MOST_STEPS, WideSetError, as_float, at, follow
+from geomtorsion.proofs.steps import Method
+from geomtorsion.proofs.wanted import SPARE, Wanted, log2, upper
+
+# No proof of a motion takes more bits than this.
+MOST_BITS = 20_000
+# States that are so many bits smaller than their group ever was are measured against that.
+MOMENTARILY_SMALL = 20
+# A set is hopeless where it was narrow when no step could be proved: more bits would not help.
+NARROW = 0.6
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """One sample of a solution.
+
+    time: exact, in the time of the stages, positive; label: of its coordinates.
+    row: its states as numbers; groups: indices of states that are measured together.
+    """
+
+    time: fmpq
+    label: str
+    row: tuple[Any, ...]
+    groups: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionBalls:
+    """Proved states.
+
+    boxes: states of the equations at each sample that the motion reaches; stop: the time at which
+    it ends, and its states there, or None.
+    bits, steps: the precision, and how many steps were taken.
+    """
+
+    boxes: tuple[list[arb], ...]
+    stop: tuple[arb, list[arb]] | None
+    bits: int
+    steps: int
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionTask:
+    """What is to be proved of a solution.
+
+    samples: all samples, the start included where it is one; end: where it was stopped, or None.
+    is_exact: whether start and parameters are numbers, and not wider balls.
+    """
+
+    solution: Solution
+    course: Course
+    samples: tuple[Sample, ...]
+    end: Sample | None
+    stretches: tuple[Stretch, ...]
+    is_exact: bool
+
+    @classmethod
+    def of(
+        cls,
+        solution: Solution,
+        start: object = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> SolutionTask:
+        """The task of a solution, and of balls in the place of its start and parameters."""
+        problem, segments = solution.problem, solution.trajectory.segments
+        backwards = solution.trajectory.reached < 0
+        sign = -1 if backwards else 1
+        samples, hints = [], list[Stretch]()
+        for segment in segments:
+            mine = [
+                Sample(exact_time(sign * _float(t)), segment.label, tuple(row), segment.stage.groups)
+                for t, row in zip(segment.times, _rows(problem, segment, segment.states), strict=True)
+            ]
+            samples += mine
+            begin, end = (
+                exact_time(abs(_float(x))) for x in (segment.stage.begin, segment.run.reached)
+            )
+            times = tuple(sample.time for sample in mine)
+            if hints and hints[-1].label == segment.label:
+                last = hints[-1]
+                hints[-1] = Stretch(
+                    last.begin, end, last.label, last.samples + times, last.reference
+                )
+            else:
+                first = tuple(segment.stage.first.tolist())
+                hints.append(Stretch(begin, end, segment.label, times, first))
+        if not samples:
+            raise ProofError("the solution reached none of its times: there is nothing to prove.")
+        stopped = None
+        if solution.outcome == "stopped":
+            last = segments[-1]
+            row = _rows(problem, last, last.last[None, :])[0]
+            time = exact_time(abs(_float(last.run.reached)))
+            stopped = Sample(time, last.label, tuple(row), last.stage.groups)
+            samples = [sample for sample in samples if sample.time < time]
+        course = course_of(problem, backwards, start, parameters)
+        times = [sample.time for sample in samples]
+        if stopped is not None:
+            # The true motion may end a little later.
+            times.append(stopped.time * fmpq(1001, 1000))
+        stretches = tuple(course.stretches(times, hints))
+        if stopped is not None:
+            stretches = _without_last_sample(stretches)
+        is_exact = start is None and not parameters
+        return cls(solution, course, tuple(samples), stopped, stretches, is_exact)
+
+    def proved(self, wanted: Wanted) -> MotionBalls:
+        """States in balls, as sharp as wanted where that can be had.
+
+        Raises
+        ------
+        ProofError
+            the motion ends, or comes to an edge, or touches a stop.
+        """
+        bits, refused = wanted.bits + SPARE, -1.0
+        while True:
+            try:
+                with ball_precision(bits):
+                    found = self._followed()
+                    missing = wanted.bits - self._known_bits(found)
+            except WideSetError as error:
+                bits = self._more(error, bits, refused, wanted)
+                refused = error.time or 0.0
+                continue
+            if missing <= 0 or not self.is_exact:
+                return found
+            if bits >= MOST_BITS:
+                raise ProofError(f"more than {MOST_BITS:,} bits are needed. Ask for fewer digits.")
+            bits = min(MOST_BITS, bits + math.ceil(missing) + 6)
+
+    def _more(self, error: WideSetError, bits: int, refused: float, wanted: Wanted) -> int:
+        """The bits with which to try again; a refusal where no bits would help."""
+        time = error.time or 0.0
+        again = refused >= 0 and time <= refused * (1 + 1e-6)
+        narrow = error.lost < -NARROW * bits
+        if again or narrow or bits >= MOST_BITS or not self.is_exact:
+            unit = self.solution.problem.time_unit
+            words = str(error).rpartition(" at t = ")[0]
+            raise ProofError(
+                f"the motion is not proved beyond t = {time / unit:.6g}: {words}. It ends there, "
+                "or reaches the edge of a function, or all digits are lost. Prove a shorter one.",
+                time / unit,
+            ) from None
+        lost = bits + error.lost
+        end = as_float(self.stretches[-1].end)
+        needed = wanted.bits + 20 + int(1.1 * lost * end / max(time, 1e-3 * end))
+        return min(MOST_BITS, max(bits + 20, min(2 * bits, needed)))
+
+    def _followed(self) -> MotionBalls:
+        """The motion at the precision in use."""
+        bits = ctx.prec
+        method, steps = Method.of(bits), 0
+        boxes: list[list[arb]] = []
+        position: Position | None = None
+        for stretch in self.stretches:
+            position, leg = self.course.enter(stretch, position)
+            found = follow(leg, position.whole, method, MOST_STEPS - steps)
+            boxes += found.samples
+            steps += found.steps
+            if found.stop is not None:
+                return MotionBalls(tuple(boxes), found.stop, bits, steps)
+            assert found.whole is not None
+            position = Position(found.whole, position.label, position.constant)
+        return MotionBalls(tuple(boxes), None, bits, steps)
+
+    # -- comparison --------------------------------------------------------------------------------
+
+    @property
+    def every(self) -> tuple[Sample, ...]:
+        """All samples, and where it was stopped."""
+        return self.samples if self.end is None else (*self.samples, self.end)
+
+    def _extents(self) -> dict[tuple[str, tuple[int, ...]], arb]:
+        """The largest size of each group of states, in each set of coordinates."""
+        found: dict[tuple[str, tuple[int, ...]], arb] = {}
+        firsts = [
+            (segment.label, tuple(segment.stage.first.tolist()), segment.stage.groups)
+            for segment in self.solution.trajectory.segments
+        ]
+        rows = [(sample.label, sample.row, sample.groups) for sample in self.every]
+        for label, row, groups in (*rows, *firsts):
+            for group in groups:
+                for k in group:
+                    if k < len(row):
+                        size = abs(number_ball(row[k]))
+                        key = label, group
+                        known = found.get(key, arb(0))
+                        found[key] = known.max(size) if size.is_finite() else known
+        return found
+
+    def _known_bits(self, motion: MotionBalls) -> float:
+        """How many bits of each group of states are known, at the worst sample."""
+        extents = self._extents()
+        top = max((log2(x) for x in extents.values()), default=0.0)
+        worst = math.inf
+        for sample, box in self.pairs(motion):
+            for group in sample.groups:
+                inside = [k for k in group if k < len(sample.row)]
+                extent = log2(extents[sample.label, group])
+                extent = extent if extent > -math.inf and extents[sample.label, group] > 0 else top
+                size = max((log2(box[k].mid()) for k in inside), default=extent)
+                size = max(min(size, extent), extent - MOMENTARILY_SMALL)
+                radius = max((log2(box[k].rad()) for k in inside), default=-math.inf)
+                worst = min(worst, size - radius)
+        if motion.stop is not None:
+            time = motion.stop[0]
+            worst = min(worst, log2(time) - log2(time.rad()))
+        return worst
+
+    def pairs(self, motion: MotionBalls) -> Iterator[tuple[Sample, list[arb]]]:
+        """Samples with the boxes of the same moments."""
+        yield from zip(self.samples, motion.boxes, strict=False)
+        if self.end is not None and motion.stop is not None:
+            yield self.end, motion.stop[1]
+
+    def gap(self, motion: MotionBalls) -> arb:
+        """|result - truth| at the worst sample, each group of states against its largest size.
+
+        It is infinite where only one of both is stopped, or where the result has samples after the
+        true end.
+        """
+        true_end = motion.stop is not None
+        if true_end != (self.end is not None) or len(motion.boxes) < len(self.samples):
+            return arb.pos_inf()
+        worst = arb(0)
+        if self.end is not None and motion.stop is not None:
+            time = arb(self.end.time)
+            worst = abs(time - motion.stop[0]) / time
+        extents = self._extents()
+        for sample, box in self.pairs(motion):
+            for group in sample.groups:
+                inside = [k for k in group if k < len(sample.row)]
+                differences = [abs(box[k] - number_ball(sample.row[k])) for k in inside]
+                largest = arb(0)
+                for difference in differences:
+                    largest = largest.max(difference)
+                if not largest.is_zero():
+                    extent = extents[sample.label, group]
+                    worst = worst.max(largest / extent if extent > 0 else arb.pos_inf())
+        return worst
+
+
+def course_of(
+    problem: object, backwards: bool, start: object, parameters: Mapping[str, Any] | None
+) -> Course:
+    """The course of a problem."""
+    given = tuple(start) if isinstance(start, Sequence | np.ndarray) else start
+    if isinstance(problem, ODE):
+        if isinstance(given, Mapping):
+            pairs = zip(problem.states, problem.start, strict=True)
+            given = tuple(given.get(name, known) for name, known in pairs)
+        return OdeCourse(problem, backwards, given or (), dict(parameters or {}))
+    if isinstance(problem, CurveProblem):
+        if isinstance(given, Mapping):
+            pairs = zip(problem.coordinates, problem.start or (), strict=True)
+            given = tuple(given.get(name, known) for name, known in pairs)
+        return CurveCourse(problem, backwards, given or (), dict(parameters or {}))
+    raise ArgumentError(
+        f"expected a solution of an ODE or of a curve, got one of {type(problem).__name__}. "
+        "Write the motion as one of these."
+    )
+
+
+def _without_last_sample(stretches: tuple[Stretch, ...]) -> tuple[Stretch, ...]:
+    """The stretches with the end as a time to go to, and not as a sample."""
+    *first, last = stretches
+    samples = last.samples[:-1] if last.samples and last.samples[-1] == last.end else last.samples
+    return *first, Stretch(last.begin, last.end, last.label, samples, last.reference)
+
+
+def _rows(problem: Any, segment: Segment, states: np.ndarray) -> np.ndarray:
+    """States of a segment as they are compared."""
+    return problem.rows(segment, states, segment.label)
+
+
+def _float(time: Any) -> float | Fraction:
+    """A time of any engine: most are floats."""
+    return time if isinstance(time, float) else Fraction(str(time))
+
+
+def number_ball(value: Any) -> arb:
+    """A number of a result in a ball: those of four doubles' size give their digits as text."""
+    if type(value).__name__ in ("real128", "real"):
+        return arb(str(value))
+    return exact_ball(value)
