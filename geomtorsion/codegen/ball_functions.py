@@ -67,7 +67,7 @@ def _bessel(name: str, *, entire: bool) -> Callable[[acb, acb, bool], acb]:
 def _complex_atan2(y: acb, x: acb, analytic: bool) -> acb:
     """(log(x + i y) - log(x - i y)) / 2 i: on real numbers the angle, analytic off both cuts."""
     if not analytic and y.imag.is_zero() and x.imag.is_zero():
-        return acb(y.real.atan2(x.real))
+        return acb(arb.atan2(y.real, x.real))
     one, other = x + UNIT * y, x - UNIT * y
     return (one.log(analytic=analytic) - other.log(analytic=analytic)) / (2 * UNIT)
 
@@ -230,7 +230,7 @@ def _real_power(base: Ball, exponent: Ball) -> Ball:
     if isinstance(base, arb) and isinstance(exponent, arb):
         return base**exponent
     if isinstance(exponent, arb) and exponent.is_integer() and abs(exponent) < _LARGEST_POWER:
-        count = int(exponent.unique_fmpz())
+        count = int(float(exponent))
         power = base ** abs(count)
         return power if count >= 0 else _series_quotient(arb(1), power)
     return ((base.log()) * exponent).exp()
@@ -238,7 +238,7 @@ def _real_power(base: Ball, exponent: Ball) -> Ball:
 
 def _real_atan2(y: Ball, x: Ball) -> Ball:
     if isinstance(x, arb) and isinstance(y, arb):
-        return y.atan2(x)
+        return arb.atan2(y, x)
     above, right = _first(y), _first(x)
     if right > 0:
         return (y / x).atan()

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
 
-import mpmath
 import numpy as np
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq, fmpz
@@ -56,11 +55,10 @@ def exact_ball(value: Any) -> arb:
     """
     if isinstance(value, arb):
         return value
-    if isinstance(value, mpmath.mpf):
+    if hasattr(value, "_mpf_"):
+        # The sign stands apart from the mantissa in numbers of mpmath, and in floats of sympy.
         return _dyadic(*value._mpf_[:3])
-    if isinstance(value, sp.Float):
-        return _dyadic(*value._mpf_[:3])
-    if isinstance(value, np.longdouble):
+    if type(value) is np.longdouble:
         return arb(fmpq(*value.as_integer_ratio()))
     known = rational(value)
     if known is not None:
@@ -234,9 +232,7 @@ class BallCode:
 # -- balls as floats -------------------------------------------------------------------------------
 
 
-def float_values(
-    wanted: Graph, arguments: Sequence[float | complex]
-) -> list[float | complex | None]:
+def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | complex | None]:
     """Values that are right to the last digit but one of a float; None where there is none.
 
     The precision is doubled until the balls are small enough. What cannot be told from zero with
@@ -259,9 +255,13 @@ def float_values(
                 values = code.real([arb(x) for x in arguments])
             for k, value in enumerate(values):
                 if k not in found and _is_settled(value, bits):
-                    found[k] = complex(value) if wanted.is_complex else float(value.mid())
+                    found[k] = _number(value)
         bits *= 2
     return [found.get(k) for k in range(wanted.size)]
+
+
+def _number(value: Ball) -> float | complex:
+    return complex(value) if isinstance(value, acb) else float(value.mid())
 
 
 def _is_settled(value: Ball, bits: int) -> bool:

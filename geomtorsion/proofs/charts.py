@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -264,7 +264,7 @@ def _change_map(
     return SetMap(states, graph([*states, *parameters], outputs, factor=False))
 
 
-def _are_near(point: LohnerSet, there: Sequence[float]) -> bool:
+def _are_near(point: LohnerSet, there: Iterable[float]) -> bool:
     """Whether coordinates are those that floats give, but for rounding."""
     pairs = zip(point.middle, there, strict=False)
     return all(abs(float(x) - float(y)) <= PRINTED * (1 + abs(float(y))) for x, y in pairs)
@@ -274,9 +274,7 @@ def _negated(point: LohnerSet, count: int) -> LohnerSet:
     """The first states with the other sign."""
     signs = [-1 if k < count else 1 for k in range(len(point.middle))]
     middle = tuple(s * x for s, x in zip(signs, point.middle, strict=True))
-    rows = [
-        [s * point.axes[i, j] for j in range(point.axes.ncols())] for i, s in enumerate(signs)
-    ]
+    rows = [[s * point.axes[i, j] for j in range(point.axes.ncols())] for i, s in enumerate(signs)]
     return LohnerSet(middle, arb_mat(rows), point.spread)
 
 

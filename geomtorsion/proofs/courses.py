@@ -13,11 +13,10 @@ from typing import Any, Protocol
 
 from flint import arb, fmpq
 
-from geomtorsion.codegen import Graph
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.errors import ProofError
 from geomtorsion.ode import ODE
-from geomtorsion.ode.rates import CLOCK, TINY
+from geomtorsion.ode.rates import CLOCK
 from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg, at
 from geomtorsion.proofs.series import BallSystem
@@ -129,21 +128,20 @@ class OdeCourse:
         return Position(LohnerSet.of(boxes)), leg
 
     def _leg(self, stretch: Stretch) -> Leg:
-        values = self._values(stretch.begin)
-        code = BallCode(self.problem.rates.numbers)
-        names = self.problem.rates.parameters
+        rates, values = self.problem.rates, self._values(stretch.begin)
+        made = BallCode(rates.numbers)
 
-        def parameters() -> list[arb]:
-            return code.real([exact_ball(values[name]) for name in names])
+        def given() -> list[arb]:
+            return [exact_ball(values[name]) for name in rates.parameters]
 
-        system = self.problem.system
-        balls = BallSystem.of(system, parameters, backwards=self.backwards)
-        fall = None
-        if self.problem.rates.stop is not None:
-            assert system.guard is not None
-            first = Graph(system.guard.arguments, system.guard.steps, system.guard.outputs[:1])
-            fall = Fall(balls, first, system.states, fmpq(int(TINY.p), int(TINY.q)))
-        return Leg(balls, stretch.begin, stretch.end, stretch.samples, fall)
+        def numbers() -> list[arb]:
+            return made.real(given())
+
+        system = BallSystem.of(self.problem.system, numbers, backwards=self.backwards)
+        term, fall = rates.stop_graph, None
+        if term is not None:
+            fall = Fall(system, term, rates.states, given, CLOCK if rates.has_clock else None)
+        return Leg(system, stretch.begin, stretch.end, stretch.samples, fall)
 
     def _values(self, time: fmpq) -> dict[str, Any]:
         """The parameters from a time on."""

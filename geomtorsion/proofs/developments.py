@@ -13,12 +13,11 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import exact_ball
 from geomtorsion.codegen.steps import Builder
 from geomtorsion.errors import ProofError
-from geomtorsion.loops.arcs import Part
 from geomtorsion.ode.system import System
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.loops import Coframe, check_path, values_of
 from geomtorsion.proofs.motions import Leg, WideSetError, follow
-from geomtorsion.proofs.paths import S, BallArc, arcs_of
+from geomtorsion.proofs.paths import BallArc, S, arcs_of
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
@@ -114,9 +113,7 @@ def _missing(balls: Sequence[arb], wanted: Wanted) -> int:
     return max(0, int(radius + wanted.bits - (0.0 if size is None else size)) + 1)
 
 
-def _developed(
-    connection: Connection, loop: Loop, parameters: Mapping[str, Any]
-) -> DevelopedBalls:
+def _developed(connection: Connection, loop: Loop, parameters: Mapping[str, Any]) -> DevelopedBalls:
     """The development at the precision in use."""
     n, coframe = connection.frame.dimension, Coframe.of(connection.frame)
     checked = values_of(coframe, parameters)
@@ -130,7 +127,8 @@ def _developed(
             first = arc.places(arb(0)) if first is None else first
             last = arc.places(arb(1))
         if part.gap:
-            assert first is not None and last is not None
+            assert first is not None
+            assert last is not None
             once = once * _back(coframe, n, first, last, checked)
         one = once if part.times > 0 else once.inv()
         for _ in range(abs(part.times)):

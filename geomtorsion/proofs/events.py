@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
@@ -21,15 +21,20 @@ SHRINKS = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Fall:
-    """Something over states and parameters at whose fall through zero a motion ends.
+    """Something over states, parameters and the time at whose fall through zero a motion ends.
 
-    term: its graph, with one output; shift: what is taken off it.
+    system: the equations; term: the graph, with one output, over names of states, then parameters,
+    then the time.
+    states: names of the states of the equations but for a clock.
+    parameters: makes the values of the parameters of the term at the precision in use.
+    ticks: how much time a clock counts as one, the last state of the equations; None without one.
     """
 
     system: BallSystem
     term: Graph
     states: Sequence[str]
-    shift: fmpq
+    parameters: Callable[[], list[arb]]
+    ticks: int | None
 
     @cached_property
     def _value(self) -> BallCode:
@@ -37,17 +42,23 @@ class Fall:
 
     @cached_property
     def _slopes(self) -> BallCode:
-        return BallCode(self.term.derivative(self.states))
+        return BallCode(self.term.derivative((*self.states, self.term.arguments[-1])))
+
+    def _arguments(self, states: Sequence[arb]) -> list[arb]:
+        time = arb(0) if self.ticks is None else self.ticks * states[-1]
+        return [*states[: len(self.states)], *self.parameters(), time]
 
     def value(self, states: Sequence[arb]) -> arb:
         """The term at a box."""
-        return self._value.real([*states, *self.system.parameters()])[0] - arb(self.shift)
+        return self._value.real(self._arguments(states))[0]
 
     def rate(self, states: Sequence[arb]) -> arb:
         """The rate of the term at a box."""
-        slopes = self._slopes.real([*states, *self.system.parameters()])
-        rates: Sequence[Ball] = self.system.rates_at(states)
-        return sum((x * y for x, y in zip(slopes, rates, strict=True)), arb(0))
+        slopes = self._slopes.real(self._arguments(states))
+        rates: list[Ball] = self.system.rates_at(states)
+        if self.ticks is not None:
+            rates = [*rates[:-1], self.ticks * rates[-1]]
+        return sum((x * y for x, y in zip(slopes, rates, strict=False)), arb(0))
 
     def first(self, step: Step) -> arb | None:
         """The time in a step at which the term falls through zero; None where it stays positive.

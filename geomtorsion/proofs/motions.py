@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flint import arb, fmpq
@@ -111,9 +110,7 @@ def follow(leg: Leg, whole: LohnerSet, method: Method, steps_left: int = MOST_ST
     return Followed(found, whole, None, steps)
 
 
-def _step(
-    leg: Leg, whole: LohnerSet, method: Method, radius: float | None, time: fmpq
-) -> Step:
+def _step(leg: Leg, whole: LohnerSet, method: Method, radius: float | None, time: fmpq) -> Step:
     """The next step; a refusal with its time."""
     try:
         return prove_step(leg.system, whole, method, radius, leg.end - time)
@@ -135,7 +132,9 @@ def _stop(fall: Fall, step: Step, time: fmpq) -> arb | None:
     try:
         return fall.first(step)
     except ProofError as error:
-        raise ProofError(f"the motion has no proved end: {error} {at(time)}.", as_float(time)) from None
+        raise ProofError(
+            f"the motion has no proved end: {error} {at(time)}.", as_float(time)
+        ) from None
 
 
 def _check_inside(leg: Leg, step: Step, time: fmpq) -> None:

@@ -95,9 +95,7 @@ def _arc(arc: Arc, centre: Balls, size: arb) -> BallArc:
                 [c + size * exact_ball(x) for c, x in zip(centre, point, strict=True)]
                 for point in (arc.start, arc.end)
             )
-        return _polynomials(
-            [(b - a, a) for a, b in zip(start, end, strict=True)]
-        )
+        return _polynomials([(b - a, a) for a, b in zip(start, end, strict=True)])
     if isinstance(arc, Curve):
         low, width = arc.start, arc.end - arc.start
         middle, scale = _named("c", centre), _named("r", [size])
@@ -161,7 +159,9 @@ def spline_coefficients(points: Sequence[Balls]) -> Iterator[list[Coefficients]]
     """
     count, n = len(points), len(points[0])
     after = [*range(1, count), 0]
-    steps = [[b - a for a, b in zip(points[k], points[after[k]], strict=True)] for k in range(count)]
+    steps = [
+        [b - a for a, b in zip(points[k], points[after[k]], strict=True)] for k in range(count)
+    ]
     chords = [sum((x * x for x in step), arb(0)).sqrt() for step in steps]
     matrix = [[arb(0)] * count for _ in range(count)]
     right = []

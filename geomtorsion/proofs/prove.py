@@ -14,22 +14,20 @@ import numpy as np
 from flint import arb
 
 from geomtorsion import checks
-from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
 from geomtorsion.precision import ball_precision
-from geomtorsion.proofs.developments import DevelopedBalls, proved_development
+from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
-from geomtorsion.proofs.solutions import MotionBalls, Sample, SolutionTask, number_ball
+from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
 
 Result: TypeAlias = BurgersVector | Development | Solution
 # Bits with which results are compared with balls.
 COMPARING = 2000
 ALWAYS = (
-    "expressions are those after simplification: components that a zero test dropped have its"
-    " certainty",
+    "components that a zero test dropped vanish, with the certainty of that test",
     "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
     "FLINT's ball arithmetic is right",
 )
@@ -110,7 +108,7 @@ class Proof:
 
 
 def certain_digits(ball: arb, digits: int) -> str:
-    """The digits of a number that are certain, no more than so many; its bounds where there are none.
+    """The digits of a number that are certain, no more than so many; else its bounds.
 
     Examples
     --------
@@ -293,9 +291,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
             Wanted.of(digits, error, max((abs(x) for x in row), key=float))
             for row, error in zip((burgers, turn), errors, strict=True)
         ]
-    found = proved_development(
-        connection, result.loop, parameters, wanted, is_exact=not changed
-    )
+    found = proved_development(connection, result.loop, parameters, wanted, is_exact=not changed)
     rows = found.rotation
     with ball_precision(COMPARING):
         turned = [x - int(i == j) for i, row in enumerate(rows) for j, x in enumerate(row)]
@@ -314,9 +310,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
     )
 
 
-def _solution(
-    result: Solution, digits: int, start: Any, changed: Mapping[str, Any]
-) -> Made:
+def _solution(result: Solution, digits: int, start: Any, changed: Mapping[str, Any]) -> Made:
     _refuse_unknown(changed, getattr(result.problem, "parameters", {}))
     task = SolutionTask.of(result, start, changed)
     with ball_precision(COMPARING):

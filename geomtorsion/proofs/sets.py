@@ -88,7 +88,9 @@ class LohnerSet:
             except ZeroDivisionError:
                 raise ProofError("the directions of the set collapse") from None
             column = arb_mat([[around_zero(x)] for x in self.spread])
-            found = (inverse * turned) * column + inverse * arb_mat([[around_zero(x)] for x in rest])
+            found = (inverse * turned) * column + inverse * arb_mat(
+                [[around_zero(x)] for x in rest]
+            )
             spread = tuple(upper(found[i, 0]) for i in range(len(middle)))
         return LohnerSet(middle, axes, spread)
 

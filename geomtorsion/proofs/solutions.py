@@ -6,23 +6,25 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb, ctx, fmpq
 
 from geomtorsion.codegen.balls import exact_ball
 from geomtorsion.curves import CurveProblem
-from geomtorsion.errors import ArgumentError, ProofError
+from geomtorsion.errors import ArgumentError, ProofError, ShapeError, UnknownNameError
 from geomtorsion.ode import ODE, Solution
 from geomtorsion.ode.trajectory import Segment
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.charts import CurveCourse
 from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
-from geomtorsion.proofs.motions import MOST_STEPS, WideSetError, as_float, at, follow
+from geomtorsion.proofs.motions import MOST_STEPS, WideSetError, as_float, follow
 from geomtorsion.proofs.steps import Method
-from geomtorsion.proofs.wanted import SPARE, Wanted, log2, upper
+from geomtorsion.proofs.wanted import SPARE, Wanted, log2
 
+# What may stand in the place of a start.
+Start: TypeAlias = Mapping[str, Any] | Sequence[Any] | None
 # No proof of a motion takes more bits than this.
 MOST_BITS = 20_000
 # States that are so many bits smaller than their group ever was are measured against that.
@@ -79,7 +81,7 @@ class SolutionTask:
     def of(
         cls,
         solution: Solution,
-        start: object = None,
+        start: Start = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> SolutionTask:
         """The task of a solution, and of balls in the place of its start and parameters."""
@@ -89,8 +91,12 @@ class SolutionTask:
         samples, hints = [], list[Stretch]()
         for segment in segments:
             mine = [
-                Sample(exact_time(sign * _float(t)), segment.label, tuple(row), segment.stage.groups)
-                for t, row in zip(segment.times, _rows(problem, segment, segment.states), strict=True)
+                Sample(
+                    exact_time(sign * _float(t)), segment.label, tuple(row), segment.stage.groups
+                )
+                for t, row in zip(
+                    segment.times, _rows(problem, segment, segment.states), strict=True
+                )
             ]
             samples += mine
             begin, end = (
@@ -262,24 +268,43 @@ class SolutionTask:
 
 
 def course_of(
-    problem: object, backwards: bool, start: object, parameters: Mapping[str, Any] | None
+    problem: object, backwards: bool, start: Start, parameters: Mapping[str, Any] | None
 ) -> Course:
     """The course of a problem."""
-    given = tuple(start) if isinstance(start, Sequence | np.ndarray) else start
     if isinstance(problem, ODE):
-        if isinstance(given, Mapping):
-            pairs = zip(problem.states, problem.start, strict=True)
-            given = tuple(given.get(name, known) for name, known in pairs)
-        return OdeCourse(problem, backwards, given or (), dict(parameters or {}))
+        given = _start(problem.states, problem.start, start)
+        return OdeCourse(problem, backwards, given, dict(parameters or {}))
     if isinstance(problem, CurveProblem):
-        if isinstance(given, Mapping):
-            pairs = zip(problem.coordinates, problem.start or (), strict=True)
-            given = tuple(given.get(name, known) for name, known in pairs)
-        return CurveCourse(problem, backwards, given or (), dict(parameters or {}))
+        given = _start(problem.coordinates, problem.start or (), start)
+        return CurveCourse(problem, backwards, given, dict(parameters or {}))
     raise ArgumentError(
         f"expected a solution of an ODE or of a curve, got one of {type(problem).__name__}. "
         "Write the motion as one of these."
     )
+
+
+def _start(names: Sequence[str], known: Sequence[Any], given: Start) -> tuple[Any, ...]:
+    """Numbers or balls in the place of a start; none where nothing was given.
+
+    Raises
+    ------
+    UnknownNameError
+        a name is not one of the states.
+    ShapeError
+        there is not one number for each.
+    """
+    if given is None:
+        return ()
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in names:
+                raise UnknownNameError(f"start: expected one of {', '.join(names)}, got {name}.")
+        return tuple(given.get(name, x) for name, x in zip(names, known, strict=True))
+    if len(given) != len(names) or not known:
+        raise ShapeError(
+            f"start: expected {len(names)} numbers ({', '.join(names)}), got {len(given)}."
+        )
+    return tuple(given)
 
 
 def _without_last_sample(stretches: tuple[Stretch, ...]) -> tuple[Stretch, ...]:

@@ -22,7 +22,7 @@ from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, vari
 from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet
 from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
 
-# A state that is smaller than the largest by more bits than this counts as large as that less these.
+# A state that is smaller than the largest by more bits than this counts as just that much smaller.
 SMALLER = 30
 # The radius of the disk is changed by such factors until a step gets no longer.
 LARGER, SMALLER_RADIUS, MUCH_SMALLER = 1.15, 0.87, 0.7
@@ -185,7 +185,8 @@ class Stepper:
         """A complex box around m, of such half sides."""
         sides = reach if wider is None else [x + y for x, y in zip(reach, wider, strict=True)]
         return [
-            x + acb(around_zero(r), around_zero(r)) for x, r in zip(self._middle, sides, strict=True)
+            x + acb(around_zero(r), around_zero(r))
+            for x, r in zip(self._middle, sides, strict=True)
         ]
 
     def disk(self, radius: float) -> Disk | None:
@@ -200,9 +201,8 @@ class Stepper:
         gain = (worst + math.log2(radius / (order + 1))) / (order + 1)
         return Disk(radius, tuple(defect), math.log2(radius) - max(gain, 0.0))
 
-    def best_disk(self, radius: float | None, last: float) -> Disk:
-        """The disk that allows the longest step, near a radius; last: a step that is long enough."""
-        radius = self.time if radius is None else radius
+    def best_disk(self, radius: float, last: float) -> Disk:
+        """The disk that allows the longest step, near a radius; last: a step long enough."""
         best, shrunk = self.disk(radius), 0
         while best is None:
             radius *= MUCH_SMALLER
@@ -223,7 +223,7 @@ class Stepper:
         """The longest step that is proved, up to `most`."""
         with ball_precision(LOW_BITS):
             last = float(most.p) / float(most.q)
-            disk = self.best_disk(radius, last)
+            disk = self.best_disk(self.time if radius is None else radius, last)
             length = min(2.0**disk.longest, disk.radius / 2)
             if length >= last:
                 length = last
@@ -234,7 +234,7 @@ class Stepper:
                 found = None
                 if self._terms_are_small(length):
                     exact = most if length >= last else dyadic_below(length)
-                    found = self._proved(disk, exact)
+                    found = self.proved(disk, exact)
                 if found is not None:
                     return found
                 length /= SHORTER
@@ -244,7 +244,7 @@ class Stepper:
         reach, _ = self.reach(length)
         return all(log2(x) <= size + TERMS for x, size in zip(reach, self.sizes, strict=True))
 
-    def _proved(self, disk: Disk, length: fmpq) -> Step | None:
+    def proved(self, disk: Disk, length: fmpq) -> Step | None:
         """A step of a length; None where its tube is not proved, or V would cost too much."""
         h, order = float(length.p) / float(length.q), self.method.order
         time = arb(length)
@@ -254,11 +254,11 @@ class Stepper:
             if tube is None:
                 continue
             bound, width = tube
-            growth = (bound * arb(outer)).exp()
+            growth = growth_of(bound, arb(outer))
             needed = self._variation_order(growth, math.log2(outer / h))
             if needed > HIGHEST_VARIATION:
                 continue
-            local = defect_growth(bound, time, disk.remainder(time, order))
+            local = grown(bound, time, disk.remainder(time, order))
             reach, _ = self.reach(time)
             sides = [(x + w).upper() for x, w in zip(reach, width, strict=True)]
             around = [x.real + around_zero(s) for x, s in zip(self._middle, sides, strict=True)]
@@ -284,7 +284,7 @@ class Stepper:
                 return None
             bound = self._bound(slopes)
             starts = [(r + d).upper() for r, d in zip(self._rho, defect, strict=True)]
-            out = defect_growth(bound, time, starts)
+            out = grown(bound, time, starts)
             if not all(x.is_finite() for x in out):
                 return None
             if all(x < w for x, w in zip(out, width, strict=True)):
@@ -311,10 +311,15 @@ class Stepper:
         return math.ceil((self.method.variation_bits + max(largest, 0.0)) / gain)
 
 
-def defect_growth(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
-    """exp(L t) times what is there at the start, state by state (Gronwall)."""
+def growth_of(bound: arb_mat, time: arb) -> arb_mat:
+    """exp(L t): by how much neighbours part at most (Gronwall), and a bound of |V|."""
+    return (bound * time).exp()
+
+
+def grown(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
+    """exp(L t) times what is there at the start, state by state."""
     n = len(starts)
-    growth = (bound * time).exp()
+    growth = growth_of(bound, time)
     return [
         sum((upper(growth[i, j]) * starts[j] for j in range(n)), arb(0)).upper() for i in range(n)
     ]

@@ -59,7 +59,7 @@ def around_zero(radius: arb) -> arb:
 
 
 def log2(x: Ball) -> float:
-    """About the logarithm of the largest size in a ball: to choose steps and bits, never a bound."""
+    """About the logarithm of the largest size in a ball: it chooses steps, and is no bound."""
     size = upper(x)
     if size.is_zero():
         return FAR_BELOW
