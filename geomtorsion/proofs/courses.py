@@ -14,11 +14,10 @@ from typing import Any, Protocol
 from flint import arb, fmpq
 
 from geomtorsion.codegen.balls import BallCode, exact_ball
-from geomtorsion.errors import ProofError
 from geomtorsion.ode import ODE
 from geomtorsion.ode.rates import CLOCK
 from geomtorsion.proofs.events import Fall
-from geomtorsion.proofs.motions import Leg, at
+from geomtorsion.proofs.motions import Leg, RefusalError
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 
@@ -157,9 +156,11 @@ class OdeCourse:
         """Refuse to go on from where the motion has ended, or may have."""
         room = fall.value(boxes)
         if not room > 0 and not (is_start and room >= 0):
-            raise ProofError(
-                f"the motion has ended {at(time)} where the stop {self.problem.rates.stop} is "
-                f"{float(room.mid()):.6g}, or this is not proved. Start where it is above zero.",
+            raise RefusalError(
+                f"the stop {self.problem.rates.stop} is {float(room.mid()):.6g}, or this is not "
+                "proved",
+                time,
+                "Start where it is above zero.",
             )
 
     def names(self, label: str) -> tuple[str, ...]:

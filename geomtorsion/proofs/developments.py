@@ -16,7 +16,7 @@ from geomtorsion.errors import ProofError
 from geomtorsion.ode.system import System
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.loops import Coframe, check_path, values_of
-from geomtorsion.proofs.motions import Leg, WideSetError, follow
+from geomtorsion.proofs.motions import Leg, RefusalError, follow
 from geomtorsion.proofs.paths import BallArc, S, arcs_of
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
@@ -82,14 +82,13 @@ def proved_development(
             try:
                 found = _developed(connection, loop, parameters)
                 missing = _missing_bits(found, wanted)
-            except WideSetError as error:
-                missing = bits if bits < MOST_BITS else 0
-                if not missing:
+            except RefusalError as error:
+                found, missing = None, bits
+                if error.width is None or bits >= MOST_BITS:
                     raise ProofError(
-                        f"the development is not proved: {error} along an arc. Lead the loop past "
-                        "poles and edges at a larger distance."
+                        f"the development is not proved: {error.reason} along an arc. Lead the "
+                        "loop past poles and edges at a larger distance."
                     ) from None
-                found = None
         if found is not None and (not missing or bits >= MOST_BITS or not is_exact):
             return found
         bits = min(MOST_BITS, bits + min(max(missing, 8), bits))

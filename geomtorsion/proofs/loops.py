@@ -229,6 +229,7 @@ def _integrand(row: _Row, arc: BallArc, values: Sequence[arb]) -> Callable[[acb,
 def _integral(function: Callable[[acb, bool], acb], bits: int, tolerance: arb) -> acb:
     """The integral from 0 to 1; not finite where there is no enclosure."""
     raised: list[BaseException] = []
+    found = acb("nan")
 
     def guarded(s: acb, analytic: bool) -> acb:
         # What is raised inside of FLINT would come out as a SystemError.
@@ -246,10 +247,17 @@ def _integral(function: Callable[[acb, bool], acb], bits: int, tolerance: arb) -
             eval_limit=MOST_EVALUATIONS,
         )  # fmt: skip
     except SystemError as error:
-        raise (error.__cause__ or error) from None
+        raised.append(error)
     if raised:
-        raise raised[0]
+        raise innermost(raised[0])
     return found
+
+
+def innermost(error: BaseException) -> BaseException:
+    """What was raised inside of FLINT, out of the SystemErrors around it."""
+    while isinstance(error, SystemError) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
 
 
 def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int) -> None:

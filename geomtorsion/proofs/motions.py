@@ -20,17 +20,23 @@ from geomtorsion.proofs.wanted import log2
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
+# Steps of less than this part of the way lead to a place where the motion ends.
+STANDSTILL = 2**50
 
 
-class WideSetError(ProofError):
-    """A set has grown so wide that no step can be proved: more bits may help.
+class RefusalError(ProofError):
+    """Why a motion cannot be followed further.
 
-    lost: how many bits are left of the set, below zero; time: where it was.
+    reason, advice: in words; when: the time of the equations.
+    width: of a set for which no step was proved, its logarithm, relative to the motion: more bits
+        may help; None where they do not.
     """
 
-    def __init__(self, message: str, time: float, lost: float) -> None:
-        super().__init__(message, time)
-        self.lost = lost
+    def __init__(
+        self, reason: str, when: fmpq, advice: str = "", width: float | None = None
+    ) -> None:
+        super().__init__(f"{reason} at {float(arb(when)):.6g}. {advice}".rstrip())
+        self.reason, self.when, self.advice, self.width = reason, when, advice, width
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,15 +73,23 @@ class Followed:
     steps: int
 
 
-def follow(leg: Leg, whole: LohnerSet, method: Method, steps_left: int = MOST_STEPS) -> Followed:
+def follow(
+    leg: Leg,
+    whole: LohnerSet,
+    method: Method,
+    steps_left: int = MOST_STEPS,
+    *,
+    may_widen: bool = False,
+) -> Followed:
     """A set followed through one leg, at the precision in use.
+
+    may_widen: whether a set that is as wide as the motion is followed, as one of wide starts is.
 
     Raises
     ------
-    WideSetError
-        the set grew too wide for a step.
-    ProofError
-        the motion ends, or comes to the edge of its chart, or touches a stop.
+    RefusalError
+        the motion ends, comes to the edge of its chart or touches a stop; or the set of motions
+        grew too wide for a step.
     """
     found: list[list[arb]] = []
     waiting = list(leg.samples)
@@ -85,13 +99,16 @@ def follow(leg: Leg, whole: LohnerSet, method: Method, steps_left: int = MOST_ST
         waiting.pop(0)
     while time < leg.end:
         if steps >= steps_left:
-            raise ProofError(
-                f"more than {MOST_STEPS:,} steps are needed {at(time)}. Prove a shorter motion, or "
-                "fewer digits.",
-                as_float(time),
-            )
+            words = f"more than {MOST_STEPS:,} steps are needed"
+            raise RefusalError(words, time, "Prove a shorter motion, or fewer digits.")
         step = _step(leg, whole, method, radius, time)
         radius, steps = step.radius, steps + 1
+        if step.length * STANDSTILL < leg.end and step.length < leg.end - time:
+            raise RefusalError(
+                "steps become ever shorter",
+                time,
+                "It ends there, or reaches the edge of a function. Prove a shorter motion.",
+            )
         stop = None if leg.fall is None else _stop(leg.fall, step, time)
         last = arb(step.length) if stop is None else stop
         if stop is None:
@@ -104,9 +121,13 @@ def follow(leg: Leg, whole: LohnerSet, method: Method, steps_left: int = MOST_ST
             waiting.pop(0)
         if stop is not None:
             return Followed(found, None, (arb(time) + stop, step.hull(stop)), steps)
-        whole = step.end()
+        try:
+            whole = step.end()
+        except ProofError as error:
+            raise RefusalError(str(error), time, "", _width(step.whole)) from None
         time += step.length
-        _check_width(step, whole, time)
+        if not may_widen:
+            _check_width(step, whole, time)
     return Followed(found, whole, None, steps)
 
 
@@ -115,26 +136,27 @@ def _step(leg: Leg, whole: LohnerSet, method: Method, radius: float | None, time
     try:
         return prove_step(leg.system, whole, method, radius, leg.end - time)
     except ProofError as error:
-        size = max(log2(x) for x in whole.middle)
-        width = max(log2(x) for x in whole.radii)
-        raise WideSetError(f"{error} {at(time)}", as_float(time), width - size) from None
+        raise RefusalError(str(error), time, "", _width(whole)) from None
+
+
+def _width(whole: LohnerSet) -> float:
+    """The logarithm of the radius of a set, relative to its largest state."""
+    return max(log2(x) for x in whole.radii) - max(log2(x) for x in whole.middle)
 
 
 def _check_width(step: Step, whole: LohnerSet, time: fmpq) -> None:
     """Refuse a set that holds no digits of its motion."""
     widest = max(log2(r) - size for r, size in zip(whole.radii, step.sizes, strict=True))
     if widest > TOO_WIDE:
-        message = f"the set of motions has grown to the size of the motion {at(time)}"
-        raise WideSetError(message, as_float(time), widest)
+        words = "the set of motions has grown to the size of the motion"
+        raise RefusalError(words, time, "All digits are lost there.", widest)
 
 
 def _stop(fall: Fall, step: Step, time: fmpq) -> arb | None:
     try:
         return fall.first(step)
     except ProofError as error:
-        raise ProofError(
-            f"the motion has no proved end: {error} {at(time)}.", as_float(time)
-        ) from None
+        raise RefusalError(str(error), time, "Move the stop, or the start.") from None
 
 
 def _check_inside(leg: Leg, step: Step, time: fmpq) -> None:
@@ -156,17 +178,7 @@ def _check_inside(leg: Leg, step: Step, time: fmpq) -> None:
             continue
         if depth > 20:
             words = next(x for x, good in zip(leg.words, verdicts, strict=True) if not good)
-            message = f"the motion comes to the edge of its chart {at(time)}: {words}."
-            raise ProofError(message, as_float(time))
+            words = f"it comes to the edge of its chart ({words})"
+            raise RefusalError(words, time, "Prove a shorter motion, or use another chart.")
         middle = ((low + high) / 2).mid()
         waiting += [(middle, high, depth + 1), (low, middle, depth + 1)]
-
-
-def as_float(time: fmpq) -> float:
-    """A time as a float."""
-    return float(time.p) / float(time.q) if time.q < 2**1000 else float(arb(time))
-
-
-def at(time: fmpq) -> str:
-    """A time in messages."""
-    return f"at t = {as_float(time):.6g}"

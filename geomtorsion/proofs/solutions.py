@@ -19,7 +19,7 @@ from geomtorsion.ode.trajectory import Segment
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.charts import CurveCourse
 from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
-from geomtorsion.proofs.motions import MOST_STEPS, WideSetError, as_float, follow
+from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
 from geomtorsion.proofs.steps import Method
 from geomtorsion.proofs.wanted import SPARE, Wanted, log2
 
@@ -139,15 +139,17 @@ class SolutionTask:
         ProofError
             the motion ends, or comes to an edge, or touches a stop.
         """
-        bits, refused = wanted.bits + SPARE, -1.0
+        bits, refused = wanted.bits + SPARE, None
         while True:
             try:
                 with ball_precision(bits):
                     found = self._followed()
                     missing = wanted.bits - self._known_bits(found)
-            except WideSetError as error:
-                bits = self._more(error, bits, refused, wanted)
-                refused = error.time or 0.0
+            except RefusalError as error:
+                more = self._more(error, bits, refused, wanted)
+                if more is None:
+                    raise self._refusal(error) from None
+                bits, refused = more, error.when
                 continue
             if missing <= 0 or not self.is_exact:
                 return found
@@ -155,23 +157,33 @@ class SolutionTask:
                 raise ProofError(f"more than {MOST_BITS:,} bits are needed. Ask for fewer digits.")
             bits = min(MOST_BITS, bits + math.ceil(missing) + 6)
 
-    def _more(self, error: WideSetError, bits: int, refused: float, wanted: Wanted) -> int:
-        """The bits with which to try again; a refusal where no bits would help."""
-        time = error.time or 0.0
-        again = refused >= 0 and time <= refused * (1 + 1e-6)
-        narrow = error.lost < -NARROW * bits
-        if again or narrow or bits >= MOST_BITS or not self.is_exact:
-            unit = self.solution.problem.time_unit
-            words = str(error).rpartition(" at t = ")[0]
-            raise ProofError(
-                f"the motion is not proved beyond t = {time / unit:.6g}: {words}. It ends there, "
-                "or reaches the edge of a function, or all digits are lost. Prove a shorter one.",
-                time / unit,
-            ) from None
-        lost = bits + error.lost
-        end = as_float(self.stretches[-1].end)
-        needed = wanted.bits + 20 + int(1.1 * lost * end / max(time, 1e-3 * end))
+    def _more(
+        self, error: RefusalError, bits: int, refused: fmpq | None, wanted: Wanted
+    ) -> int | None:
+        """The bits with which to try again; None where no bits would help."""
+        if error.width is None or error.width < -NARROW * bits or not self.is_exact:
+            return None
+        again = refused is not None and error.when <= refused * fmpq(1_000_001, 1_000_000)
+        if again or bits >= MOST_BITS:
+            return None
+        lost, end = bits + error.width, self.stretches[-1].end
+        share = min(float(arb(end / error.when)), 1e3) if error.when > 0 else 1e3
+        needed = wanted.bits + 20 + int(1.1 * lost * share)
         return min(MOST_BITS, max(bits + 20, min(2 * bits, needed)))
+
+    def _refusal(self, error: RefusalError) -> ProofError:
+        """A refusal in the time of users."""
+        problem = self.solution.problem
+        sign = -1 if self.solution.trajectory.reached < 0 else 1
+        time = sign * float(arb(error.when)) / problem.time_unit
+        advice = error.advice or (
+            "The motion ends there, or comes to the edge of a function. Prove a shorter one."
+        )
+        return ProofError(
+            f"the motion is not proved beyond {problem.time_name} = {time:.6g}: {error.reason}. "
+            f"{advice}",
+            time,
+        )
 
     def _followed(self) -> MotionBalls:
         """The motion at the precision in use."""
@@ -181,7 +193,8 @@ class SolutionTask:
         position: Position | None = None
         for stretch in self.stretches:
             position, leg = self.course.enter(stretch, position)
-            found = follow(leg, position.whole, method, MOST_STEPS - steps)
+            left, may_widen = MOST_STEPS - steps, not self.is_exact
+            found = follow(leg, position.whole, method, left, may_widen=may_widen)
             boxes += found.samples
             steps += found.steps
             if found.stop is not None:

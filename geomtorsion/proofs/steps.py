@@ -222,7 +222,7 @@ class Stepper:
     def step(self, radius: float | None, most: fmpq) -> Step:
         """The longest step that is proved, up to `most`."""
         with ball_precision(LOW_BITS):
-            last = float(most.p) / float(most.q)
+            last = float(arb(most))
             disk = self.best_disk(self.time if radius is None else radius, last)
             length = min(2.0**disk.longest, disk.radius / 2)
             if length >= last:
@@ -246,7 +246,7 @@ class Stepper:
 
     def proved(self, disk: Disk, length: fmpq) -> Step | None:
         """A step of a length; None where its tube is not proved, or V would cost too much."""
-        h, order = float(length.p) / float(length.q), self.method.order
+        h, order = float(arb(length)), self.method.order
         time = arb(length)
         # The tube reaches into complex times, up to a radius between the step and the disk.
         for outer in (math.sqrt(h * disk.radius), h * (disk.radius / h) ** 0.25, 1.05 * h):
