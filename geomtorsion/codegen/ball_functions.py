@@ -222,15 +222,11 @@ def _real_root(x: Ball, degree: int) -> Ball:
     return x.root(degree) if isinstance(x, arb) else (x.log() / degree).exp()
 
 
-# Powers up to this are products; that of a larger exponent is exp(exponent log).
-_LARGEST_POWER = 10**6
-
-
 def _real_power(base: Ball, exponent: Ball) -> Ball:
     if isinstance(base, arb) and isinstance(exponent, arb):
         return base**exponent
-    if isinstance(exponent, arb) and exponent.is_integer() and abs(exponent) < _LARGEST_POWER:
-        count = int(float(exponent))
+    if isinstance(exponent, arb) and exponent.is_integer():
+        count = int(exponent.fmpz())
         power = base ** abs(count)
         return power if count >= 0 else _series_quotient(arb(1), power)
     return ((base.log()) * exponent).exp()

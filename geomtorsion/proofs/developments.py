@@ -21,14 +21,12 @@ from geomtorsion.proofs.paths import BallArc, S, arcs_of
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method
-from geomtorsion.proofs.wanted import SPARE, Wanted, log2
+from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Connection
     from geomtorsion.loops import Loop
 
-# No proof of a development takes more bits than this.
-MOST_BITS = 8000
 
 
 @dataclass(frozen=True)

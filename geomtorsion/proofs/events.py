@@ -15,8 +15,6 @@ from geomtorsion.errors import ProofError
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.steps import Step
 
-# Newton's method ends where an interval shrinks by less than this factor.
-SHRINKS = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +97,7 @@ class Fall:
             if not (found.is_finite() and found.overlaps(time)):
                 return time
             both = found.intersection(time)
-            if not both.rad() < time.rad() * SHRINKS:
+            # Quadratic as long as rounding lets it be: it ends where an interval is not halved.
+            if not 2 * both.rad() < time.rad():
                 return both
             time = both

@@ -20,7 +20,7 @@ from geomtorsion.errors import MissingValueError, ProofError
 from geomtorsion.loops.arcs import Number, shown
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.paths import BallArc, arcs_of
-from geomtorsion.proofs.wanted import SPARE, Wanted, log2, upper
+from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2, upper
 
 if TYPE_CHECKING:
     from geomtorsion.exact.generators import Branch
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 # No integral of one component along one arc takes more evaluations: some ten seconds.
 MOST_EVALUATIONS = 200_000
-# Bits beyond those asked for that a proof may add where terms cancel.
-MOST_ADDED = 4000
 
 
 @dataclass(frozen=True)
@@ -161,14 +159,13 @@ def proved_integrals(
     coframe = Coframe.of(frame)
     size = loop.size / max(abs(x) for part in loop.parts for x in (*part.centre, part.size))
     bits = wanted.bits + SPARE + math.ceil(-math.log2(size))
-    most = bits + wanted.bits + MOST_ADDED
     while True:
         with ball_precision(bits):
             found = _integrals(coframe, loop, frame.dimension, parameters, bits)
             lost = missing_bits(found.balls, wanted)
-        if not lost or bits >= most or not is_exact:
+        if not lost or bits >= MOST_BITS or not is_exact:
             return found
-        bits = min(most, bits + min(max(lost, 8), bits))
+        bits = min(MOST_BITS, bits + min(max(lost, 8), bits))
 
 
 def missing_bits(balls: Sequence[arb], wanted: Wanted) -> int:

@@ -17,15 +17,13 @@ from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
-from geomtorsion.precision import ball_precision
+from geomtorsion.precision import EXACT_BITS, ball_precision
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
 
 Result: TypeAlias = BurgersVector | Development | Solution
-# Bits with which results are compared with balls.
-COMPARING = 2000
 ALWAYS = (
     "components that a zero test dropped vanish, with the certainty of that test",
     "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
@@ -89,6 +87,19 @@ class Proof:
         with ball_precision(self.bits):
             shown = [certain_digits(ball, self.digits) for ball in row]
         return [f"{name} = {text}" for name, text in zip(names, shown, strict=True)]
+
+    def to_json(self) -> dict[str, Any]:
+        """What was proved as a JSON-ready mapping: values with their certain digits, as text."""
+        return {
+            "values": self.lines(),
+            "holds": self.holds,
+            "error": self.error,
+            "bits": self.bits,
+            "steps": self.steps,
+            "seconds": self.seconds,
+            "assumes": list(self.assumes),
+            "text": str(self),
+        }
 
     def __str__(self) -> str:
         verdict = {True: "holds", False: "does NOT hold", None: "is not decided"}[self.holds]
@@ -252,14 +263,14 @@ def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> 
         raise ProofError("expected a real frame, got a complex one: its integrals are not proved.")
     _refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
-    with ball_precision(COMPARING):
+    with ball_precision(EXACT_BITS):
         unit = arb(result.size) ** result.power
         value = [arb(x) * unit for x in result.reduced.tolist()]
         error = arb(result.reduced_error) * unit
         size = max((abs(x) for x in value), key=float)
     wanted = Wanted.of(digits, error, size)
     found = proved_integrals(frame, result.loop, parameters, wanted, is_exact=not changed)
-    with ball_precision(COMPARING):
+    with ball_precision(EXACT_BITS):
         gap = _largest(found.balls, value)
         bound, holds = upper_float(gap), _verdict(gap, error)
     names = tuple(f"b{k + 1}" for k in range(len(value)))
@@ -283,7 +294,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         raise ProofError("expected a real frame, got a complex one: it is not proved.")
     _refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
-    with ball_precision(COMPARING):
+    with ball_precision(EXACT_BITS):
         burgers = [arb(x) for x in result.burgers.tolist()]
         turn = [arb(x) for x in result.motion.turn.ravel().tolist()]
         errors = arb(result.error), arb(result.turn_error)
@@ -293,7 +304,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         ]
     found = proved_development(connection, result.loop, parameters, wanted, is_exact=not changed)
     rows = found.rotation
-    with ball_precision(COMPARING):
+    with ball_precision(EXACT_BITS):
         turned = [x - int(i == j) for i, row in enumerate(rows) for j, x in enumerate(row)]
         gaps = _largest(found.burgers, burgers), _largest(turned, turn)
         bound = upper_float(gaps[0])
@@ -313,7 +324,7 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
 def _solution(result: Solution, digits: int, start: Any, changed: Mapping[str, Any]) -> Made:
     _refuse_unknown(changed, getattr(result.problem, "parameters", {}))
     task = SolutionTask.of(result, start, changed)
-    with ball_precision(COMPARING):
+    with ball_precision(EXACT_BITS):
         error = arb(result.error) if math.isfinite(result.error) else arb.pos_inf()
         wanted = Wanted.of(digits, error if error.is_finite() else arb(0), arb(1))
     motion = task.proved(wanted)

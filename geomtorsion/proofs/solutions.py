@@ -20,15 +20,11 @@ from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.charts import CurveCourse
 from geomtorsion.proofs.courses import Course, OdeCourse, Position, Stretch, exact_time
 from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
-from geomtorsion.proofs.steps import Method
-from geomtorsion.proofs.wanted import SPARE, Wanted, log2
+from geomtorsion.proofs.steps import SMALLER, Method
+from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
 
 # What may stand in the place of a start.
 Start: TypeAlias = Mapping[str, Any] | Sequence[Any] | None
-# No proof of a motion takes more bits than this.
-MOST_BITS = 20_000
-# States that are so many bits smaller than their group ever was are measured against that.
-MOMENTARILY_SMALL = 20
 # A set is hopeless where it was narrow when no step could be proved: more bits would not help.
 NARROW = 0.6
 
@@ -239,7 +235,7 @@ class SolutionTask:
                 extent = log2(extents[sample.label, group])
                 extent = extent if extent > -math.inf and extents[sample.label, group] > 0 else top
                 size = max((log2(box[k].mid()) for k in inside), default=extent)
-                size = max(min(size, extent), extent - MOMENTARILY_SMALL)
+                size = max(min(size, extent), extent - SMALLER)
                 radius = max((log2(box[k].rad()) for k in inside), default=-math.inf)
                 worst = min(worst, size - radius)
         if motion.stop is not None:

@@ -24,11 +24,9 @@ from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
 
 # A state that is smaller than the largest by more bits than this counts as just that much smaller.
 SMALLER = 30
-# The radius of the disk is changed by such factors until a step gets no longer.
-LARGER, SMALLER_RADIUS, MUCH_SMALLER = 1.15, 0.87, 0.7
-MOST_RADII = 200
-# A step that is not proved is shortened by this factor, so many times at most.
-SHORTER, MOST_STEPS_TRIED = 1.5, 60
+# The radius of the disk is changed by this factor until a step gets no longer; where none is
+# proved, radius and step are changed by its third power, so many times at most.
+SHRINK, MOST_TRIES = 0.87, 100
 # The derivative V is known to about so many bits, by a series of no higher order than this.
 VARIATION_BITS, HIGHEST_VARIATION = 16, 24
 # A tube is widened to what comes out of it so many times at most.
@@ -205,12 +203,12 @@ class Stepper:
         """The disk that allows the longest step, near a radius; last: a step long enough."""
         best, shrunk = self.disk(radius), 0
         while best is None:
-            radius *= MUCH_SMALLER
+            radius *= SHRINK**3
             shrunk += 1
-            if shrunk > MOST_RADII:
+            if shrunk > MOST_TRIES:
                 raise ProofError("there is no disk on which the rates are analytic")
             best = self.disk(radius)
-        for factor in (SMALLER_RADIUS,) if shrunk else (LARGER, SMALLER_RADIUS):
+        for factor in (SHRINK,) if shrunk else (1 / SHRINK, SHRINK):
             # Larger disks than 8 steps to the end gain nothing.
             while factor < 1 or radius <= 8 * last:
                 other = self.disk(radius * factor)
@@ -230,14 +228,14 @@ class Stepper:
             elif 2 * length > last:
                 # Two even steps instead of one and a bit.
                 length = last / 2 * (1 + 1e-7)
-            for _ in range(MOST_STEPS_TRIED):
+            for _ in range(MOST_TRIES):
                 found = None
                 if self._terms_are_small(length):
                     exact = most if length >= last else dyadic_below(length)
                     found = self.proved(disk, exact)
                 if found is not None:
                     return found
-                length /= SHORTER
+                length *= SHRINK**3
             raise ProofError("no step is proved, however short")
 
     def _terms_are_small(self, length: float) -> bool:

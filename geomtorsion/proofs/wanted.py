@@ -16,6 +16,8 @@ MOST_DIGITS = 1000
 SHARPER = 4
 # Bits on top of the digits: what rounding takes on the way in a problem without cancellation.
 SPARE = 30
+# No proof takes more bits than this.
+MOST_BITS = 20_000
 # What is below this many bits of the largest number is counted as nothing.
 FAR_BELOW = -1e30
 

@@ -130,3 +130,11 @@ def test_bad_input_is_refused(arguments, says):
     assert says in result.stderr
     assert "Traceback" not in result.output
     assert result.stderr.startswith("geomtorsion: ")
+
+
+def test_proved_prints_certain_digits():
+    """Both motions with the digits that are certain, and whether their errors hold."""
+    text = run("curve", "s2", "--t", "2", "--accuracy", "1e-8", "--proved").stdout
+    assert text.count("proved at t = 2, 15 digits") == 2
+    assert text.count("holds: proved") == 2
+    assert "theta = 1." in text
