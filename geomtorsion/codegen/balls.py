@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 from flint import acb, arb, arb_series, ctx, fmpq, fmpz
 
-from geomtorsion.codegen.ball_functions import COMPLEX, REAL, UNIT, Ball
+from geomtorsion.codegen.ball_functions import COMPLEX, NAN, REAL, UNIT, Ball
 from geomtorsion.codegen.evaluation import rational
 from geomtorsion.codegen.expression_graph import Graph, graph
 from geomtorsion.codegen.printers import function_of
@@ -227,6 +227,49 @@ class BallCode:
     def complex(self, arguments: Sequence[acb], *, analytic: bool) -> list[acb]:
         """Outputs at complex balls."""
         return self.complex_function()(arguments, self.numbers(), analytic)
+
+
+# -- integrals -------------------------------------------------------------------------------------
+
+
+def integral(function: Callable[[acb, bool], acb], tolerance: arb, most: int | None = None) -> acb:
+    """The integral of a function (s, analytic) from 0 to 1, at the precision in use.
+
+    It is not finite where there is no enclosure. tolerance: absolute; most: evaluations.
+
+    Examples
+    --------
+    >>> print(integral(lambda s, analytic: (acb(4) * s).sqrt(analytic=analytic), arb(0)).str(6))
+    1.33333
+    """
+    raised: list[BaseException] = []
+    found = NAN
+
+    def guarded(s: acb, analytic: bool) -> acb:
+        # What is raised inside of FLINT would come out as a SystemError.
+        if raised:
+            return NAN
+        try:
+            return function(s, analytic)
+        except BaseException as error:  # noqa: BLE001  # limits and Ctrl-C come out below
+            raised.append(error)
+            return NAN
+
+    share = arb(2) ** (5 - ctx.prec)
+    try:
+        found = acb.integral(guarded, 0, 1, rel_tol=share, abs_tol=tolerance, eval_limit=most)
+    except SystemError as error:
+        raised.append(error)
+    if raised:
+        raise innermost(raised[0])
+    return found
+
+
+def innermost(error: BaseException) -> BaseException:
+    """What was raised inside of FLINT, out of the SystemErrors around it."""
+    while isinstance(error, SystemError) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
 
 
 # -- balls as floats -------------------------------------------------------------------------------

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from geomtorsion.loops import Loop
 
 
-
 @dataclass(frozen=True)
 class DevelopedBalls:
     """A proved development.

@@ -16,7 +16,6 @@ from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.steps import Step
 
 
-
 @dataclass(frozen=True, eq=False)
 class Fall:
     """Something over states, parameters and the time at whose fall through zero a motion ends.

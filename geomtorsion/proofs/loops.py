@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from flint import acb, arb, arb_mat
 
 from geomtorsion.codegen import Graph, graph
-from geomtorsion.codegen.balls import BallCode, exact_ball
+from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.errors import MissingValueError, ProofError
 from geomtorsion.loops.arcs import Number, shown
 from geomtorsion.precision import ball_precision
@@ -196,7 +196,7 @@ def _integrals(
             arcs += 1
             check_path(coframe, arc, values, bits)
             for i, row in coframe.rows.items():
-                found = _integral(_integrand(row, arc, values), bits, tolerance)
+                found = integral(_integrand(row, arc, values), tolerance, MOST_EVALUATIONS)
                 if not found.is_finite():
                     point = shown(float(x.mid()) for x in arc.places(arb(0.5)))
                     raise ProofError(
@@ -221,40 +221,6 @@ def _integrand(row: _Row, arc: BallArc, values: Sequence[arb]) -> Callable[[acb,
         return sum((entries[k] * point[n + mu] for k, mu in moving), acb(0))
 
     return integrand
-
-
-def _integral(function: Callable[[acb, bool], acb], bits: int, tolerance: arb) -> acb:
-    """The integral from 0 to 1; not finite where there is no enclosure."""
-    raised: list[BaseException] = []
-    found = acb("nan")
-
-    def guarded(s: acb, analytic: bool) -> acb:
-        # What is raised inside of FLINT would come out as a SystemError.
-        if raised:
-            return acb("nan")
-        try:
-            return function(s, analytic)
-        except BaseException as error:  # noqa: BLE001  # limits and Ctrl-C come out below
-            raised.append(error)
-            return acb("nan")
-
-    try:
-        found = acb.integral(
-            guarded, 0, 1, rel_tol=arb(2) ** (5 - bits), abs_tol=tolerance,
-            eval_limit=MOST_EVALUATIONS,
-        )  # fmt: skip
-    except SystemError as error:
-        raised.append(error)
-    if raised:
-        raise innermost(raised[0])
-    return found
-
-
-def innermost(error: BaseException) -> BaseException:
-    """What was raised inside of FLINT, out of the SystemErrors around it."""
-    while isinstance(error, SystemError) and error.__cause__ is not None:
-        error = error.__cause__
-    return error
 
 
 def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int) -> None:

@@ -129,7 +129,9 @@ def certain_digits(ball: arb, digits: int) -> str:
     if ball.is_zero():
         return "0"
     if not abs(ball) > 0:
-        return f"0 +- {arb(ball.rad() + abs(ball.mid())).upper().str(3, radius=False)}"
+        # Rounded to three digits it is still a bound.
+        bound = abs(ball).upper() * arb(1.006)
+        return f"0 +- {bound.str(3, radius=False)}"
     return ball.str(digits, radius=False)
 
 
