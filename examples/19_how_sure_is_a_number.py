@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"\nrefused: {refused}")
     proof = gt.prove(replace(b, loop=nearer), digits)
     show("The same at 1e-15", proof)
-    # Known: b = 1.
+    # Known: the vector is that of the dislocation, of length one.
     assert proof.balls[2].contains(1)
 
     kerr = gt.spaces.load("kerr").frame

@@ -343,16 +343,21 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
     corners = [tuple(x.tolist()) for x in (-(u + v) / 2, (u - v) / 2, (u + v) / 2, (v - u) / 2)]
     meant, held = (
-        [
-            tuple(
-                read(q) + j * read(a) * read(x) + k * read(b) * read(y)
-                for q, x, y in zip(corner, first.tolist(), second.tolist(), strict=True)
-            )
-            for j, k in ((0, 0), (1, 0), (1, 1), (0, 1))
-        ]
-        for read in (exact_number, dyadic_number)
+        _exact_corners(corner, steps, plane, read) for read in (exact_number, dyadic_number)
     )
     return Part(middle, scale, _straight(corners, meant, held), given=((0,) * len(place), 1))
+
+
+def _exact_corners(
+    corner: Point, steps: Sequence[Number], plane: Plane, read: validation.Reading
+) -> list[tuple[sp.Expr, ...]]:
+    """The corners of a parallelogram as exact numbers; read: what a number is taken for."""
+    rows = validation.exact_rows(plane, len(corner), read)
+    one, two = ([read(step) * x for x in row] for step, row in zip(steps, rows, strict=True))
+    return [
+        tuple(read(q) + j * x + k * y for q, x, y in zip(corner, one, two, strict=True))
+        for j, k in ((0, 0), (1, 0), (1, 1), (0, 1))
+    ]
 
 
 def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:

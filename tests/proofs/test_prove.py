@@ -1,6 +1,7 @@
 """Prove: known values lie in the balls, errors are judged, and what cannot be proved is refused."""
 
 import time
+from dataclasses import replace
 
 import flint
 import numpy as np
@@ -11,6 +12,7 @@ from flint import arb
 import geomtorsion as gt
 from geomtorsion.errors import ArgumentError, ProofError, ShapeError, UnknownNameError
 from geomtorsion.precision import ball_precision
+from geomtorsion.proofs import loops
 
 SO3 = gt.spaces.load("so3").frame
 SCREW = gt.spaces.load("screw_dislocation").frame
@@ -213,15 +215,11 @@ def test_a_stop_between_two_samples_is_seen():
 
 def _as_if(solution, problem):
     """A solution of other equations, as if it were one of these."""
-    from dataclasses import replace
-
     return replace(solution, problem=problem)
 
 
 def test_a_wrong_result_is_found():
     """A result that is off by more than its error does not hold, one that is not may."""
-    from dataclasses import replace
-
     b = gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], 0.1))
     wrong = replace(b, reduced=b.reduced * (1 + 1e-9))
     proof = gt.prove(wrong)
@@ -283,8 +281,6 @@ def _solved(rates, start, end, **options):
 
 def _beyond(rates, start, end, later):
     """A solution, asked about as if it had gone on to a later time."""
-    from dataclasses import replace
-
     solution = _solved(rates, start, end)
     segment = solution.trajectory.segments[-1]
     run = replace(segment.run, reached=later)
@@ -301,12 +297,15 @@ LOG = gt.Frame([X, Y], [[sp.log(X), 0], [0, 1]])
 RADICAL = gt.Frame([X, Y], [[1, 0], [sp.sqrt(X), 1]])
 
 
+def as_if_around(result, loop):
+    """A result as if it had been computed for another loop."""
+    return replace(result, loop=loop)
+
+
 def _through(frame, loop, **options):
     """A result whose loop is another one than it was computed for."""
-    from dataclasses import replace
-
     start = gt.Loop.circle([5, 5, 0][: frame.dimension], 1)
-    return replace(gt.burgers_vector(frame, start, **options), loop=loop)
+    return as_if_around(gt.burgers_vector(frame, start, **options), loop)
 
 
 REFUSED = [
@@ -377,7 +376,6 @@ def _near_core():
 
 def test_a_raise_inside_an_integral_comes_out(monkeypatch):
     """FLINT would make a SystemError of what a callback raises."""
-    from geomtorsion.proofs import loops
 
     def integrand(*_):
         def raising(s, analytic):
