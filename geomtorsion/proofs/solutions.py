@@ -227,13 +227,14 @@ class SolutionTask:
     def _known_bits(self, motion: MotionBalls) -> float:
         """How many bits of each group of states are known, at the worst sample."""
         extents = self._extents()
-        top = max((log2(x) for x in extents.values()), default=0.0)
+        # What is zero all along is compared with the largest group; where all are, with one.
+        top = max((log2(x) for x in extents.values() if x > 0), default=0.0)
         worst = math.inf
         for sample, box in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
-                extent = log2(extents[sample.label, group])
-                extent = extent if extent > -math.inf and extents[sample.label, group] > 0 else top
+                known = extents[sample.label, group]
+                extent = log2(known) if known > 0 else top
                 size = max((log2(box[k].mid()) for k in inside), default=extent)
                 size = max(min(size, extent), extent - SMALLER)
                 radius = max((log2(box[k].rad()) for k in inside), default=-math.inf)
@@ -262,7 +263,7 @@ class SolutionTask:
         if self.end is not None and motion.stop is not None:
             time = arb(self.end.time)
             worst = abs(time - motion.stop[0]) / time
-        extents = self._extents()
+        extents, undecided = self._extents(), False
         for sample, box in self.pairs(motion):
             for group in sample.groups:
                 inside = [k for k in group if k < len(sample.row)]
@@ -270,10 +271,15 @@ class SolutionTask:
                 largest = arb(0)
                 for difference in differences:
                     largest = largest.max(difference)
-                if not largest.is_zero():
-                    extent = extents[sample.label, group]
-                    worst = worst.max(largest / extent if extent > 0 else arb.pos_inf())
-        return worst
+                extent = extents[sample.label, group]
+                if extent > 0:
+                    worst = worst.max(largest / extent)
+                elif largest > 0:
+                    return arb.pos_inf()
+                elif not largest.is_zero():
+                    # Zero in the result: a ball around zero does not tell whether it is.
+                    undecided = True
+        return worst.union(arb.pos_inf()) if undecided else worst
 
 
 def course_of(
