@@ -7,13 +7,14 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import flint
 import numpy as np
 from flint import arb
 
 from geomtorsion import checks
+from geomtorsion.copies import only_fields
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development
 from geomtorsion.ode import Solution
@@ -58,6 +59,15 @@ class Proof:
     steps: int
     seconds: float
     assumes: tuple[str, ...]
+
+    def __getstate__(self) -> dict[str, object]:
+        # Balls of FLINT have no pickles of their own.
+        return only_fields(self) | {"balls": _each(self.balls, _plain)}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        for name, value in state.items():
+            read = _each(value, lambda parts: arb(*parts)) if name == "balls" else value
+            object.__setattr__(self, name, read)
 
     @cached_property
     def values(self) -> Any:
@@ -116,6 +126,24 @@ class Proof:
         )
 
     __repr__ = __str__
+
+
+class _Plain(NamedTuple):
+    """A ball as mantissas and exponents of its midpoint and its radius, exactly."""
+
+    middle: tuple[int, int]
+    radius: tuple[int, int]
+
+
+def _plain(ball: arb) -> _Plain:
+    (m, e), (r, s) = ball.mid().man_exp(), ball.rad().man_exp()
+    return _Plain((int(m), int(e)), (int(r), int(s)))
+
+
+def _each(balls: Sequence[Any], read: Callable[[Any], Any]) -> tuple[Any, ...]:
+    """Balls, or rows of them, one by one."""
+    is_row = [isinstance(x, tuple) and not isinstance(x, _Plain) for x in balls]
+    return tuple(_each(x, read) if row else read(x) for x, row in zip(balls, is_row, strict=True))
 
 
 def certain_digits(ball: arb, digits: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -107,8 +107,6 @@ class SolutionTask:
             else:
                 first = tuple(segment.stage.first.tolist())
                 hints.append(Stretch(begin, end, segment.label, times, first))
-        if not samples:
-            raise ProofError("the solution reached none of its times: there is nothing to prove.")
         stopped = None
         if solution.outcome == "stopped":
             last = segments[-1]
@@ -116,6 +114,14 @@ class SolutionTask:
             time = exact_time(abs(_float(last.run.reached)))
             stopped = Sample(time, last.label, tuple(row), last.stage.groups)
             samples = [sample for sample in samples if sample.time < time]
+        if not samples:
+            raise ProofError(
+                "expected a solution that reached one of its times, got one without samples. Solve "
+                "to a later time."
+            )
+        # Behind the last sample a motion may come to an edge.
+        end = samples[-1].time
+        hints = [replace(x, end=min(x.end, end)) for x in hints if x.begin <= end]
         course = course_of(problem, backwards, start, parameters)
         times = [sample.time for sample in samples]
         if stopped is not None:
@@ -193,6 +199,8 @@ class SolutionTask:
             found = follow(leg, position.whole, method, left, may_widen=may_widen)
             boxes += found.samples
             steps += found.steps
+            if not all(x.is_finite() for box in found.samples for x in box):
+                raise RefusalError("states have no finite bounds", stretch.end)
             if found.stop is not None:
                 return MotionBalls(tuple(boxes), found.stop, bits, steps)
             assert found.whole is not None

@@ -171,3 +171,21 @@ def test_a_result_of_another_loop_does_not_hold():
     """A result whose loop is another one is found to be wrong."""
     b = gt.burgers_vector(SO3, gt.Loop.circle([0.3, 1, 0.2], 0.1))
     assert gt.prove(as_if_around(b, gt.Loop.circle([0.3, 1, 0.2], 0.101))).holds is False
+
+
+def test_an_integrand_is_analytic_on_its_ellipses(monkeypatch):
+    """Without the flag `analytic` the integral of a root near its branch point is wrong."""
+    frame = gt.Frame([X, Y], [[1, 0], [Y * sp.sqrt(X), 1]])
+    loop = gt.Loop.polygon([[1, 1], [4, 1], [4, 0], [1, 0]])
+    with ball_precision(80):
+        # Along y = 1 from 1 to 4; the other sides have y = 0 or dx = 0.
+        truth = arb(14) / 3
+    assert proved(frame, loop)[1].overlaps(truth)
+    plain = loops._integrand
+
+    def unflagged(*arguments):
+        function = plain(*arguments)
+        return lambda s, analytic: function(s, False)
+
+    monkeypatch.setattr(loops, "_integrand", unflagged)
+    assert not proved(frame, loop)[1].overlaps(truth)

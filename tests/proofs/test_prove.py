@@ -1,5 +1,6 @@
 """Prove: known values lie in the balls, errors are judged, and what cannot be proved is refused."""
 
+import pickle
 import time
 from dataclasses import replace
 
@@ -273,6 +274,15 @@ def test_equal_calls_give_equal_balls():
     for x, y in zip(one.balls[-1], other.balls[-1], strict=True):
         assert x.mid() == y.mid()
         assert x.rad() == y.rad()
+
+
+def test_a_copy_has_the_same_balls():
+    """Through a pickle, bit by bit, whatever the precision is there."""
+    one = gt.prove(B, 40)
+    other = pickle.loads(pickle.dumps(one))
+    for x, y in zip(one.balls, other.balls, strict=True):
+        assert x.mid() == y.mid()
+        assert x.rad() <= y.rad() <= x.rad() * 1.001
 
 
 def _solved(rates, start, end, **options):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 from flint import arb
 
 import geomtorsion as gt
@@ -96,6 +97,18 @@ def test_a_motion_without_rates_stays():
     for start in ([0, 0], [math.pi, 0]):
         proof = gt.prove(gt.solve(gt.ODE.of({"x": "v", "v": "-sin(x)"}, start), 5.0))
         assert proof.holds is not False
+
+
+def test_what_was_computed_up_to_an_edge_is_proved():
+    """A motion that ran out of its chart is proved at the times that it reached."""
+    r, phi = sp.symbols("r phi", real=True)
+    frame = gt.Frame([r, phi], [[1, 0], [0, r]], domain=[r > 0])
+    problem = gt.geodesic(frame, [1.0, 0.0], [-1.0, 0.0])
+    with pytest.raises(gt.errors.ChartEdgeError) as caught:
+        gt.solve(problem, np.linspace(0, 2, 8))
+    proof = gt.prove(caught.value.solution)
+    assert proof.holds
+    assert len(proof.balls) == len(caught.value.solution.times)
 
 
 def test_a_zero_is_not_decided_by_a_ball_around_it():
