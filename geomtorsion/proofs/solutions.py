@@ -264,8 +264,12 @@ class SolutionTask:
         It is infinite where only one of both is stopped, or where the result has samples after the
         true end.
         """
-        true_end = motion.stop is not None
-        if true_end != (self.end is not None) or len(motion.boxes) < len(self.samples):
+        if len(motion.boxes) < len(self.samples):
+            # Samples lie behind the true end; one may be so near that nothing is told.
+            assert motion.stop is not None
+            behind = arb(self.samples[-1].time) > motion.stop[0]
+            return arb.pos_inf() if behind else arb(0).union(arb.pos_inf())
+        if (motion.stop is not None) != (self.end is not None):
             return arb.pos_inf()
         worst = arb(0)
         if self.end is not None and motion.stop is not None:

@@ -43,6 +43,34 @@ def test_first_motions_of_spaces(space):
         assert set(proof.charts) <= {"home", space, "quaternion", *solution.charts}
 
 
+def _judged(solution):
+    """The proof of a solution, or why there is none within a minute."""
+    try:
+        with gt.limits(seconds=60):
+            return gt.prove(solution)
+    except (gt.errors.ProofError, gt.errors.AllowanceError) as error:
+        return error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", gt.spaces.names())
+def test_no_error_of_a_first_motion_is_wrong(name):
+    """Of every shipped space: proved, or refused in words."""
+    for solution in solve_pair(gt.spaces.load(name)).curves.values():
+        verdict = _judged(solution)
+        print(verdict)
+        assert isinstance(verdict, Exception) or verdict.holds is not False
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", gt.scenes.names())
+def test_no_error_of_a_scene_is_wrong(name):
+    """Of every shipped scene: proved, or refused in words."""
+    verdict = _judged(gt.scenes.load(name).run().solution)
+    print(verdict)
+    assert isinstance(verdict, Exception) or verdict.holds is not False
+
+
 def test_over_gimbal_lock():
     """Through two sets of angles, where one of them ends: body velocities are the same numbers."""
     so3 = gt.spaces.load("so3").frame
