@@ -128,6 +128,9 @@ def follow(
         time += step.length
         if not may_widen:
             _check_width(step, whole, time)
+    if waiting:
+        # Or boxes would be taken for those of other samples.
+        raise RefusalError("a sample lies outside of the stretch that it belongs to", time)
     return Followed(found, whole, None, steps)
 
 

@@ -21,6 +21,7 @@ from geomtorsion.ode import Solution
 from geomtorsion.precision import EXACT_BITS, ball_precision
 from geomtorsion.proofs.developments import proved_development
 from geomtorsion.proofs.loops import proved_integrals
+from geomtorsion.proofs.series import series_length
 from geomtorsion.proofs.solutions import SolutionTask
 from geomtorsion.proofs.wanted import Wanted, upper_float
 
@@ -62,7 +63,8 @@ class Proof:
 
     def __getstate__(self) -> dict[str, object]:
         # Balls of FLINT have no pickles of their own.
-        return only_fields(self) | {"balls": _each(self.balls, _plain)}
+        plain: dict[str, object] = {"balls": _each(self.balls, _plain)}
+        return {**only_fields(self), **plain}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
         for name, value in state.items():
@@ -213,11 +215,12 @@ def prove(
     began = time.perf_counter()
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
-    before = flint.ctx.prec, flint.ctx.cap
-    try:
+    given = _checked_start(start)
+    # The precision of FLINT is that of the process: no other thread may set it meanwhile.
+    with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
-            proof = _solution(result, digits, _checked_start(start), changed)
-        elif start is not None:
+            proof = _solution(result, digits, given, changed)
+        elif given is not None:
             raise ArgumentError("start: expected nothing for a loop, which has none. Drop it.")
         elif isinstance(result, BurgersVector):
             proof = _burgers(result, digits, changed)
@@ -228,8 +231,6 @@ def prove(
                 "result: expected a BurgersVector, a Development or a Solution, got "
                 f"{type(result).__name__}. Of a scene prove result.solution."
             )
-    finally:
-        flint.ctx.prec, flint.ctx.cap = before
     seconds = time.perf_counter() - began
     assumes = ALWAYS
     if start is not None or changed:

@@ -121,7 +121,10 @@ class SolutionTask:
             )
         # Behind the last sample a motion may come to an edge.
         end = samples[-1].time
-        hints = [replace(x, end=min(x.end, end)) for x in hints if x.begin <= end]
+        hints = [x for x in hints if x.begin <= end]
+        # Each goes on exactly where the next one begins.
+        ends = [*(x.begin for x in hints[1:]), end]
+        hints = [replace(x, end=last) for x, last in zip(hints, ends, strict=True)]
         course = course_of(problem, backwards, start, parameters)
         times = [sample.time for sample in samples]
         if stopped is not None:
