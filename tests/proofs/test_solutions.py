@@ -29,7 +29,7 @@ def test_a_campaign_of_random_motions(seed):
     print("\n".join(str(x) for x in found if x.holds is not True))
     assert not [x for x in found if x.words.startswith("not proved")]
     broken = [x for x in found if x.holds is False]
-    assert len(broken) <= 3
+    assert len(broken) <= 5
     assert all(x.proved <= 5 * x.claimed for x in broken)
 
 
