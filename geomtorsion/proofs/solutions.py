@@ -144,7 +144,7 @@ class SolutionTask:
         ProofError
             the motion ends, or comes to an edge, or touches a stop.
         """
-        bits, refused = wanted.bits + SPARE, None
+        bits, refused, before = wanted.bits + SPARE, None, math.inf
         while True:
             try:
                 with ball_precision(bits):
@@ -158,8 +158,12 @@ class SolutionTask:
                 continue
             if missing <= 0 or not self.is_exact:
                 return found
-            if bits >= MOST_BITS:
-                raise ProofError(f"more than {MOST_BITS:,} bits are needed. Ask for fewer digits.")
+            if bits >= MOST_BITS or missing >= before:
+                raise ProofError(
+                    f"{bits} bits give no more digits than fewer bits did, or are not enough. Ask "
+                    "for fewer digits."
+                )
+            before = missing
             bits = min(MOST_BITS, bits + math.ceil(missing) + 6)
 
     def _more(

@@ -8,6 +8,7 @@ from flint import arb
 import geomtorsion as gt
 from geomtorsion.errors import ProofError
 from geomtorsion.precision import ball_precision
+from geomtorsion.proofs import events
 
 SWING = {"x": "v", "v": "-x", "s": "1"}
 
@@ -66,3 +67,13 @@ def test_the_time_stands_in_the_stop():
     assert proof.holds
     with ball_precision(120):
         assert proof.balls[-1][0].overlaps(arb(-2).exp())
+
+
+def test_a_wrong_slope_would_be_seen(monkeypatch):
+    """With half of the slope Newton's method brings no digits: the proof is refused."""
+    plain = events.Fall.rate
+    monkeypatch.setattr(events.Fall, "rate", lambda self, states: plain(self, states) / 2)
+    problem = gt.ODE.of(SWING, [1, 0, 0], events=[gt.When("x")])
+    solution = gt.solve(problem, 20.0)
+    with pytest.raises(ProofError, match="no more digits"):
+        gt.prove(solution)
