@@ -133,6 +133,10 @@ if TYPE_CHECKING:
         OrientationMap,
         Phase,
     )
+    from geomtorsion.proofs import (
+        Proof,
+        prove,
+    )
     from geomtorsion.rigid import (
         FreeTop,
         free_top,
@@ -175,6 +179,7 @@ _LATER = {
     ),
     "orientations": ("Circuit", "OrientationMap", "Phase"),
     "images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
+    "proofs": ("Proof", "prove"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -227,6 +232,7 @@ __all__ = [
     "NodeRule",
     "OrientationMap",
     "Phase",
+    "Proof",
     "Reaction",
     "RungeKutta",
     "SampledFrame",
@@ -289,6 +295,7 @@ __all__ = [
     "parallel_transport",
     "parse_expression",
     "pictures",
+    "prove",
     "read",
     "scenes",
     "solve",

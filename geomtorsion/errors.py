@@ -201,6 +201,19 @@ class CheckpointError(GeomtorsionError, ValueError):
     """A checkpoint cannot be read, or is that of another run."""
 
 
+class ProofError(GeomtorsionError, ArithmeticError):
+    """A result cannot be proved: the message names the time or the place, and the reason.
+
+    time: where a proof of a motion ended, else None.
+    """
+
+    page = "howto/how_sure_is_a_number"
+
+    def __init__(self, message: str, time: float | None = None) -> None:
+        super().__init__(message)
+        self.time: float | None = time
+
+
 class EndpointError(GeomtorsionError, ArithmeticError):
     """No motion, or no unique one, leads from one point to another."""
 

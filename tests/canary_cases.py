@@ -128,6 +128,7 @@ def public_functions() -> list[Case]:
             parameters={}, accuracy=1e-6, engine=QUICK,
         ),
         _public("distance_apart", one=SOLVED, two=SOLVED, chart=None),
+        _public("prove", result=SOLVED, digits=5, start=[0, 0], parameters={}),
         _public(
             "solve", problem=CURVE, t=[0, 0.5], accuracy=1e-6, engine=QUICK, checkpoint=None,
             progress=None, overwrite=False,
@@ -554,5 +555,5 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases Certainty".split()
+    "Engine LatticeBurgers LatticePhases Certainty Proof".split()
 )

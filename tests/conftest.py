@@ -38,6 +38,11 @@ settings.load_profile("geomtorsion")
 LONG = ("tests/lab/", "tests/test_types.py", "tests/hard/")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """--prove: results of the hard cases are proved as well, which takes some minutes."""
+    parser.addoption("--prove", action="store_true", help="prove the results of tests/hard")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes long."""
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))

@@ -60,6 +60,7 @@ def values() -> dict[str, Callable[[], Any]]:
             gt.levi_civita(s2), [1.0, 0.0], [1.2, 0.3], parameters={"R": 1}
         ),
         "OrientationMap": lambda: wall,
+        "Proof": lambda: gt.prove(solution),
         "RungeKutta": gt.RungeKutta,
         "SampledFrame": lambda: gt.SampledFrame.from_displacement(
             [line, line], jump[None], branch=0.286, unit="nm"

@@ -45,7 +45,6 @@ BARRED_MODULES = frozenset({"pickle", "marshal", "shelve", "dill", "cloudpickle"
 ALLOWED: dict[tuple[str, str], str] = {
     ("codegen/printers.py", "exec"): "the one place where code of our own is compiled",
     ("codegen/printers.py", "compile"): "the one place where code of our own is compiled",
-    ("loops/exact_integral.py", "lambdify"): "of expressions made from exact elements",
     ("accuracy/loops.py", "lambdify"): "of expressions made from exact elements",
     ("exact/reading.py", "nsimplify"): "of a Float of sympy, never of text",
 }

@@ -11,7 +11,7 @@ import numpy as np
 
 from geomtorsion.curves import CurveProblem
 from geomtorsion.curves.linear import closed_form
-from geomtorsion.errors import AccuracyError, GeomtorsionError
+from geomtorsion.errors import AccuracyError, GeomtorsionError, ProofError
 from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor, solve
 from geomtorsion.ode.engines import Run
 from geomtorsion.ode.engines.stepwise import FLOOR
@@ -21,6 +21,7 @@ from geomtorsion.ode.numbers import checked_accuracy, checked_times
 from geomtorsion.ode.system import WorkLimitError
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 from geomtorsion.precision import EPS
+from geomtorsion.proofs import prove
 
 ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 # Each solution is repeated for at least this long, in seconds, and the fastest counts.
@@ -56,17 +57,46 @@ class CostRow:
 
 
 @dataclass(frozen=True)
+class ProofCost:
+    """What a proof of the same motion costs.
+
+    digits: that were asked for; seconds: of the proof alone; bits, steps: what it took.
+    holds: whether the error that was estimated for the finest row holds; None: not decided.
+    note: why there is no proof, or nothing.
+    """
+
+    digits: int
+    seconds: float | None = None
+    bits: int = 0
+    steps: int = 0
+    holds: bool | None = None
+    note: str = ""
+
+    def __str__(self) -> str:
+        if self.seconds is None:
+            return f"{'proved':<14}{10.0**-self.digits:>9.0e}   {self.note}"
+        verdict = {True: "estimate holds", False: "estimate does NOT hold", None: "undecided"}
+        return (
+            f"{'proved':<14}{10.0**-self.digits:>9.0e}   {self.digits} digits in "
+            f"{_time(self.seconds)}, {self.steps} steps of {self.bits} bits; finest "
+            f"{verdict[self.holds]}"
+        )
+
+
+@dataclass(frozen=True)
 class CostTable:
     """What accuracy costs for one problem.
 
     problem: what was solved; t: how far; truth: what errors were measured against.
     rows: one per engine and accuracy.
+    proof: what a proof costs, where it was asked for.
     """
 
     problem: str
     t: float
     truth: str
     rows: tuple[CostRow, ...]
+    proof: ProofCost | None = None
 
     def __str__(self) -> str:
         columns = ("asked", 9), ("achieved", 10), ("estimate", 10), ("solve", 11)
@@ -82,6 +112,8 @@ class CostTable:
                 f"{_time(row.seconds):>11}{_time(row.total_seconds):>11}"
                 f"{_time(row.compile_seconds):>10}{row.steps:>8}"
             )
+        if self.proof is not None:
+            lines.append(str(self.proof))
         return "\n".join([*lines, self.recommendation])
 
     __repr__ = __str__
@@ -140,6 +172,7 @@ def accuracy_cost(
     *,
     exact: States | None = None,
     progress: Callable[[float], object] = lambda _: None,
+    proved: bool = False,
 ) -> CostTable:
     """Measure what each accuracy costs with each engine.
 
@@ -157,6 +190,8 @@ def accuracy_cost(
         function of times that gives the true states, where a closed form is known.
     progress
         called with the part that is done, from 0 to 1.
+    proved
+        whether a row says what a proof of 15 digits costs; see `prove`.
 
     Returns
     -------
@@ -188,7 +223,29 @@ def accuracy_cost(
         for accuracy in asked:
             rows.append(_row(problem, times, solver, accuracy, truth))
             progress(len(rows) / (len(solvers) * len(asked)))
-    return CostTable(str(problem), float(times[-1]), truth.name, tuple(rows))
+    proof = _proof(problem, times, solvers, asked) if proved else None
+    return CostTable(str(problem), float(times[-1]), truth.name, tuple(rows), proof)
+
+
+def _proof(
+    problem: CurveProblem | ODE,
+    times: np.ndarray,
+    engines: Sequence[Engine],
+    accuracies: Sequence[float],
+) -> ProofCost:
+    """The price of a proof of the finest solution that there is."""
+    digits = 15
+    for accuracy in sorted(accuracies):
+        for engine in engines:
+            try:
+                proof = prove(solve(problem, times, accuracy, engine), digits)
+            except ProofError as error:
+                return ProofCost(digits, note=str(error).split(". ")[0])
+            except GeomtorsionError:
+                # No solution of this row: it says so itself.
+                continue
+            return ProofCost(digits, proof.seconds, proof.bits, proof.steps, proof.holds)
+    return ProofCost(digits, note="there is no solution to prove")
 
 
 def _row(

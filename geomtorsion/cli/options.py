@@ -202,6 +202,11 @@ Settings = Annotated[
 EngineName = Annotated[str, typer.Option(metavar="NAME", help="auto, taylor, rungekutta or stiff.")]
 Pictures = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]
 
+Proved = Annotated[
+    bool,
+    typer.Option("--proved", help="Prove the result: print its certain digits; takes longer."),
+]
+
 # -- exercises ------------------------------------------------------------------------------------
 
 Number = Annotated[str, argument("NUMBER", "Such as 3.2.")]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -12,7 +12,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from geomtorsion.checks import array, cut, entries, flag, instance, shown
-from geomtorsion.codegen.evaluation import ball_values
+from geomtorsion.codegen.balls import float_values
 from geomtorsion.codegen.expression_graph import Graph, branch_check, graph
 from geomtorsion.codegen.printers import FUNCTIONS, compiled, python_body, python_source
 from geomtorsion.codegen.steps import Forward, Signed, Step
@@ -216,7 +216,7 @@ class Settled:
             point = tuple(column[at].item() for column in columns)
             which = np.flatnonzero(doubtful[(slice(None), *at)]).tolist()
             outputs = [self.graph.outputs[k] for k in which]
-            found = ball_values(self.graph.steps, outputs, point, is_complex=self.graph.is_complex)
+            found = float_values(replace(self.graph, outputs=tuple(outputs)), point)
             for k, value in zip(which, found, strict=True):
                 made = last_resort(k, point) if value is None else value
                 if made is None:

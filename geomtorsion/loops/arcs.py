@@ -53,17 +53,23 @@ def exact_number(value: Any) -> sp.Expr:
     return checks.rational(value, "number", LoopError, decimal=True)
 
 
+def dyadic_number(value: Any) -> sp.Expr:
+    """A number as it is held: floats are the dyadic numbers that they are; expressions stay."""
+    return checks.rational(value, "number", LoopError)
+
+
 @dataclass(frozen=True)
 class Ellipse:
     """The closed curve u cos(2 pi s) + v sin(2 pi s).
 
     first, second: the vectors u and v, shape (n,).
-    meant: gives them exactly, where floats cannot.
+    meant: gives them exactly, where floats cannot; read: how it takes numbers, `exact_number` or
+        `dyadic_number`.
     """
 
     first: Vector
     second: Vector
-    meant: Callable[[], tuple[Sequence[Number], Sequence[Number]]] | None = field(
+    meant: Callable[..., tuple[Sequence[Number], Sequence[Number]]] | None = field(
         default=None, compare=False
     )
     is_periodic: bool = field(default=True, init=False)
@@ -94,11 +100,13 @@ class Segment:
 
     start, end: offsets, shape (n,).
     given: both ends as the user gave them, where these were coordinates.
+    held: the same with floats as the dyadic numbers that they are, where `given` is calculated.
     """
 
     start: Vector
     end: Vector
     given: tuple[tuple[Number, ...], tuple[Number, ...]] | None = field(default=None, compare=False)
+    held: tuple[tuple[Number, ...], tuple[Number, ...]] | None = field(default=None, compare=False)
     is_periodic: bool = field(default=False, init=False)
     waves: int = field(default=0, init=False)
 
@@ -120,9 +128,11 @@ class Cubic:
     """One piece of a spline: a polynomial of third degree in s.
 
     coefficients: highest power first, shape (n, 4).
+    given: its first point as the user gave it, where that was in coordinates.
     """
 
     coefficients: tuple[Vector, ...]
+    given: tuple[Number, ...] | None = field(default=None, compare=False)
     is_periodic: bool = field(default=False, init=False)
     waves: int = field(default=0, init=False)
 

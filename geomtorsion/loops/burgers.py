@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal, overload
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import ArgumentError, SingularPointError
+from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops.arcs import Parameters, Part, shown
-from geomtorsion.loops.defects import by_winding, lines_alone
+from geomtorsion.loops.arcs import Parameters, Part
+from geomtorsion.loops.defects import lines_alone
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import (
-    DISAGREE,
     Route,
     agreement,
     flux_route,
@@ -26,7 +24,6 @@ from geomtorsion.loops.integrals import (
 )
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
-from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
 from geomtorsion.loops.scattered import ScatteredFrame
@@ -165,8 +162,6 @@ def burgers_vector(
         # Loops beyond 1e154 have vectors beyond all doubles; `numbers` has them.
         reduced, error = _total(loop, picked, power)
         check = _check(loop, pairs, [agrees for _, agrees, _ in chosen])
-    if any(near):
-        check = _counted(frame, loop, parameters, check)
     return BurgersVector(
         frame=frame,
         loop=loop,
@@ -182,27 +177,6 @@ def burgers_vector(
         seconds=time.perf_counter() - start,
         parameters={str(key): value for key, value in (parameters or {}).items()},
     )
-
-
-def _counted(frame: Frame, loop: Loop, parameters: Parameters | None, check: Check) -> Check:
-    """Near a pole a third way: windings, which are whole, times what each line has.
-
-    Raises
-    ------
-    SingularPointError
-        The line integral is another: the loop is nearer to a line than rounding lets it be.
-    """
-    counted = by_winding(frame, loop, parameters)
-    if counted is None:
-        return check
-    missed = float(np.abs(check.line - counted).max())
-    if missed > DISAGREE * (check.line_error + ROUNDING * float(np.abs(counted).max())):
-        raise SingularPointError(
-            f"the loop comes so near to a singular line that its integral {shown(check.line)} is "
-            f"not its windings times charges, {shown(counted)}. Lead it past that line."
-        )
-    text = f"{check.text}; windings times charges agree with the line to {missed:.1e}"
-    return replace(check, text=text)
 
 
 def _name(route: Route) -> str:

@@ -28,6 +28,7 @@ from geomtorsion.loops.arcs import (
     Plane,
     Point,
     Segment,
+    dyadic_number,
     exact_number,
     shown,
 )
@@ -308,12 +309,22 @@ def polygon(vertices: Sequence[Point] | np.ndarray, centre: Point | None, size: 
 
 
 def _straight(
-    corners: Sequence[tuple[float, ...]], meant: Sequence[tuple[Number, ...]] | None
+    corners: Sequence[tuple[float, ...]],
+    meant: Sequence[tuple[Number, ...]] | None,
+    held: Sequence[tuple[Number, ...]] | None = None,
 ) -> tuple[Segment, ...]:
-    """Sides from corner to corner; meant: the corners as coordinates, as the user gave them."""
+    """Sides from corner to corner.
+
+    meant: the corners as coordinates, as the user gave them; held: with floats as they are held.
+    """
     following = [*range(1, len(corners)), 0]
     return tuple(
-        Segment(corners[k], corners[j], (meant[k], meant[j]) if meant else None)
+        Segment(
+            corners[k],
+            corners[j],
+            (meant[k], meant[j]) if meant else None,
+            (held[k], held[j]) if held else None,
+        )
         for k, j in enumerate(following)
     )
 
@@ -331,17 +342,22 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     u, v = first * (a / scale), second * (b / scale)
     middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
     corners = [tuple(x.tolist()) for x in (-(u + v) / 2, (u - v) / 2, (u + v) / 2, (v - u) / 2)]
-    ends = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    meant = [
-        tuple(
-            exact_number(q)
-            + j * exact_number(a) * exact_number(x)
-            + k * exact_number(b) * exact_number(y)
-            for q, x, y in zip(corner, first.tolist(), second.tolist(), strict=True)
-        )
-        for j, k in ends
+    meant, held = (
+        _exact_corners(corner, steps, plane, read) for read in (exact_number, dyadic_number)
+    )
+    return Part(middle, scale, _straight(corners, meant, held), given=((0,) * len(place), 1))
+
+
+def _exact_corners(
+    corner: Point, steps: Sequence[Number], plane: Plane, read: validation.Reading
+) -> list[tuple[sp.Expr, ...]]:
+    """The corners of a parallelogram as exact numbers; read: what a number is taken for."""
+    rows = validation.exact_rows(plane, len(corner), read)
+    one, two = ([read(step) * x for x in row] for step, row in zip(steps, rows, strict=True))
+    return [
+        tuple(read(q) + j * x + k * y for q, x, y in zip(corner, one, two, strict=True))
+        for j, k in ((0, 0), (1, 0), (1, 1), (0, 1))
     ]
-    return Part(middle, scale, _straight(corners, meant), given=((0,) * len(place), 1))
 
 
 def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:
@@ -354,7 +370,11 @@ def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Num
     # From powers of the chord length to powers of s in 0..1 on each piece.
     powers = chords[None, :] ** np.arange(3, -1, -1)[:, None]
     scaled = (pieces * powers[:, :, None]).transpose(1, 2, 0)
-    sides = tuple(Cubic(tuple(tuple(row) for row in piece)) for piece in scaled.tolist())
+    known = [tuple(points[k]) if centre is None else None for k in range(len(offsets))]
+    sides = tuple(
+        Cubic(tuple(tuple(row) for row in piece), point)
+        for piece, point in zip(scaled.tolist(), known, strict=True)
+    )
     return Part(place, scale, sides)
 
 

@@ -18,8 +18,7 @@ from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
 from geomtorsion.loops.defect_lines import Lines
-from geomtorsion.loops.forms import Poles, forms, parameter_values
-from geomtorsion.loops.integrals import line_route
+from geomtorsion.loops.forms import Poles, parameter_values
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.transport import transported
 from geomtorsion.loops.validation import rows
@@ -353,32 +352,6 @@ def lines_alone(frame: Frame, poles: Poles | None, connection: Connection | None
     """Whether all zeros of the denominators are straight lines, whose windings are known."""
     known = [one for one in find_defects(frame, connection) if one.across is not None]
     return poles is not None and len(known) == len(poles.names)
-
-
-def by_winding(frame: Frame, loop: Loop, parameters: Parameters | None) -> np.ndarray | None:
-    """What a loop misses where torsion sits on lines alone: the sum of turns times charges, (n,).
-
-    None where a denominator of the coframe has other zeros than straight lines.
-
-    Raises
-    ------
-    SingularPointError
-        The loop passes through a line.
-    """
-    compiled = forms(frame, parameters)
-    known = [one for one in find_defects(frame) if one.across is not None]
-    if compiled.curl is not None or loop.gap.any() or not lines_alone(frame, compiled.poles):
-        return None
-    total = np.zeros(frame.dimension)
-    for one in enclosed_defects(frame, loop, parameters, defects=known):
-        lines, b = frame.given, None
-        if isinstance(lines, Lines):
-            b = _known(frame, lines, one.defect, parameters)
-        if b is None:
-            (part,) = _circle_about(frame, one.defect, loop, known, parameters).parts
-            b = part.size * line_route(compiled, part, 1e-12).values[:, 0]
-        total = total + one.turns * b
-    return total
 
 
 def factors(frame: Frame) -> tuple[sp.Expr, ...]:

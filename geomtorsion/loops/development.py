@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from geomtorsion.errors import ArgumentError
 from geomtorsion.geometry import Connection
 from geomtorsion.loops.affine_form import AffineForm, around_cone, line_rate
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import Parameters, Part
+from geomtorsion.loops.arcs import Number, Parameters, Part
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, lines_alone
 from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
@@ -139,6 +139,7 @@ class Development:
     enclosed: defects that the loop winds round, with place and turns.
     evaluations: points at which the connection or its curvature was evaluated.
     seconds: wall time.
+    parameters: the values of the frame's parameters, by name.
     """
 
     connection: Connection
@@ -151,6 +152,7 @@ class Development:
     enclosed: tuple[EnclosedDefect, ...]
     evaluations: int
     seconds: float
+    parameters: Mapping[str, Number]
 
     @property
     def burgers(self) -> np.ndarray:
@@ -285,7 +287,7 @@ def develop(
         connection, loop, total.motion, total.error, total.turn_error,
         " and ".join(sorted(set(routes), reverse=True)), check, enclosed,
         sum(one.points for one in (*lines, *cones) if one is not None),
-        time.perf_counter() - start,
+        time.perf_counter() - start, {str(key): x for key, x in (parameters or {}).items()},
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Exact integral: the Burgers vector of a loop in closed form, checked by numbers."""
+"""Exact integral: the Burgers vector of a loop in closed form, checked by a proved integral."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from itertools import product
 from math import comb
 
-import mpmath
 import numpy as np
 import sympy as sp
+from flint import acb, arb
 
 from geomtorsion import checks
 from geomtorsion.allowance import limits
 from geomtorsion.checks import expression as expression_of
+from geomtorsion.codegen import graph
+from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import (
     AllowanceError,
@@ -34,7 +36,7 @@ from geomtorsion.loops.integrals import refuse_other_periods
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
-from geomtorsion.precision import working_digits
+from geomtorsion.precision import ball_precision
 
 # A symbol for cos(t) and one for sin(t), once all multiples of t are expanded.
 COS, SIN = sp.Symbol("C", real=True), sp.Symbol("S", real=True)
@@ -176,8 +178,9 @@ def _residues(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     return sp.simplify(sp.radsimp(2 * sp.pi * sp.I * total))
 
 
-# The closed form is compared with a numerical integral to this many digits.
+# The closed form is compared with a proved integral to this many digits, with bits to spare.
 DIGITS = np.finfo(float).precision
+CHECKED_BITS = 2 * np.finfo(float).nmant
 # Symbols are tried at so many times their sample values: what is small once is large then.
 SCALES = (sp.Rational(1, 64), sp.Integer(64))
 Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
@@ -189,7 +192,7 @@ class ExactBurgersVector:
 
     frame, loop: what it belongs to.
     vector: b^i, exact expressions in the parameters of frame and loop.
-    checked_at: where it was compared with a numerical integral, to 15 digits.
+    checked_at: where it was compared with a proved integral, to 15 digits.
     seconds: wall time.
     """
 
@@ -243,7 +246,7 @@ def exact_burgers_vector(
 
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
-    sympy can integrate. The result is compared with a numerical integral before it is given.
+    sympy can integrate. The result is compared with a proved integral before it is given.
     Decimal numbers in the loop count as what they say: 0.3 is 3/10.
 
     Parameters
@@ -287,7 +290,7 @@ def exact_burgers_vector(
     where = sample_of(frame, loop.symbols)
     _refuse_poles(frame, loop, where)
     _refuse_other_windings(frame, loop, where)
-    numbers = [mpmath.mpf(0)] * frame.dimension
+    numbers: list[list[acb]] = [[] for _ in range(frame.dimension)]
     try:
         with limits(seconds=seconds):
             for times, piece in pieces(loop):
@@ -299,7 +302,7 @@ def exact_burgers_vector(
                             f"integrand is {f}. Ask for numbers, without exact=True."
                         )
                     total[i] += times * value
-                    numbers[i] += times * _number(f, piece, where)
+                    numbers[i].append(times * _number(f, piece, where))
             vector = tuple(short(x) for x in total)
     except AllowanceError:
         raise UndecidedError(
@@ -408,29 +411,48 @@ def sample_of(frame: Frame, symbols: Collection[sp.Symbol]) -> dict[sp.Symbol, s
     return known | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
 
 
-def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> mpmath.mpf:
-    """The integral of f by quadrature at the sample values."""
+def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> acb:
+    """The integral of f at the sample values, in a ball; it is not finite where none is proved."""
     _, t, low, high = piece
     if f == 0:
-        return mpmath.mpf(0)
-    function = sp.lambdify(t, f.subs(where), "mpmath")
-    with working_digits(DIGITS + 10):
-        bounds = [mpmath.mpmathify(expression_of(x).subs(where).evalf(40)) for x in (low, high)]
-        panels = mpmath.linspace(*bounds, 9)
-        return mpmath.quad(function, panels)
+        return acb(0)
+    with ball_precision(CHECKED_BITS):
+        return _proved(f.subs(where), t, *(expression_of(x).subs(where) for x in (low, high)))
+
+
+def _proved(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> acb:
+    """The integral of f from low to high, all of them without symbols but t."""
+    code = BallCode(graph([t.name], [f], factor=False))
+    function, numbers = code.complex_function(), code.numbers()
+    start, width = exact_ball(low), exact_ball(high) - exact_ball(low)
+
+    def along(s: acb, analytic: bool) -> acb:
+        return function([start + width * s], numbers, analytic)[0]
+
+    return width * integral(along, arb(10) ** (-DIGITS - 1))
 
 
 def _verify(
-    vector: tuple[sp.Expr, ...], numbers: list[mpmath.mpf], where: Mapping[sp.Symbol, sp.Expr]
+    vector: tuple[sp.Expr, ...],
+    numbers: Sequence[Sequence[acb]],
+    where: Mapping[sp.Symbol, sp.Expr],
 ) -> None:
-    """Refuse a closed form that is not what the numbers say."""
-    for i, (expression, number) in enumerate(zip(vector, numbers, strict=True)):
-        value = mpmath.mpmathify(expression.subs(where).evalf(DIGITS + 10))
-        if not abs(value - number) <= mpmath.mpf(10) ** -DIGITS * (1 + abs(number)):
-            raise UndecidedError(
-                f"the closed form {expression} for b^{i} was found, but it is {mpmath.nstr(value)} "
-                f"where the integral is {mpmath.nstr(number)}. Ask for numbers, without exact=True."
-            )
+    """Refuse a closed form that is not the sum of proved integrals.
+
+    numbers: for each component its integrals along the pieces.
+    """
+    for i, (expression, parts) in enumerate(zip(vector, numbers, strict=True)):
+        value = expression.subs(where).evalf(DIGITS + 10)
+        with ball_precision(CHECKED_BITS):
+            number = sum(parts, acb(0))
+            closed = acb(*(exact_ball(x) for x in value.as_real_imag()))
+            if abs(closed - number) <= arb(10) ** -DIGITS * (1 + abs(number)):
+                continue
+            shown = number.str(DIGITS, radius=False) if number.is_finite() else "not proved"
+        raise UndecidedError(
+            f"the closed form {expression} for b^{i} was found, but it is {value.evalf(DIGITS)} "
+            f"where the integral is {shown}. Ask for numbers, without exact=True."
+        )
 
 
 def verified(
@@ -439,6 +461,6 @@ def verified(
     piece: Piece,
     where: Mapping[sp.Symbol, sp.Expr],
 ) -> tuple[sp.Expr, ...]:
-    """A closed form that is what quadrature of the pulled-back forms over one piece says."""
-    _verify(vector, [_number(f, piece, where) for f in forms], where)
+    """A closed form that is the proved integral of the pulled-back forms over one piece."""
+    _verify(vector, [[_number(f, piece, where)] for f in forms], where)
     return vector

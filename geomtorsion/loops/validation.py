@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,9 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import LimitError, LoopError, NetworkError
 from geomtorsion.loops.arcs import Number, Plane, exact_number
+
+# What a number of a user is taken for: `exact_number`, or `dyadic_number`.
+Reading = Callable[[Any], sp.Expr]
 
 
 def number(value: Number, where: str) -> float:
@@ -116,10 +119,12 @@ def orthonormal(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.n
     return u, v / np.linalg.norm(v)
 
 
-def exact_rows(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
-    """The two directions of a plane as exact vectors."""
+def exact_rows(
+    plane: Plane, dimension: int, read: Reading = exact_number
+) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """The two directions of a plane as exact vectors; read: what a number is taken for."""
     first, second = (
-        [exact_number(x) for x in checks.rows(side)]
+        [read(x) for x in checks.rows(side)]
         if hasattr(side, "__len__")
         else [sp.Integer(k == checks.whole(side)) for k in range(dimension)]
         for side in plane
@@ -127,9 +132,11 @@ def exact_rows(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Exp
     return first, second
 
 
-def exact_orthonormal(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list[sp.Expr]]:
+def exact_orthonormal(
+    plane: Plane, dimension: int, read: Reading = exact_number
+) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """Two exact orthonormal vectors in a plane, the first along the first."""
-    first, second = exact_rows(plane, dimension)
+    first, second = exact_rows(plane, dimension, read)
     u, v = (sp.Matrix(x) for x in (first, second))
     u = u / sp.sqrt(u.dot(u))
     v = v - u * u.dot(v)
@@ -137,11 +144,11 @@ def exact_orthonormal(plane: Plane, dimension: int) -> tuple[list[sp.Expr], list
 
 
 def exact_multiples(
-    plane: Plane, axes: Sequence[Number], dimension: int
+    plane: Plane, axes: Sequence[Number], dimension: int, read: Reading = exact_number
 ) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """Semi-axes over the larger one along the directions of a plane, exactly."""
-    first, second = exact_rows(plane, dimension)
-    a, b = (exact_number(axis) for axis in axes)
+    first, second = exact_rows(plane, dimension, read)
+    a, b = (read(axis) for axis in axes)
     size = max(a, b)
     return [x * a / size for x in first], [x * b / size for x in second]
 

@@ -242,6 +242,8 @@ def scene_accuracy(
     engines: Sequence[Engine] | None = None,
     accuracies: Sequence[float] = ACCURACIES,
     progress: Callable[[float], object] = lambda _: None,
+    *,
+    proved: bool = False,
 ) -> CostTable:
     """Measure what each accuracy costs with each engine, on the equations of a scene.
 
@@ -265,6 +267,6 @@ def scene_accuracy(
     form = closed_form(scene)
     exact = None if form is None else form.states
     table = accuracy_cost(
-        scene.ode, scene.times, engines, accuracies, exact=exact, progress=progress
+        scene.ode, scene.times, engines, accuracies, exact=exact, progress=progress, proved=proved
     )
     return replace(table, problem=str(scene))

@@ -8,7 +8,7 @@ import pytest
 
 from geomtorsion.accuracy import accuracy_cost, cost
 from geomtorsion.curves import autoparallel, geodesic
-from geomtorsion.errors import AccuracyError, MissingExtraError
+from geomtorsion.errors import AccuracyError, MissingExtraError, ProofError
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import RungeKutta
 from geomtorsion.ode.engines.taylor import is_available
@@ -85,3 +85,27 @@ def test_picture(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(MissingExtraError, match="plots"):
         table.plot()
+
+
+def test_a_proof_has_its_price():
+    """A row says what a proof costs, and whether the finest estimate holds."""
+    table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6, 1e-9], proved=True)
+    assert table.proof is not None
+    assert table.proof.holds
+    assert table.proof.steps > 0
+    assert "proved" in str(table)
+    assert "Take RungeKutta" in str(table)
+    assert accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6]).proof is None
+
+
+def test_no_proof_has_a_note(monkeypatch):
+    """Where nothing is proved the row says why."""
+
+    def refused(*_):
+        raise ProofError("the motion touches the stop. Move it.")
+
+    monkeypatch.setattr(cost, "prove", refused)
+    table = accuracy_cost(TOP, 1.0, [RungeKutta()], [1e-6], proved=True)
+    assert "touches the stop" in str(table)
+    assert table.proof is not None
+    assert table.proof.seconds is None

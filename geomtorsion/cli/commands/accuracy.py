@@ -18,6 +18,7 @@ from geomtorsion.cli.options import (
     Parameters,
     PictureFormat,
     Pictures,
+    Proved,
     SpaceOrScene,
     Start,
     Velocity,
@@ -72,6 +73,7 @@ def accuracy(
         Path | None, directory("Write accuracy.json and the picture to this directory.")
     ] = None,
     form: Pictures = PictureFormat.png,
+    proved: Proved = False,
 ) -> None:
     """Measure what accuracy costs, and say what to take.
 
@@ -83,6 +85,7 @@ def accuracy(
       geomtorsion accuracy so3 --moments 1,2,3 --t 100
       geomtorsion accuracy s2 --accuracies 1e-6,1e-12 -o cost
       geomtorsion accuracy lagrange_cusp --t 1
+      geomtorsion accuracy so3 --proved
     """
     asked = numbers(accuracies, "accuracies") or []
     # The table chooses engines by itself, so that auto adds none.
@@ -91,7 +94,7 @@ def accuracy(
     if is_scene(source):
         given = {"--start": start, "--velocity": velocity, "--frame-velocity": frame_velocity}
         _refuse(given | {"--moments": moments, "--curve": curve})
-        table = _of_scene(source, t, parameters, solvers, asked)
+        table = _of_scene(source, t, parameters, solvers, asked, proved=proved)
         typer.echo(str(table))
     else:
         space = space_or_hint(source)
@@ -100,7 +103,7 @@ def accuracy(
             problems, chosen, last = pair_problems(space, **options)
             progress("measuring")
             problem = problems[(curve or Curve.geodesic).value]
-            table = accuracy_cost(problem, last, solvers or None, asked)
+            table = accuracy_cost(problem, last, solvers or None, asked, proved=proved)
         typer.echo("\n".join([*start_lines(problem, chosen), "", str(table)]))
     if output is not None:
         _write(table, output, form.value)
@@ -112,11 +115,15 @@ def _of_scene(
     settings: list[str] | None,
     engines: list[Engine],
     asked: list[float],
+    *,
+    proved: bool,
 ) -> CostTable:
     """The table of a scene."""
     scene = open_scene(source, t=t, settings=settings)
     with bar(scene.title or scene.name) as progress:
-        return scene_accuracy(scene, engines or None, asked, progress or (lambda _: None))
+        return scene_accuracy(
+            scene, engines or None, asked, progress or (lambda _: None), proved=proved
+        )
 
 
 def _refuse(given: dict[str, str | None]) -> None:

@@ -24,6 +24,7 @@ from geomtorsion.cli.options import (
     MeasuredSlip,
     MeasuredSpots,
     MeasuredThreshold,
+    Proved,
     SpaceOrMeasured,
     directory,
     option,
@@ -45,6 +46,7 @@ from geomtorsion.loops.loop_files import (
 from geomtorsion.measured import is_measured
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
+from geomtorsion.proofs import prove
 
 MOST_PICTURES = 12
 WHOLE_TURN = "0,2*pi"
@@ -110,6 +112,7 @@ def burgers(
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
     exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
+    proved: Proved = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
@@ -129,6 +132,7 @@ def burgers(
       geomtorsion burgers so3 --circle 0.3,1,0.2:1e-12
       geomtorsion burgers screw_dislocation --set b=1 --polygon '1,0,0;0,1,0;-1,-1,0'
       geomtorsion burgers heisenberg --curve 'cos(s);sin(2*s);0' --exact
+      geomtorsion burgers screw_dislocation --set b=1 --circle 1,0,0:1.000001 --proved
       geomtorsion burgers so3 --loops loops.json --format json | jq .results
       geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
       geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
@@ -137,7 +141,8 @@ def burgers(
     field, name = None, source
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     if measured:
-        refuse_options({"--set": values, "--accuracy": accuracy, "--exact": exact}, measured)
+        given_here = {"--set": values, "--accuracy": accuracy, "--exact": exact, "--proved": proved}
+        refuse_options(given_here, measured)
         with working(Path(source).name):
             field = opened(source, reading)
         frame = identity_frame(field.names)
@@ -161,6 +166,8 @@ def burgers(
         raise LoopError(
             f"accuracy {accuracy}: a closed form has none to ask for. Drop it, or --exact."
         )
+    if exact and proved:
+        raise LoopError("--proved: expected numbers, got --exact, a closed form. Drop one of both.")
     wanted += _described(frame, given, interval)
     wanted += (_named_kind(frame, text, interval) for text in any_kind)
     if not wanted:
@@ -177,6 +184,8 @@ def burgers(
                 progress(f"loop {k}")
                 try:
                     result, vector = _solved(frame, loop, accuracy, parameters, exact)
+                    if vector is not None and proved:
+                        result |= {"proof": prove(vector).to_json()}
                 except MissingValueError as error:
                     raise MissingValueError(f"{error} Here: --set NAME=VALUE.") from None
                 except GeomtorsionError as error:
@@ -351,6 +360,9 @@ def _explain(result: dict[str, Any]) -> None:
         typer.secho(
             f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW
         )
+    if "proof" in result:
+        for line in result["proof"]["text"].splitlines():
+            typer.echo(f"  {line}")
     typer.echo(f"  {result['reason']}")
     typer.echo(f"  checked: {result['check']['text']}")
     typer.echo(f"  {result['evaluations']} evaluations, {result['seconds'] * 1e3:.2f} ms")

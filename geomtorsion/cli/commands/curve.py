@@ -17,6 +17,7 @@ from geomtorsion.cli.options import (
     Parameters,
     PictureFormat,
     Pictures,
+    Proved,
     SpaceOrFile,
     Start,
     Velocity,
@@ -29,6 +30,7 @@ from geomtorsion.cli.values import engine_of, start_lines, start_options
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
+from geomtorsion.proofs import prove
 from geomtorsion.spaces.pair import Pair, solve_pair
 
 # Characters of a number, and the most coordinates that both curves show in one row.
@@ -52,6 +54,7 @@ def curve(
         Path | None, directory("Write curve.csv, curve.json and pictures to this directory.")
     ] = None,
     form: Pictures = PictureFormat.png,
+    proved: Proved = False,
 ) -> None:
     """Follow the straightest and the shortest path from one start.
 
@@ -64,6 +67,7 @@ def curve(
       geomtorsion curve s2 --start 1.9,0 --velocity=-0.2,1.06 --t 6 -o sphere
       geomtorsion curve so3 --moments 1,2,3 --t 20 --accuracy 1e-12
       geomtorsion curve my-tetrad.toml --set M=1 -o curves
+      geomtorsion curve kerr --t 100 --proved
     """
     space = open_space(source)
     written: list[Path] = []
@@ -80,6 +84,11 @@ def curve(
         with working(space.name) as progress:
             written = write_curves(pair, output, form.value, progress)
     typer.echo("\n".join(_summary(pair)))
+    if proved:
+        for name, solution in pair.curves.items():
+            with working(f"{space.name}: proof of the {name}"):
+                proof = prove(solution)
+            typer.echo(f"{name}, {proof}")
     say_written(written)
     if output is not None and not can_draw():
         typer.echo(f"No pictures: {NO_PICTURES}")

@@ -13,6 +13,7 @@ from geomtorsion.cli.options import (
     EngineName,
     PictureFormat,
     Pictures,
+    Proved,
     SceneAccuracy,
     SceneOrFile,
     SceneTime,
@@ -29,6 +30,7 @@ from geomtorsion.errors import CheckpointError, StuckError
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
+from geomtorsion.proofs import prove
 from geomtorsion.scenes import Scene, SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from geomtorsion.scenes.result import write_csv
@@ -67,6 +69,7 @@ def run(
         option(metavar="FILE", text="Write a film, .gif or (with ffmpeg) .mp4."),
     ] = None,
     form: Pictures = PictureFormat.png,
+    proved: Proved = False,
 ) -> None:
     """Run a scene: a body, what acts on it, what is watched.
 
@@ -80,6 +83,7 @@ def run(
       geomtorsion run dzhanibekov -o flip
       geomtorsion run lagrange_loop --watch nutation --accuracy 1e-12 --set gravity.g=1.62
       geomtorsion run my-top.toml -o my-top --animate my-top/film.gif
+      geomtorsion run dzhanibekov --t 10 --proved
     """
     scene = open_scene(source, watch, accuracy, t, settings)
     solver = engine_of(engine)
@@ -99,6 +103,10 @@ def run(
         checkpoint.unlink(missing_ok=True)
         checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
     typer.echo("\n".join(_summary(result)))
+    if proved:
+        with working(f"{scene.title or scene.name}: proof"):
+            proof = prove(result.solution)
+        typer.echo(str(proof))
     say_written(written)
     if output is not None and not can_draw():
         typer.echo(f"No pictures: {NO_PICTURES}")

@@ -289,3 +289,19 @@ def test_a_value_against_what_was_declared() -> None:
     for more in ((), ("--exact",)):
         result = run("s2", "--set", "R=-1", "--circle", "1,1:1/2", *more, code=2)
         assert "R was declared positive, nonnegative, but -1" in result.stderr
+
+
+def test_proved_prints_certain_digits() -> None:
+    """Past a core, where the numbers lose digits; as text and as data."""
+    past = ("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1.000001", "--proved")
+    assert "b3 = 1.00000000000000" in run(*past).stdout
+    proof = data(*past)["results"][0]["proof"]
+    assert proof["holds"] is True
+    assert proof["values"][2] == "b3 = 1.00000000000000"
+    assert len(proof["assumes"]) == 3
+    assert "--exact" in run(*past, "--exact", code=2).stderr
+
+
+def test_a_loop_that_cannot_be_proved_is_reported() -> None:
+    """A circle through the core: the proof is refused, as the number is."""
+    assert run("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1", "--proved", code=2)

@@ -142,3 +142,11 @@ def test_all_digits_of_an_accuracy_beyond_doubles(tmp_path, no_pictures):
     last = table_of(tmp_path)["geodesic r"][-1]
     with mpmath.workdps(40):
         assert abs(mpmath.mpf(last) - mpmath.sqrt(5) / 2) < 1e-25
+
+
+def test_proved_prints_certain_digits():
+    """Both motions with the digits that are certain, and whether their errors hold."""
+    text = run("curve", "s2", "--t", "2", "--accuracy", "1e-8", "--proved").stdout
+    assert text.count("proved at t = 2, 15 digits") == 2
+    assert text.count("holds: proved") == 2
+    assert "theta = 1." in text

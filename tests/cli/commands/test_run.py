@@ -254,3 +254,11 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
     assert (one.error, one.drift) == (other.error, other.drift)
     tables = [(folder / "out" / "table.csv").read_bytes() for folder in (whole, parts)]
     assert tables[0] == tables[1]
+
+
+def test_proved_prints_certain_digits():
+    """The states at the end with the digits that are certain."""
+    text = run("run", "dzhanibekov", "--t", "1", "--proved").stdout
+    assert "proved at t = 1, 15 digits" in text
+    assert "Omega2 = 0.9999" in text
+    assert "holds: proved" in text

@@ -1,0 +1,326 @@
+"""Charts: curves in a space for proofs, and sets carried from one chart to another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+from flint import arb, arb_mat, fmpq
+
+from geomtorsion.codegen import Graph, graph
+from geomtorsion.codegen.balls import BallCode, exact_ball
+from geomtorsion.curves import CurveProblem
+from geomtorsion.curves.atlas import Chart, TransitionMap
+from geomtorsion.curves.equations import Equations
+from geomtorsion.errors import ProofError
+from geomtorsion.precision import PRINTED
+from geomtorsion.proofs.courses import Position, Stretch
+from geomtorsion.proofs.motions import Leg
+from geomtorsion.proofs.series import BallSystem
+from geomtorsion.proofs.sets import LohnerSet
+
+
+@dataclass(frozen=True, eq=False)
+class SetMap:
+    """A map of states with its derivative, over states and parameters.
+
+    states: names of the arguments that the set is about; values: the graph of the map.
+    """
+
+    states: tuple[str, ...]
+    values: Graph
+
+    @cached_property
+    def _slopes(self) -> BallCode:
+        return BallCode(self.values.derivative(self.states))
+
+    def __call__(self, whole: LohnerSet, parameters: Sequence[arb]) -> LohnerSet:
+        """The set around the image of a set: the mean value theorem on its hull.
+
+        Raises
+        ------
+        ProofError
+            the map has no derivative on the hull.
+        """
+        n = len(self.states)
+        values = BallCode(self.values).real([*whole.middle, *parameters])
+        slopes = self._slopes.real([*whole.hull, *parameters])
+        if not all(x.is_finite() for x in (*values, *slopes)):
+            raise ProofError("a change of charts is not smooth on the whole set of motions")
+        rows = [slopes[k : k + n] for k in range(0, len(slopes), n)]
+        return whole.moved(values, arb_mat(rows))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveCourse:
+    """A curve in a space, followed through the charts in which its solution was.
+
+    backwards: whether it runs to negative times.
+    start, parameters: numbers or balls that stand in the place of those of the problem.
+    """
+
+    problem: CurveProblem
+    backwards: bool
+    start: Sequence[Any] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def stretches(self, times: Sequence[fmpq], hints: Sequence[Stretch]) -> list[Stretch]:
+        """The charts of the solution."""
+        return list(hints)
+
+    def names(self, label: str) -> tuple[str, ...]:
+        """Coordinates of the chart, velocities if they change, what is carried."""
+        return self.problem.equations(label).states
+
+    def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
+        """Velocities in units of the time of users."""
+        equations, unit = self.problem.equations(label), arb(self.problem.time_unit)
+        found = list(box)
+        first = equations.width
+        if equations.moves:
+            n = len(equations.velocities)
+            found[first : first + n] = [x * unit for x in found[first : first + n]]
+            first += n
+        carried = self.problem.carried
+        for k, power in enumerate(carried.speed_powers if carried else ()):
+            if power:
+                found[first + k] = found[first + k] * unit
+        return found
+
+    def _values(self) -> dict[str, Any]:
+        return {**self.problem.parameters, **self.parameters}
+
+    def enter(self, stretch: Stretch, before: Position | None) -> tuple[Position, Leg]:
+        """The set in the chart of a stretch, with the equations there."""
+        problem = self.problem
+        if before is None:
+            point = self._start()
+            source = "" if problem.start is None else problem.atlas.home
+        else:
+            point, source = before.whole, before.label
+            if before.constant:
+                point = extended(point, problem.equations(source).width, before.constant)
+        if source != stretch.label:
+            point = self._moved(point, source, stretch.label)
+            angles = problem.atlas.route(source, stretch.label)[-1].angles
+            point = turned(point, angles, stretch.reference)
+        equations = problem.equations(stretch.label)
+        constant: tuple[arb, ...] = ()
+        if not equations.moves:
+            places = range(equations.width, equations.width + len(equations.velocities))
+            constant = tuple(point.hull[k] for k in places)
+            point = without(point, places)
+        position = Position(point, stretch.label, constant)
+        return position, self._leg(stretch, equations, constant)
+
+    def _leg(self, stretch: Stretch, equations: Equations, constant: Sequence[arb]) -> Leg:
+        table = {**self._values(), **equations.constants}
+        table |= dict(zip(equations.velocities, constant, strict=False))
+
+        def parameters() -> list[arb]:
+            return [exact_ball(table[name]) for name in equations.parameters]
+
+        system = BallSystem.of(equations.system, parameters, backwards=self.backwards)
+        inside, words = conditions_of(equations)
+        return Leg(system, stretch.begin, stretch.end, stretch.samples, None, inside, words)
+
+    def _start(self) -> LohnerSet:
+        """Coordinates in the home chart, velocities and what is carried, in units of the speed."""
+        problem = self.problem
+        unit = arb(problem.time_unit)
+        coordinates = [exact_ball(x) for x in self.start or problem.start or ()]
+        velocities = [x / unit for x in self._velocities(coordinates)]
+        carried = []
+        if problem.carried is not None:
+            pairs = zip(problem.carried.start, problem.carried.speed_powers, strict=True)
+            carried = [exact_ball(x) / unit if power else exact_ball(x) for x, power in pairs]
+        return LohnerSet.of([*coordinates, *velocities, *carried])
+
+    def _velocities(self, coordinates: Sequence[arb]) -> list[arb]:
+        """u^i, from q'^mu where that was given."""
+        problem = self.problem
+        given = problem.coordinate_velocity
+        if given is None or problem.start is None:
+            return [exact_ball(x) for x in problem.frame_velocity]
+        chart = problem.atlas.chart(problem.atlas.home)
+        rates = [f"rate {name}" for name in chart.names]
+        rows: list[list[Any]] = [[] for _ in problem.frame_velocity]
+        for (i, mu), element in chart.coframe.entries.items():
+            rows[i].append((element, (rates[mu],)))
+        parameters, values = self._frame_parameters()
+        made = graph([*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False)
+        return BallCode(made).real([*coordinates, *(exact_ball(x) for x in given), *values])
+
+    def _frame_parameters(self) -> tuple[list[str], list[arb]]:
+        """Names and values of what charts contain besides coordinates."""
+        table = self._values()
+        return list(table), [exact_ball(x) for x in table.values()]
+
+    # -- from chart to chart ---------------------------------------------------------------------
+
+    def _moved(self, point: LohnerSet, source: str, target: str) -> LohnerSet:
+        """Coordinates, velocities and what is carried, in another chart."""
+        atlas = self.problem.atlas
+        turning = not atlas.same_frame(source, target)
+        carried = self.problem.equations(source).carried
+        names, values = self._frame_parameters()
+        if turning:
+            point = _legs_map(atlas.chart(source), carried, names)(point, values)
+        for change in atlas.route(source, target):
+            point = self._changed(point, change, carried, turning=turning)
+        if turning:
+            point = _coframe_map(atlas.chart(target), carried, names)(point, values)
+        return point
+
+    def _changed(
+        self, point: LohnerSet, change: TransitionMap, carried: Sequence[str], *, turning: bool
+    ) -> LohnerSet:
+        """One map of an atlas."""
+        names, values = self._frame_parameters()
+        rest = len(point.middle) - len(change.coordinates) - len(carried)
+        made = _change_map(change, rest, carried, names, turning=turning)
+        found = made(point, values)
+        if change.written is None:
+            return found
+        # Where a map is written with cases, its expressions are one of these: of the two points of
+        # a quaternion that are one rotation, the other one may be meant.
+        place = [float(x) for x in point.middle[: len(change.coordinates)]]
+        there = change(place, {name: float(x.mid()) for name, x in zip(names, values, strict=True)})
+        if _are_near(found, there):
+            return found
+        if self.problem.atlas.chart(change.source).kept is not None:
+            opposite = _negated(point, len(change.coordinates))
+            found = made(opposite, values)
+            if _are_near(found, there):
+                return found
+        raise ProofError(
+            f"the change from chart {change.source!r} to {change.target!r} is written with cases, "
+            "of which none is proved here. Follow the motion in other charts, with_charts(...)."
+        )
+
+
+def turned(point: LohnerSet, angles: Sequence[int], near: Sequence[float]) -> LohnerSet:
+    """The set with some states shifted by whole turns to near where they are given."""
+    middle = list(point.middle)
+    radii = [arb(0)] * len(middle)
+    for k in angles:
+        turns = round((near[k] - float(middle[k])) / (2 * math.pi))
+        if turns:
+            shifted = middle[k] + 2 * turns * arb.pi()
+            middle[k], radii[k] = shifted.mid(), arb(shifted.rad())
+    return widened(LohnerSet(tuple(middle), point.axes, point.spread), radii)
+
+
+def _legs_map(chart: Chart, carried: Sequence[str], parameters: Sequence[str]) -> SetMap:
+    """(q, u, carried) -> (q, q' = E u, carried)."""
+    columns = chart.frame_vectors.shape[1]
+    velocities = [f"velocity {k}" for k in range(columns)]
+    rows = [tuple((x, (velocities[i],)) for i, x in row) for row in chart.legs]
+    return _with_rest(chart.names, velocities, rows, carried, parameters)
+
+
+def _coframe_map(chart: Chart, carried: Sequence[str], parameters: Sequence[str]) -> SetMap:
+    """(q, q', carried) -> (q, u = e q', carried)."""
+    rates = [f"velocity {k}" for k in range(len(chart.names))]
+    rows: list[list[Any]] = [[] for _ in range(chart.coframe.shape[0])]
+    for (i, mu), element in chart.coframe.entries.items():
+        rows[i].append((element, (rates[mu],)))
+    return _with_rest(chart.names, rates, [tuple(x) for x in rows], carried, parameters)
+
+
+def _with_rest(
+    coordinates: Sequence[str],
+    velocities: Sequence[str],
+    rows: Sequence[Any],
+    carried: Sequence[str],
+    parameters: Sequence[str],
+) -> SetMap:
+    """A map of velocities that leaves all else as it is."""
+    states = (*coordinates, *velocities, *carried)
+    outputs = [*map(sp.Symbol, coordinates), *rows, *map(sp.Symbol, carried)]
+    return SetMap(states, graph([*states, *parameters], outputs, factor=False))
+
+
+def _change_map(
+    change: TransitionMap,
+    velocities: int,
+    carried: Sequence[str],
+    parameters: Sequence[str],
+    *,
+    turning: bool,
+) -> SetMap:
+    """(q, velocities, carried) in other coordinates; coordinate velocities turn with them."""
+    names = [sp.Symbol(f"velocity {k}") for k in range(velocities)]
+    moved: list[sp.Expr] = list(names)
+    if turning:
+        pairs = list(zip(change.coordinates, names, strict=True))
+        moved = [sp.Add(*(x.diff(q) * v for q, v in pairs)) for x in change.expressions]
+    outputs = [*change.expressions, *moved, *map(sp.Symbol, carried)]
+    states = (*(q.name for q in change.coordinates), *(v.name for v in names), *carried)
+    return SetMap(states, graph([*states, *parameters], outputs, factor=False))
+
+
+def _are_near(point: LohnerSet, there: Iterable[float]) -> bool:
+    """Whether coordinates are those that floats give, but for rounding."""
+    pairs = zip(point.middle, there, strict=False)
+    return all(abs(float(x) - float(y)) <= PRINTED * (1 + abs(float(y))) for x, y in pairs)
+
+
+def _negated(point: LohnerSet, count: int) -> LohnerSet:
+    """The first states with the other sign."""
+    signs = [-1 if k < count else 1 for k in range(len(point.middle))]
+    middle = tuple(s * x for s, x in zip(signs, point.middle, strict=True))
+    rows = [[s * point.axes[i, j] for j in range(point.axes.ncols())] for i, s in enumerate(signs)]
+    return LohnerSet(middle, arb_mat(rows), point.spread)
+
+
+def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
+    """The set with further states in a place, each anywhere in its ball."""
+    rows, columns, more = len(point.middle), point.axes.ncols(), len(balls)
+    middle = (*point.middle[:place], *(x.mid() for x in balls), *point.middle[place:])
+    table = [[point.axes[i, j] for j in range(columns)] + [arb(0)] * more for i in range(rows)]
+    new = [[arb(int(j == columns + k)) for j in range(columns + more)] for k in range(more)]
+    axes = arb_mat([*table[:place], *new, *table[place:]])
+    return LohnerSet(middle, axes, (*point.spread, *(arb(x.rad()) for x in balls)))
+
+
+def without(point: LohnerSet, places: Sequence[int]) -> LohnerSet:
+    """The set without some of its states."""
+    kept = [k for k in range(len(point.middle)) if k not in places]
+    axes = arb_mat([[point.axes[i, j] for j in range(point.axes.ncols())] for i in kept])
+    return LohnerSet(tuple(point.middle[k] for k in kept), axes, point.spread)
+
+
+def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:
+    """The set with each state wider by a radius."""
+    if all(x.is_zero() for x in radii):
+        return point
+    rows, columns = len(point.middle), point.axes.ncols()
+    table = [
+        [point.axes[i, j] for j in range(columns)] + [arb(int(i == j)) for j in range(rows)]
+        for i in range(rows)
+    ]
+    return LohnerSet(point.middle, arb_mat(table), (*point.spread, *radii))
+
+
+def conditions_of(equations: Equations) -> tuple[Graph | None, tuple[str, ...]]:
+    """What has to stay positive for the equations of a chart to hold, and its words."""
+    chart = equations.chart
+    if chart is None:
+        return None, ()
+    outputs: list[Any] = [edge.element for edge in chart.edges]
+    words = [edge.words for edge in chart.edges]
+    for branch in chart.field.relied_on if chart.frame is not None else ():
+        condition = branch.radical * branch.read_as if branch.holds is None else branch.holds
+        names = {symbol.name for symbol in branch.radical.free_symbols}
+        if names <= {*equations.states, *equations.parameters}:
+            outputs.append(condition)
+            words.append(str(branch))
+    if not outputs:
+        return None, ()
+    arguments = (*equations.states, *equations.parameters)
+    return graph(arguments, outputs, equations.parameters, factor=False), tuple(words)

@@ -1,0 +1,102 @@
+"""Events: where something first falls through zero on the way, by halving and Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import arb, ctx
+
+from geomtorsion.codegen import Graph
+from geomtorsion.codegen.ball_functions import Ball
+from geomtorsion.codegen.balls import BallCode
+from geomtorsion.errors import ProofError
+from geomtorsion.proofs.series import BallSystem
+from geomtorsion.proofs.steps import Step
+
+
+@dataclass(frozen=True, eq=False)
+class Fall:
+    """Something over states, parameters and the time at whose fall through zero a motion ends.
+
+    system: the equations; term: the graph, with one output, over names of states, then parameters,
+    then the time.
+    states: names of the states of the equations but for a clock.
+    parameters: makes the values of the parameters of the term at the precision in use.
+    ticks: how much time a clock counts as one, the last state of the equations; None without one.
+    """
+
+    system: BallSystem
+    term: Graph
+    states: Sequence[str]
+    parameters: Callable[[], list[arb]]
+    ticks: int | None
+
+    @cached_property
+    def _value(self) -> BallCode:
+        return BallCode(self.term)
+
+    @cached_property
+    def _slopes(self) -> BallCode:
+        return BallCode(self.term.derivative((*self.states, self.term.arguments[-1])))
+
+    def _arguments(self, states: Sequence[arb]) -> list[arb]:
+        time = arb(0) if self.ticks is None else self.ticks * states[-1]
+        return [*states[: len(self.states)], *self.parameters(), time]
+
+    def value(self, states: Sequence[arb]) -> arb:
+        """The term at a box."""
+        return self._value.real(self._arguments(states))[0]
+
+    def rate(self, states: Sequence[arb]) -> arb:
+        """The rate of the term at a box."""
+        slopes = self._slopes.real(self._arguments(states))
+        rates: list[Ball] = self.system.rates_at(states)
+        if self.ticks is not None:
+            rates = [*rates[:-1], self.ticks * rates[-1]]
+        return sum((x * y for x, y in zip(slopes, rates, strict=False)), arb(0))
+
+    def first(self, step: Step) -> arb | None:
+        """The time in a step at which the term falls through zero; None where it stays positive.
+
+        Raises
+        ------
+        ProofError
+            it comes so near to zero that neither can be told.
+        """
+        if self.value(step.tube) > 0:
+            return None
+        waiting = [(arb(0), arb(step.length))]
+        shortest = arb(step.length) * arb(2) ** (-ctx.prec // 2)
+        while waiting:
+            low, high = waiting.pop()
+            time = low.union(high)
+            # Before `low` the term is positive, or at zero where the motion begins.
+            box = step.hull(time)
+            if self.value(box) > 0:
+                continue
+            rate, end = self.rate(box), self.value(step.hull(high))
+            if rate > 0 or (rate < 0 and end > 0):
+                continue
+            if rate < 0 and end < 0:
+                return self._newton(step, time)
+            if high - low < shortest:
+                raise ProofError("it touches the stop, or comes within rounding of it")
+            middle = ((low + high) / 2).mid()
+            waiting += [(middle, high), (low, middle)]
+        return None
+
+    def _newton(self, step: Step, time: arb) -> arb:
+        """All zeros of the members of a set, in an interval in which each has one."""
+        while True:
+            middle = time.mid()
+            value = self.value(step.hull(middle))
+            found = middle - value / self.rate(step.hull(time))
+            if not (found.is_finite() and found.overlaps(time)):
+                return time
+            both = found.intersection(time)
+            # Quadratic as long as rounding lets it be: it ends where an interval is not halved.
+            if not 2 * both.rad() < time.rad():
+                return both
+            time = both

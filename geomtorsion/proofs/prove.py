@@ -1,0 +1,372 @@
+"""Prove: balls that contain the true value of a result, and whether its error holds."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+
+import flint
+import numpy as np
+from flint import arb
+
+from geomtorsion import checks
+from geomtorsion.copies import only_fields
+from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
+from geomtorsion.loops import BurgersVector, Development
+from geomtorsion.ode import Solution
+from geomtorsion.precision import EXACT_BITS, ball_precision
+from geomtorsion.proofs.developments import proved_development
+from geomtorsion.proofs.loops import proved_integrals
+from geomtorsion.proofs.series import series_length
+from geomtorsion.proofs.solutions import SolutionTask
+from geomtorsion.proofs.wanted import Wanted, upper_float
+
+Result: TypeAlias = BurgersVector | Development | Solution
+ALWAYS = (
+    "components that a zero test dropped vanish, with the certainty of that test",
+    "floats are the dyadic numbers that they are; fractions, text and expressions are exact",
+    "FLINT's ball arithmetic is right",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Proof:
+    """Balls that contain the true value of a result.
+
+    result: what was proved.
+    balls: of a Burgers vector its components; of a development the components of burgers, then the
+        rows of the rotation; of a solution one tuple of states for each of its times.
+    names: of the balls, or of the states at each time.
+    charts: of a solution the coordinates in which its states are, for each time.
+    digits: how many were asked for.
+    error: proved bound of |result - truth|, in the measure of the result's own error.
+    holds: True: the result is within its error; False: it is not; None: the balls do not decide.
+    bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
+    assumes: what the proof takes for granted.
+    """
+
+    result: Result
+    balls: tuple[Any, ...]
+    names: tuple[Any, ...]
+    charts: tuple[str, ...]
+    digits: int
+    error: float
+    holds: bool | None
+    bits: int
+    steps: int
+    seconds: float
+    assumes: tuple[str, ...]
+
+    def __getstate__(self) -> dict[str, object]:
+        # Balls of FLINT have no pickles of their own.
+        plain: dict[str, object] = {"balls": _each(self.balls, _plain)}
+        return {**only_fields(self), **plain}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        for name, value in state.items():
+            read = _each(value, lambda parts: arb(*parts)) if name == "balls" else value
+            object.__setattr__(self, name, read)
+
+    @cached_property
+    def values(self) -> Any:
+        """Midpoints as floats: an array of the shape of `balls`, or a tuple of rows.
+
+        Rows differ in length where charts have different numbers of coordinates.
+        """
+        return self._floats(lambda ball: float(ball.mid()))
+
+    @cached_property
+    def radii(self) -> Any:
+        """How far the true value is from `values` at most, in the same shape."""
+        return self._floats(_radius)
+
+    def _floats(self, read: Callable[[arb], float]) -> Any:
+        with ball_precision(self.bits):
+            if not isinstance(self.balls[0], tuple):
+                return np.array([read(ball) for ball in self.balls])
+            rows = [np.array([read(ball) for ball in row]) for row in self.balls]
+        return np.array(rows) if len({len(row) for row in rows}) == 1 else tuple(rows)
+
+    def lines(self) -> list[str]:
+        """Each value with the digits that are certain, one a line; of a solution at its end."""
+        row, names = self.balls, self.names
+        if isinstance(row[0], tuple):
+            row, names = row[-1], names[-1]
+        with ball_precision(self.bits):
+            shown = [certain_digits(ball, self.digits) for ball in row]
+        return [f"{name} = {text}" for name, text in zip(names, shown, strict=True)]
+
+    def to_json(self) -> dict[str, Any]:
+        """What was proved as a JSON-ready mapping: values with their certain digits, as text."""
+        return {
+            "values": self.lines(),
+            "holds": self.holds,
+            "error": self.error,
+            "bits": self.bits,
+            "steps": self.steps,
+            "seconds": self.seconds,
+            "assumes": list(self.assumes),
+            "text": str(self),
+        }
+
+    def __str__(self) -> str:
+        verdict = {True: "holds", False: "does NOT hold", None: "is not decided"}[self.holds]
+        reported = self.result.error
+        place = ""
+        if isinstance(self.result, Solution):
+            place = f" at {self.result.problem.time_name} = {float(self.result.times[-1]):.6g}"
+        return "\n".join(
+            [
+                f"proved{place}, {self.digits} digits, {self.bits} bits, {self.seconds:.3g} s:",
+                *(f"  {line}" for line in self.lines()),
+                f"  the reported error {reported:.2g} {verdict}: proved {self.error:.2g}",
+            ]
+        )
+
+    __repr__ = __str__
+
+
+class _Plain(NamedTuple):
+    """A ball as mantissas and exponents of its midpoint and its radius, exactly."""
+
+    middle: tuple[int, int]
+    radius: tuple[int, int]
+
+
+def _plain(ball: arb) -> _Plain:
+    (m, e), (r, s) = ball.mid().man_exp(), ball.rad().man_exp()
+    return _Plain((int(m), int(e)), (int(r), int(s)))
+
+
+def _each(balls: Sequence[Any], read: Callable[[Any], Any]) -> tuple[Any, ...]:
+    """Balls, or rows of them, one by one."""
+    is_row = [isinstance(x, tuple) and not isinstance(x, _Plain) for x in balls]
+    return tuple(_each(x, read) if row else read(x) for x, row in zip(balls, is_row, strict=True))
+
+
+def certain_digits(ball: arb, digits: int) -> str:
+    """The digits of a number that are certain, no more than so many; else its bounds.
+
+    Examples
+    --------
+    >>> certain_digits(arb("1.2345678 +/- 1e-5"), 15), certain_digits(arb(0, 1e-9), 15)
+    ('1.2346', '0 +- 1.01e-9')
+    """
+    if ball.is_zero():
+        return "0"
+    if not abs(ball) > 0:
+        # Rounded to three digits it is still a bound.
+        bound = abs(ball).upper() * arb(1.006)
+        return f"0 +- {bound.str(3, radius=False)}"
+    return ball.str(digits, radius=False)
+
+
+def _radius(ball: arb) -> float:
+    """How far anything in a ball is from the float of its midpoint."""
+    return upper_float(abs(ball - arb(float(ball.mid()))))
+
+
+def prove(
+    result: Result,
+    digits: int = 15,
+    *,
+    start: Mapping[str, Any] | Sequence[Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> Proof:
+    """Prove a result: balls that contain the true value, and whether its error holds.
+
+    The numbers are made again by ball arithmetic (FLINT) from the exact expressions, by routes that
+    share nothing with those of the result. It takes 2 to 3,000 times as long.
+
+    Parameters
+    ----------
+    result
+        A BurgersVector, a Development, or a Solution: its states at all of its times.
+    digits
+        How many digits of the largest component, or of each group of states, from 1 to 1000. More
+        are used where the reported error could not be judged else.
+    start
+        Of a solution: numbers or balls (flint.arb) in the place of its start; a mapping may name
+        some of the states or coordinates. The proof is about all motions that start in the balls.
+    parameters
+        Numbers or balls in the place of parameters, name -> value.
+
+    Raises
+    ------
+    ProofError
+        Nothing is proved: a pole or an edge lies on the way, or the motion ends, touches a stop, or
+        loses all digits. The message names the time or the place.
+    ArgumentError
+        The result is of another kind, or digits is out of range.
+
+    Examples
+    --------
+    >>> from geomtorsion.loops import Loop, burgers_vector
+    >>> from geomtorsion.spaces import load
+    >>> b = burgers_vector(load("so3").frame, Loop.circle([0.3, 1, 0.2], 1e-12))
+    >>> proof = prove(b)
+    >>> print(proof.balls[0].str(15, radius=False), proof.holds)
+    3.00127809594327e-24 True
+    """
+    began = time.perf_counter()
+    checks.count(digits, "digits", ArgumentError, 1, 1000)
+    changed = checked_balls(parameters, "parameters")
+    given = _checked_start(start)
+    # The precision of FLINT is that of the process: no other thread may set it meanwhile.
+    with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
+        if isinstance(result, Solution):
+            proof = _solution(result, digits, given, changed)
+        elif given is not None:
+            raise ArgumentError("start: expected nothing for a loop, which has none. Drop it.")
+        elif isinstance(result, BurgersVector):
+            proof = _burgers(result, digits, changed)
+        elif isinstance(result, Development):
+            proof = _development(result, digits, changed)
+        else:
+            raise ArgumentError(
+                "result: expected a BurgersVector, a Development or a Solution, got "
+                f"{type(result).__name__}. Of a scene prove result.solution."
+            )
+    seconds = time.perf_counter() - began
+    assumes = ALWAYS
+    if start is not None or changed:
+        assumes = (*assumes, "start or parameters lie in the balls that were given")
+    return proof(seconds, assumes)
+
+
+Made = Callable[[float, tuple[str, ...]], Proof]
+
+
+def checked_balls(values: object, subject: str) -> dict[str, Any]:
+    """Numbers or finite balls by name.
+
+    Raises
+    ------
+    ArgumentError
+        one is neither.
+    """
+    if values is None:
+        return {}
+    table = checks.by_name(values, subject, ArgumentError)
+    return {name: _checked_ball(value, f"{subject}: {name}") for name, value in table.items()}
+
+
+def _checked_ball(value: object, subject: str) -> Any:
+    if isinstance(value, arb):
+        if not value.is_finite():
+            raise ArgumentError(f"{subject}: expected a finite ball, got {value}. Give another.")
+        return value
+    return checks.exact_number(value, subject, ArgumentError)
+
+
+def _checked_start(start: object) -> Any:
+    if start is None:
+        return None
+    if isinstance(start, Mapping):
+        return checked_balls(start, "start")
+    return tuple(
+        _checked_ball(x, f"start[{k}]") for k, x in enumerate(checks.entries(start, "start"))
+    )
+
+
+def _refuse_unknown(names: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+    for name in names:
+        if name not in known:
+            raise UnknownNameError(
+                f"parameters: expected one of {', '.join(known) or 'none'}, got {name}."
+            )
+
+
+def _verdict(gap: arb, error: arb) -> bool | None:
+    """Whether a gap is within an error; None where the ball does not decide."""
+    if gap <= error:
+        return True
+    return False if gap > error else None
+
+
+def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> Made:
+    frame = result.frame
+    if frame.complex or np.iscomplexobj(result.reduced):
+        raise ProofError("expected a real frame, got a complex one: its integrals are not proved.")
+    _refuse_unknown(changed, result.parameters)
+    parameters = {**result.parameters, **changed}
+    with ball_precision(EXACT_BITS):
+        unit = arb(result.size) ** result.power
+        value = [arb(x) * unit for x in result.reduced.tolist()]
+        error = arb(result.reduced_error) * unit
+        size = max((abs(x) for x in value), key=float)
+    wanted = Wanted.of(digits, error, size)
+    found = proved_integrals(frame, result.loop, parameters, wanted, is_exact=not changed)
+    with ball_precision(EXACT_BITS):
+        gap = _largest(found.balls, value)
+        bound, holds = upper_float(gap), _verdict(gap, error)
+    names = tuple(f"b{k + 1}" for k in range(len(value)))
+    return lambda seconds, assumes: Proof(
+        result, found.balls, names, (), digits, bound, holds, found.bits, found.arcs, seconds,
+        assumes,
+    )  # fmt: skip
+
+
+def _largest(balls: Sequence[arb], values: Sequence[arb]) -> arb:
+    """The largest difference."""
+    found = arb(0)
+    for ball, value in zip(balls, values, strict=True):
+        found = found.max(abs(ball - value))
+    return found
+
+
+def _development(result: Development, digits: int, changed: Mapping[str, Any]) -> Made:
+    connection = result.connection
+    if connection.frame.complex or np.iscomplexobj(result.motion.increment):
+        raise ProofError("expected a real frame, got a complex one: it is not proved.")
+    _refuse_unknown(changed, result.parameters)
+    parameters = {**result.parameters, **changed}
+    with ball_precision(EXACT_BITS):
+        burgers = [arb(x) for x in result.burgers.tolist()]
+        turn = [arb(x) for x in result.motion.turn.ravel().tolist()]
+        errors = arb(result.error), arb(result.turn_error)
+        wanted = [
+            Wanted.of(digits, error, max((abs(x) for x in row), key=float))
+            for row, error in zip((burgers, turn), errors, strict=True)
+        ]
+    found = proved_development(connection, result.loop, parameters, wanted, is_exact=not changed)
+    rows = found.rotation
+    with ball_precision(EXACT_BITS):
+        turned = [x - int(i == j) for i, row in enumerate(rows) for j, x in enumerate(row)]
+        gaps = _largest(found.burgers, burgers), _largest(turned, turn)
+        bound = upper_float(gaps[0])
+        verdicts = [_verdict(gap, error) for gap, error in zip(gaps, errors, strict=True)]
+    holds = False if False in verdicts else None if None in verdicts else True
+    n = len(burgers)
+    names = (
+        *(f"b{k + 1}" for k in range(n)),
+        *(f"R{i + 1}{j + 1}" for i in range(n) for j in range(n)),
+    )
+    balls = (*found.burgers, *(x for row in rows for x in row))
+    return lambda seconds, assumes: Proof(
+        result, balls, names, (), digits, bound, holds, found.bits, found.steps, seconds, assumes
+    )
+
+
+def _solution(result: Solution, digits: int, start: Any, changed: Mapping[str, Any]) -> Made:
+    _refuse_unknown(changed, getattr(result.problem, "parameters", {}))
+    task = SolutionTask.of(result, start, changed)
+    with ball_precision(EXACT_BITS):
+        error = arb(result.error) if math.isfinite(result.error) else arb.pos_inf()
+        wanted = Wanted.of(digits, error if error.is_finite() else arb(0), arb(1))
+    motion = task.proved(wanted)
+    with ball_precision(motion.bits):
+        gap = task.gap(motion)
+        bound, holds = upper_float(gap), _verdict(gap, error)
+        shown = list(task.pairs(motion))[-len(result.times) :]
+        balls = tuple(tuple(task.course.shown(x.label, box)) for x, box in shown)
+    charts = tuple(sample.label for sample, _ in shown)
+    names = tuple(task.course.names(label) for label in charts)
+    return lambda seconds, assumes: Proof(
+        result, balls, names, charts, digits, bound, holds, motion.bits, motion.steps, seconds,
+        assumes,
+    )  # fmt: skip

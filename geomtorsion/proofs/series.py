@@ -1,0 +1,201 @@
+"""Series: a system in balls, the Taylor coefficients of its solutions and of their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from flint import acb, arb, arb_mat, arb_series, ctx
+
+from geomtorsion.codegen import Graph
+from geomtorsion.codegen.ball_functions import Ball
+from geomtorsion.codegen.balls import BallCode, BallFunction, coefficient
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from geomtorsion.ode.system import System
+
+# Coefficients of each state, order after order.
+Rows = list[list[arb]]
+
+
+@contextmanager
+def series_length(length: int) -> Iterator[None]:
+    """Series have so many coefficients inside."""
+    before = ctx.cap
+    ctx.cap = length
+    try:
+        yield
+    finally:
+        ctx.cap = before
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Coefficients of the entries of a Jacobian that do not vanish, at places (i, j)."""
+
+    places: tuple[tuple[int, int], ...]
+    series: tuple[tuple[arb, ...], ...]
+
+    def matrix(self, order: int, size: int) -> arb_mat:
+        """The matrix of one order."""
+        rows = [[arb(0)] * size for _ in range(size)]
+        for (i, j), row in zip(self.places, self.series, strict=True):
+            rows[i][j] = row[order]
+        return arb_mat(rows)
+
+
+@dataclass(frozen=True, eq=False)
+class BallSystem:
+    """Rates f and their Jacobian J as functions of balls, with numbers for the parameters.
+
+    size: number of states.
+    parameters: makes the values of the parameters at the precision in use.
+    rates, jacobian: graphs over states, then parameters.
+    """
+
+    size: int
+    parameters: Callable[[], list[arb]]
+    rates: Graph
+    jacobian: Graph
+    _known: dict[int, list[list[arb]]] = field(default_factory=dict, init=False, repr=False)
+
+    @classmethod
+    def of(
+        cls, system: System, parameters: Callable[[], list[arb]], *, backwards: bool = False
+    ) -> BallSystem:
+        """A system of the library, or the same run backwards in time."""
+        rates = system.rates
+        if backwards:
+            rates = replace(rates, outputs=tuple((-sign, place) for sign, place in rates.outputs))
+        return cls(system.size, parameters, rates, rates.derivative(system.states))
+
+    @cached_property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """Rows and columns of the entries of the Jacobian that do not vanish."""
+        return tuple((k // self.size, k % self.size) for k in self._entries)
+
+    @cached_property
+    def _entries(self) -> list[int]:
+        steps = self.jacobian.steps
+        return [
+            k
+            for k, (_, place) in enumerate(self.jacobian.outputs)
+            if not (steps[place].kind == "number" and steps[place].detail == 0)
+        ]
+
+    def _values(self) -> list[list[arb]]:
+        """Parameters, and the numbers of both graphs, at the precision in use."""
+        bits = ctx.prec
+        if bits not in self._known:
+            codes = BallCode(self.rates), BallCode(self.jacobian)
+            self._known[bits] = [self.parameters(), *(code.numbers() for code in codes)]
+        return self._known[bits]
+
+    @cached_property
+    def _rates(self) -> BallFunction:
+        return BallCode(self.rates).real_function()
+
+    @cached_property
+    def _complex_rates(self) -> BallFunction:
+        return BallCode(self.rates).complex_function()
+
+    @cached_property
+    def _slopes(self) -> BallFunction:
+        return BallCode(self.jacobian).real_function()
+
+    @cached_property
+    def _complex_slopes(self) -> BallFunction:
+        return BallCode(self.jacobian).complex_function()
+
+    def rates_at(self, states: Sequence[Ball]) -> list[Ball]:
+        """f at real balls, or at series."""
+        parameters, numbers, _ = self._values()
+        return self._rates([*states, *parameters], numbers)
+
+    def rates_on(self, states: Sequence[acb]) -> list[acb]:
+        """f at complex balls; not finite where it is not analytic."""
+        parameters, numbers, _ = self._values()
+        return self._complex_rates([*states, *parameters], numbers, True)
+
+    def slopes_at(self, states: Sequence[Ball]) -> list[Ball]:
+        """The entries of J that do not vanish, at real balls or at series."""
+        parameters, _, numbers = self._values()
+        found = self._slopes([*states, *parameters], numbers)
+        return [found[k] for k in self._entries]
+
+    def slopes_on(self, states: Sequence[acb]) -> list[acb]:
+        """The same at complex balls; not finite where they are not analytic."""
+        parameters, _, numbers = self._values()
+        found = self._complex_slopes([*states, *parameters], numbers, True)
+        return [found[k] for k in self._entries]
+
+
+def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> tuple[Rows, Slopes]:
+    """Coefficients up to an order of the solution through a start, and some of those of J along it.
+
+    In blocks: f at the polynomial that is known gives a block of further coefficients but for J
+    times the block itself, which is a short triangular recurrence: f is evaluated order / block
+    times. J has as many coefficients as the first block, and one more.
+    """
+    n = system.size
+    rows = [[x] for x in start]
+    first = min(block, order)
+    for k in range(first):
+        rates = _along(system.rates_at, rows, k + 1)
+        for i in range(n):
+            rows[i].append(coefficient(rates[i], k) / (k + 1))
+    entries = _along(system.slopes_at, rows, first + 1)
+    series = tuple(tuple(coefficient(x, k) for k in range(first + 1)) for x in entries)
+    slopes = Slopes(system.places, series)
+    by_row: list[list[tuple[int, tuple[arb, ...]]]] = [[] for _ in range(n)]
+    for (i, j), entry in zip(slopes.places, series, strict=True):
+        by_row[i].append((j, entry))
+    known = first
+    while known < order:
+        count = min(block, order - known)
+        rates = _along(system.rates_at, rows, known + count)
+        for k in range(known, known + count):
+            # The polynomial ends at `known`; what the coefficients after it add to f is J times
+            # them, as long as their squares are beyond this block.
+            new = []
+            for i in range(n):
+                value = coefficient(rates[i], k)
+                for j, entry in by_row[i]:
+                    for order_of_state in range(known + 1, k + 1):
+                        value += entry[k - order_of_state] * rows[j][order_of_state]
+                new.append(value / (k + 1))
+            for i in range(n):
+                rows[i].append(new[i])
+        known += count
+    return rows, slopes
+
+
+def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, length: int) -> list:
+    """A function of series, of so many coefficients, at the polynomials that are known."""
+    with series_length(length):
+        return function([arb_series(row, prec=length) for row in rows])
+
+
+def variation(slopes: Slopes, size: int, order: int) -> list[arb_mat]:
+    """Coefficients V_0 .. V_order of V' = J V, V(0) = 1."""
+    jacobians = [slopes.matrix(k, size) for k in range(order)]
+    found = [arb_mat([[int(i == j) for j in range(size)] for i in range(size)])]
+    for k in range(order):
+        total = jacobians[0] * found[k]
+        for m in range(1, k + 1):
+            total = total + jacobians[m] * found[k - m]
+        found.append(total * (1 / arb(k + 1)))
+    return found
+
+
+def polynomial(row: Sequence[arb], time: arb) -> arb:
+    """The value of a polynomial, by Horner's rule."""
+    total = row[-1]
+    for value in reversed(row[:-1]):
+        total = total * time + value
+    return total

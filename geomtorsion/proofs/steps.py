@@ -1,0 +1,339 @@
+"""Steps: one proved step of a motion, from a Taylor polynomial and a bound of its defect.
+
+From an exact point m: the polynomial P of order N has the defect d = f(P) - P' with a zero of order
+N at t = 0. Where |d| <= M on |t| <= R, Schwarz's lemma gives |d(t)| <= M (|t| / R)^N, so that
+|x(t) - P(t)| <= exp(L |t|) (rho + M R / (N + 1) (|t| / R)^(N + 1)), state by state, for all starts
+within rho of m, as long as |J| <= L on a tube around P that x does not leave. Everything holds for
+complex t, and so bounds the coefficients of V' = J V by Cauchy's estimate.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import acb, arb, arb_mat, ctx, fmpq
+
+from geomtorsion.errors import ProofError
+from geomtorsion.precision import ball_precision
+from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, variation
+from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet
+from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
+
+# A state that is smaller than the largest by more bits than this counts as just that much smaller.
+SMALLER = 30
+# The radius of the disk is changed by this factor until a step gets no longer; where none is
+# proved, radius and step are changed by its third power, so many times at most.
+SHRINK, MOST_TRIES = 0.87, 100
+# The derivative V is known to about so many bits, by a series of no higher order than this.
+VARIATION_BITS, HIGHEST_VARIATION = 16, 24
+# A tube is widened to what comes out of it so many times at most.
+MOST_TUBES = 3
+# Terms of the series are no larger than the states times 2 to this power: larger ones would cancel.
+TERMS = 3
+
+
+@dataclass(frozen=True)
+class Method:
+    """How steps are made.
+
+    order: of the polynomial, N; block: coefficients that are found at one go.
+    variation_bits: about how many bits of the derivative V are known.
+    """
+
+    order: int
+    block: int
+    variation_bits: int = VARIATION_BITS
+
+    @classmethod
+    def of(cls, bits: int) -> Method:
+        """That of a precision: each order adds a few bits to a step."""
+        order = max(16, int(bits / 2.5))
+        return cls(order, max(4, min(12, order // 4)))
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A proved step from a set, valid for |t| <= length.
+
+    system, whole: the equations, and the set from which it goes.
+    coefficients: of P, order after order, for each state.
+    length: exact; remainder: bounds of |x(t) - P(t)| from m itself for |t| <= length.
+    tube: a box around all motions from the set for |t| <= length.
+    outer: the radius of the disk in which growth bounds |V|; growth: exp(L outer).
+    variation_order: of the polynomial for V.
+    radius: of the disk that was used, to begin with at the next step.
+    sizes: logarithms of the sizes of the states.
+    """
+
+    system: BallSystem
+    whole: LohnerSet
+    coefficients: Rows
+    length: fmpq
+    remainder: tuple[arb, ...]
+    tube: tuple[arb, ...]
+    outer: arb
+    growth: arb_mat
+    variation_order: int
+    radius: float
+    sizes: tuple[float, ...]
+
+    @cached_property
+    def _variations(self) -> list[arb_mat]:
+        """Coefficients of V over all starts of the set."""
+        order = self.variation_order
+        _, slopes = taylor(self.system, self.whole.hull, order, order)
+        return variation(slopes, self.system.size, order)
+
+    def variation(self, time: arb) -> arb_mat:
+        """The derivative of x(time) by the start, over the whole set; |time| <= length."""
+        with ball_precision(LOW_BITS):
+            share = upper(time) / self.outer
+            order = self.variation_order
+            tail = variation_tail(share, order)
+            total = self._variations[order]
+            for matrix in reversed(self._variations[:order]):
+                total = total * time + matrix
+            n = self.system.size
+            rest = [
+                [around_zero(upper(self.growth[i, j]) * tail) for j in range(n)] for i in range(n)
+            ]
+            return total + arb_mat(rest)
+
+    def middle(self, time: arb) -> list[arb]:
+        """x(time) from m itself; |time| <= length."""
+        rows = zip(self.coefficients, self.remainder, strict=True)
+        return [polynomial(row, time) + around_zero(rest) for row, rest in rows]
+
+    def hull(self, time: arb) -> list[arb]:
+        """A box around x(time) of all motions from the set; time may be a ball."""
+        return self.whole.image(self.middle(time), self.variation(time))
+
+    def end(self) -> LohnerSet:
+        """The set at the end of the step."""
+        time = arb(self.length)
+        return self.whole.moved(self.middle(time), self.variation(time), self.sizes)
+
+
+def variation_tail(share: arb, order: int) -> arb:
+    """sum of share^k over k > order: what Cauchy's estimate leaves of the series of V."""
+    return (share ** (order + 1) / (1 - share)).upper()
+
+
+@dataclass(frozen=True, eq=False)
+class Disk:
+    """A disk |t| <= radius on which f(P) is analytic, with bounds M of the defect on it."""
+
+    radius: float
+    defect: tuple[arb, ...]
+    longest: float
+
+    def remainder(self, time: arb, order: int) -> list[arb]:
+        """Bounds of the integral of the defect: M R / (N + 1) (t / R)^(N + 1)."""
+        return defect_integral(self.defect, arb(self.radius), time, order)
+
+
+def defect_integral(defect: Sequence[arb], radius: arb, time: arb, order: int) -> list[arb]:
+    """Bounds of the integral of a defect with a zero of an order, bounded on a disk."""
+    share = (time / radius) ** (order + 1)
+    return [(bound * radius / (order + 1) * share).upper() for bound in defect]
+
+
+class Stepper:
+    """Finds the longest step that can be proved from a set; what it holds belongs to one step."""
+
+    def __init__(self, system: BallSystem, whole: LohnerSet, method: Method, bits: int) -> None:
+        self.system, self.whole, self.method = system, whole, method
+        self.coefficients, _ = taylor(system, whole.middle, method.order, method.block)
+        with ball_precision(LOW_BITS):
+            sizes = [[upper(x) for x in row] for row in self.coefficients]
+            if not all(x.is_finite() for row in sizes for x in row):
+                raise ProofError("the rates have no series")
+            self._table = arb_mat([row[1:] for row in sizes])
+            self._middle = [acb(x) for x in whole.middle]
+            self._rho = whole.radii
+            state = max(log2(x) for x in whole.middle)
+            speed = max(log2(row[1]) for row in sizes)
+            # What is wanted of each state: a rounding of its size, or of its way nearby.
+            known = state > FAR_BELOW and speed > FAR_BELOW
+            time = state - speed if known else 0.0
+            rows = zip(whole.middle, sizes, strict=True)
+            found = [max(log2(x), log2(row[1]) + time) for x, row in rows]
+            top = max(found)
+            if top <= FAR_BELOW:
+                top = 0.0
+            self.sizes = [max(x, top - SMALLER) for x in found]
+            # The time in which the motion changes by its own size.
+            self.time = 2.0 ** min(max(time, -FURTHEST), FURTHEST)
+            self._tolerance = [x - bits - 2 for x in self.sizes]
+
+    def reach(self, radius: float | arb) -> tuple[list[arb], list[arb]]:
+        """Bounds of |P - m| and of |P'| on |t| <= radius, for each state."""
+        r, order = arb(radius), self.method.order
+        powers = [r]
+        for _ in range(order - 1):
+            powers.append(powers[-1] * r)
+        found = self._table * arb_mat([[x, (k + 1) * x] for k, x in enumerate(powers)])
+        rows = range(self.system.size)
+        return [found[i, 0].upper() for i in rows], [(found[i, 1] / r).upper() for i in rows]
+
+    def box(self, reach: Sequence[arb], wider: Sequence[arb] | None = None) -> list[acb]:
+        """A complex box around m, of such half sides."""
+        sides = reach if wider is None else [x + y for x, y in zip(reach, wider, strict=True)]
+        return [
+            x + acb(around_zero(r), around_zero(r))
+            for x, r in zip(self._middle, sides, strict=True)
+        ]
+
+    def disk(self, radius: float) -> Disk | None:
+        """The bound of the defect on a disk; None where f is not analytic on it."""
+        reach, speed = self.reach(radius)
+        rates = self.system.rates_on(self.box(reach))
+        if not all(x.is_finite() for x in (*rates, *speed)):
+            return None
+        defect = [(upper(x) + v).upper() for x, v in zip(rates, speed, strict=True)]
+        worst = max(log2(x) - y for x, y in zip(defect, self._tolerance, strict=True))
+        order = self.method.order
+        gain = (worst + math.log2(radius / (order + 1))) / (order + 1)
+        return Disk(radius, tuple(defect), math.log2(radius) - max(gain, 0.0))
+
+    def best_disk(self, radius: float, last: float) -> Disk:
+        """The disk that allows the longest step, near a radius; last: a step long enough."""
+        best, shrunk = self.disk(radius), 0
+        while best is None:
+            radius *= SHRINK**3
+            shrunk += 1
+            if shrunk > MOST_TRIES:
+                raise ProofError("there is no disk on which the rates are analytic")
+            best = self.disk(radius)
+        for factor in (SHRINK,) if shrunk else (1 / SHRINK, SHRINK):
+            # Larger disks than 8 steps to the end gain nothing.
+            while factor < 1 or radius <= 8 * last:
+                other = self.disk(radius * factor)
+                if other is None or other.longest <= best.longest + 1e-3:
+                    break
+                radius, best = radius * factor, other
+        return best
+
+    def step(self, radius: float | None, most: fmpq) -> Step:
+        """The longest step that is proved, up to `most`."""
+        with ball_precision(LOW_BITS):
+            last = float(arb(most))
+            disk = self.best_disk(self.time if radius is None else radius, last)
+            length = min(2.0**disk.longest, disk.radius / 2)
+            if length >= last:
+                length = last
+            elif 2 * length > last:
+                # Two even steps instead of one and a bit.
+                length = last / 2 * (1 + 1e-7)
+            for _ in range(MOST_TRIES):
+                found = None
+                if self._terms_are_small(length):
+                    exact = most if length >= last else dyadic_below(length)
+                    found = self.proved(disk, exact)
+                if found is not None:
+                    return found
+                length *= SHRINK**3
+            raise ProofError("no step is proved, however short")
+
+    def _terms_are_small(self, length: float) -> bool:
+        reach, _ = self.reach(length)
+        return all(log2(x) <= size + TERMS for x, size in zip(reach, self.sizes, strict=True))
+
+    def proved(self, disk: Disk, length: fmpq) -> Step | None:
+        """A step of a length; None where its tube is not proved, or V would cost too much."""
+        h, order = float(arb(length)), self.method.order
+        time = arb(length)
+        # The tube reaches into complex times, up to a radius between the step and the disk.
+        for outer in (math.sqrt(h * disk.radius), h * (disk.radius / h) ** 0.25, 1.05 * h):
+            tube = self._tube(disk, outer)
+            if tube is None:
+                continue
+            bound, width = tube
+            growth = growth_of(bound, arb(outer))
+            needed = self._variation_order(growth, math.log2(outer / h))
+            if needed > HIGHEST_VARIATION:
+                continue
+            local = grown(bound, time, disk.remainder(time, order))
+            reach, _ = self.reach(time)
+            sides = [(x + w).upper() for x, w in zip(reach, width, strict=True)]
+            around = [x.real + around_zero(s) for x, s in zip(self._middle, sides, strict=True)]
+            return Step(
+                self.system, self.whole, self.coefficients, length, tuple(local), tuple(around),
+                arb(outer), growth, max(4, needed), disk.radius, tuple(self.sizes),
+            )  # fmt: skip
+        return None
+
+    def _tube(self, disk: Disk, outer: float) -> tuple[arb_mat, list[arb]] | None:
+        """L and a width that no motion from the set leaves for |t| <= outer; None if not proved."""
+        reach, _ = self.reach(outer)
+        time = arb(outer)
+        defect = disk.remainder(time, self.method.order)
+        width = [
+            (s / 1024 + arb(2) ** math.floor(t) + 8 * r).upper()
+            for s, t, r in zip(reach, self._tolerance, self._rho, strict=True)
+        ]
+        for _ in range(MOST_TUBES):
+            box = self.box(reach, width)
+            slopes = self.system.slopes_on(box)
+            if not all(x.is_finite() for x in (*slopes, *self.system.rates_on(box))):
+                return None
+            bound = self._bound(slopes)
+            starts = [(r + d).upper() for r, d in zip(self._rho, defect, strict=True)]
+            out = grown(bound, time, starts)
+            if not all(x.is_finite() for x in out):
+                return None
+            if all(x < w for x, w in zip(out, width, strict=True)):
+                return bound, width
+            width = [max(2 * x, w).upper() for x, w in zip(out, width, strict=True)]
+        return None
+
+    def _bound(self, slopes: Sequence[acb]) -> arb_mat:
+        """L: bounds of the entries of |J|."""
+        n = self.system.size
+        rows = [[arb(0)] * n for _ in range(n)]
+        for (i, j), value in zip(self.system.places, slopes, strict=True):
+            rows[i][j] = upper(value)
+        return arb_mat(rows)
+
+    def _variation_order(self, growth: arb_mat, gain: float) -> int:
+        """The order of the series of V that leaves a small part of it, in units of the states."""
+        n = self.system.size
+        largest = max(
+            log2(growth[i, j]) + self.sizes[j] - self.sizes[i] for i in range(n) for j in range(n)
+        )
+        if gain <= 0:
+            return HIGHEST_VARIATION + 1
+        return math.ceil((self.method.variation_bits + max(largest, 0.0)) / gain)
+
+
+def growth_of(bound: arb_mat, time: arb) -> arb_mat:
+    """exp(L t): by how much neighbours part at most (Gronwall), and a bound of |V|."""
+    return (bound * time).exp()
+
+
+def grown(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
+    """exp(L t) times what is there at the start, state by state."""
+    n = len(starts)
+    growth = growth_of(bound, time)
+    return [
+        sum((upper(growth[i, j]) * starts[j] for j in range(n)), arb(0)).upper() for i in range(n)
+    ]
+
+
+def dyadic_below(value: float, bits: int = 12) -> fmpq:
+    """The largest fraction with so many bits that is no larger than a positive number."""
+    mantissa, exponent = math.frexp(value)
+    return fmpq(int(mantissa * 2**bits), 2**bits) * fmpq(2) ** exponent
+
+
+def prove_step(
+    system: BallSystem, whole: LohnerSet, method: Method, radius: float | None, most: fmpq
+) -> Step:
+    """The longest step that is proved from a set, up to `most`, at the precision in use.
+
+    radius: that of the disk of the step before.
+    """
+    return Stepper(system, whole, method, ctx.prec).step(radius, most)
