@@ -29,6 +29,13 @@ AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surf
 # Lattice -> its number and full name in OVITO, and its families: name, prototype, colour.
 Family = tuple[str, str, str]
 _THIRD, _SIXTH, _HALF = "0.333333333333", "0.166666666667", "0.5"
+_HEXAGONAL: tuple[Family, ...] = (
+    ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
+    ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
+    ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
+    ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
+    ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
+)
 STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
     "fcc": (
         1,
@@ -44,13 +51,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
     "hcp": (
         2,
         "HCP",
-        (
-            ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
-            ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
-            ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
-            ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
-            ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
-        ),
+        _HEXAGONAL,
     ),
     "bcc": (
         3,
@@ -69,6 +70,8 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
             ("1/6<112>", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
         ),
     ),
+    # OVITO finds no lines in it; their families are those of hcp.
+    "hexagonal diamond": (6, "Hexagonal diamond", _HEXAGONAL),
     # A network that knows no crystal: OVITO shows its lines in one colour.
     "": (5, "unknown", ()),
 }

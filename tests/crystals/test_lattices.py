@@ -45,6 +45,7 @@ def test_neighbours_and_volumes_are_those_of_textbooks():
         "bcc": (8, 0.75**0.5),
         "hcp": (12, 1),
         "diamond": (4, 3**0.5 / 4),
+        "hexagonal diamond": (4, 0.375**0.5),
     }
     for name, (count, distance) in nearest.items():
         lattice = LATTICES[name]
@@ -55,9 +56,26 @@ def test_neighbours_and_volumes_are_those_of_textbooks():
     per_cell = {name: 1 / LATTICES[name].atom_volume for name in ("fcc", "bcc", "diamond")}
     assert per_cell == pytest.approx({"fcc": 4, "bcc": 2, "diamond": 8})
     assert LATTICES["hcp"].atom_volume == pytest.approx(0.5**0.5)
+    assert LATTICES["hexagonal diamond"].atom_volume == pytest.approx(0.5**0.5 / 2)
+
+
+@pytest.mark.parametrize("name", LATTICES)
+def test_neighbours_of_each_kind_are_all_near_sites(name):
+    """By hand: all sites of the crystal about one of each kind, and the kinds that decode knows."""
+    lattice = LATTICES[name]
+    around = np.stack(np.meshgrid(*[range(-3, 4)] * 3), axis=-1).reshape(-1, 3)
+    net = around @ lattice.translations
+    every = np.concatenate([net + place for place in lattice.offsets])
+    kinds = np.repeat(np.arange(len(lattice.offsets)), len(net))
+    for kind, vectors in enumerate(lattice.neighbours):
+        steps = every - lattice.offsets[kind]
+        near = np.linalg.norm(steps * lattice.units, axis=1).argsort()[1 : lattice.shells + 1]
+        assert {tuple(v) for v in steps[near].tolist()} == {tuple(v) for v in vectors.tolist()}
+        shift = lattice.shift(np.full(len(near), kind), kinds[near])
+        assert (lattice.decode(steps[near] + 0.05, shift) == steps[near]).all()
 
 
 def test_an_unknown_lattice_is_refused():
     """The message names those that there are."""
-    with pytest.raises(CrystalError, match="one of fcc, bcc, hcp, diamond was needed"):
+    with pytest.raises(CrystalError, match="one of fcc, bcc, hcp, diamond, hexagonal diamond was"):
         lattice_named("sc")

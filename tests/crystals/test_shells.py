@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.crystals import LATTICES, Crystal
 from geomtorsion.crystals.shells import shells_of
 from tests.crystals.synthetic import block, with_line
 
@@ -13,7 +13,7 @@ def closed_share(crystal):
     return shells_of(crystal._places, crystal.frame).closed.mean()
 
 
-@pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp", "diamond"])
+@pytest.mark.parametrize("lattice", LATTICES)
 def test_a_perfect_crystal_needs_no_triangulation(lattice):
     """Neither does one with vacancies apart, two of them next to each other."""
     places, cell = block(lattice, (8, 5, 5))
