@@ -48,11 +48,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
             ("1/3<111> (Frank)", f"{_THIRD} {_THIRD} {_THIRD}", "0 1 1"),
         ),
     ),
-    "hcp": (
-        2,
-        "HCP",
-        _HEXAGONAL,
-    ),
+    "hcp": (2, "HCP", _HEXAGONAL),
     "bcc": (
         3,
         "BCC",
