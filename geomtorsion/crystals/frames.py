@@ -314,6 +314,9 @@ def refined(
         if not keep_constant:
             at = r @ orient.T
             constant = float((at * ideal).sum() / (ideal**2).sum())
+            # Atoms at a core have lost neighbours on one side, which would shift c/a.
+            whole = np.repeat(fit.whole, vectors.shape[1])[near]
+            at, ideal = at[whole], ideal[whole]
             if lattice.is_hexagonal and ideal[:, :2].any() and ideal[:, 2].any():
                 across, along = (
                     float((at * ideal)[:, k].sum() / (ideal**2)[:, k].sum())

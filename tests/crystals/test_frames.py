@@ -1,5 +1,5 @@
-"""Strained: Burgers vectors of deformed crystals in the coordinates of the file, and along the
-crystal axes."""
+"""Frames: the mean deformation of a crystal, and its Burgers vectors in the coordinates of the file
+and along the crystal axes."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ import pytest
 from geomtorsion.crystals import Crystal
 from geomtorsion.crystals.reports import crystal_report, inserted_atoms
 from tests.crystals.polycrystals import bicrystal, turned
-from tests.crystals.synthetic import interstitial_loop, quadrupole
+from tests.crystals.synthetic import block, interstitial_loop, quadrupole
 
 # Sigma 5: 36.87 degrees about [0 0 1].
 SIGMA5 = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
@@ -43,9 +43,7 @@ def test_b_is_deformed_as_the_crystal_is(lattice, how):
     crystal = Crystal(places @ deformation.T, np.diag(cell) @ deformation.T)
     lines = crystal.dislocations().lines
     assert (crystal.lattice, len(lines)) == (lattice, 4)
-    # Of hcp c/a is found, too, from neighbours next to cores.
-    limit = 5e-3 if lattice == "hcp" else 1e-3
-    assert max(off(line, deformation[:, 2] * length) for line in lines) < limit
+    assert max(off(line, deformation[:, 2] * length) for line in lines) < 1e-6
     assert {sum(abs(x) for x in line.burgers_lattice or ()) for line in lines} == {1}
     assert len({line.family for line in lines}) == 1
     line = lines[0]
@@ -115,3 +113,18 @@ def test_atoms_of_a_strained_loop_are_counted():
     crystal = Crystal(places * size, cell * size)
     (line,) = crystal.dislocations().lines
     assert inserted_atoms(line, crystal) == pytest.approx(put_in, rel=1e-9)
+
+
+@pytest.mark.parametrize(("strain", "is_found"), [(4, False), (6, True)])
+def test_a_strain_below_its_error_is_none(strain, is_found):
+    """A perfect crystal with 2 % noise, longer along x and shorter along y by a number of standard
+    errors: too few are no deformation, so that b of a crystal at rest is a lattice vector."""
+    places, cell = block("fcc", (8, 8, 8))
+    noisy = places + 0.02 * np.random.default_rng(0).normal(size=places.shape)
+    at_rest = Crystal(noisy, cell)
+    assert np.array_equal(at_rest.deformation, np.eye(3))
+    error = at_rest.frame.error
+    assert 1e-4 < error < 1e-3
+    size = 1 + strain * error * np.array([1, -1, 0])
+    found = Crystal(noisy * size, cell * size).deformation
+    assert found == pytest.approx(np.diag(size) if is_found else np.eye(3), abs=error * is_found)
