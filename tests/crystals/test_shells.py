@@ -70,6 +70,15 @@ def test_faces_edges_and_corners_are_surfaces(lattice):
     assert closed_share(Crystal(places, lattice=lattice, orient=np.eye(3))) == 1
 
 
+def test_most_of_a_ball_is_a_surface():
+    """It has steps and edges all over: few of its atoms need a triangulation. With larger spheres,
+    or spheres that nothing may reach into, 45 to 150 would."""
+    places, cell = block("fcc", (8, 8, 8))
+    ball = places[np.linalg.norm(places - cell / 2 - [0.1, 0.07, 0.03], axis=1) < 3.7]
+    crystal = Crystal(ball, periodic=(False,) * 3, lattice="fcc", orient=np.eye(3))
+    assert round((1 - closed_share(crystal)) * len(ball)) == 27
+
+
 def test_a_core_is_no_surface():
     """Of all atoms without some neighbour those of an edge stay open, not only the innermost."""
     places, cell = with_line("bcc", (1, 0, 0), margin=0.45)
