@@ -80,7 +80,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
 class Cluster:
     """A grain, as OVITO has it.
 
-    lattice: "fcc", "bcc", "hcp" or "diamond", by whose families OVITO names and colours lines.
+    lattice: a key of `STRUCTURES`, by whose families OVITO names and colours lines.
     matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
         the orientation of the cluster. The file has b in units of the lattice.
     atoms: how many.
@@ -361,7 +361,7 @@ class _Contents:
         self.structure = rows.whole(words, words[0], 10**18)
 
     def _name(self, rows: _Rows, words: list[str]) -> None:
-        self.names[self.structure] = words[-1]
+        self.names[self.structure] = " ".join(words[1:])
 
     def _lattice(self, rows: _Rows, words: list[str]) -> None:
         self.lattices[self.cluster] = rows.whole(words, words[0], 10**18)
