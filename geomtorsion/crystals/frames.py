@@ -78,16 +78,13 @@ class Frame:
             (self.values(vectors) - labels) * np.array(self.lattice.units), axis=1
         )
 
-    def deformed(self, vectors: np.ndarray) -> Frame:
+    def deformed(self, vectors: np.ndarray, fit: Fit) -> tuple[Frame, Fit]:
         """The same lattice, orientation and constant with the mean deformation of atoms that fit,
-        from their neighbour vectors, shape (atoms, k, 3); none where the atoms scatter more."""
-        frame, before = self.of(np.eye(3), 0.0), None
+        from their neighbour vectors, shape (atoms, k, 3), or without one where the atoms scatter
+        more; and how these fit. fit: how they fit into this frame, which has no deformation."""
+        frame = self
         # As for the frame itself: labels are exchanged a few times at most.
         for _ in range(5):
-            fit = fitted(frame, vectors)
-            if before is not None and np.array_equal(fit.labels, before):
-                break
-            before = fit.labels
             # All neighbours of a whole atom are there: none is missing on one side.
             ideal = fit.labels[fit.whole] * np.array(self.lattice.units)
             if not len(ideal):
@@ -97,8 +94,12 @@ class Frame:
             each = np.swapaxes(each, 1, 2) @ self.orient / self.constant
             # Lines along an axis leave no scatter there, but the mean is no better for it.
             error = float(each.std(axis=0).max()) / np.sqrt(len(each))
-            frame = self.of(each.mean(axis=0), error)
-        return frame
+            before, frame = frame, self.of(each.mean(axis=0), error)
+            # In the same frame all atoms fit as before.
+            if np.array_equal(frame.matrix, before.matrix):
+                break
+            fit = fitted(frame, vectors)
+        return frame, fit
 
     def along(self, like: Frame) -> Frame:
         """The same lattice vectors in space, described by the lattice, orientation and constant of
@@ -163,29 +164,21 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
     at = vectors.reshape(-1, 3) @ frame.inverse
     # As for shells: beyond half the neighbour distance a neighbour is missing.
     missing = (lattice.nearest / 2) ** 2
-    best = None
-    for kind, (template, ideal) in enumerate(zip(lattice.neighbours, lattice.ideal, strict=True)):
+    places = []
+    for ideal in lattice.ideal:
         # The nearest is that with the largest 2 x.t - t.t.
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
-        apart = squared(at - ideal[which]).reshape(count, k)
-        which = which.reshape(count, k)
-        filled = np.zeros((count, k), dtype=bool)
-        filled[np.arange(count)[:, None], which] = True
-        off = np.minimum(apart, missing).sum(axis=1)
-        whole = filled.all(axis=1) & (apart.max(axis=1) < missing)
-        mine = (np.full(count, kind), template[which], whole, apart.mean(axis=1), off)
-        if best is None:
-            best = mine
-            continue
-        other = off < best[-1]
-        best = tuple(
-            np.where(other.reshape(-1, *[1] * (one.ndim - 1)), one, x)
-            for one, x in zip(mine, best, strict=True)
-        )
-    assert best is not None
-    kind, labels, whole, square, _ = best
-    return Fit(kind, labels, whole, np.sqrt(square) / lattice.nearest)
+        places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
+    rows, kind, (which, apart) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
+    if len(places) > 1:
+        kind = np.argmin([np.minimum(apart, missing).sum(axis=1) for _, apart in places], axis=0)
+        which, apart = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
+    filled = np.zeros((count, k), dtype=bool)
+    filled[rows[:, None], which] = True
+    whole = filled.all(axis=1) & (apart.max(axis=1) < missing)
+    labels = np.stack(lattice.neighbours)[kind[:, None], which]
+    return Fit(kind, labels, whole, np.sqrt(apart.mean(axis=1)) / lattice.nearest)
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
@@ -213,13 +206,18 @@ def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
     its midst. Deformation is not taken off: it would make any lattice of one atom another one.
     """
     frame = replace(frame, deformation=np.eye(3))
-    lattice, fit = frame.lattice, fitted(frame, vectors[:, : frame.lattice.shells])
+    return _is_ordered(frame, vectors, fitted(frame, vectors[:, : frame.lattice.shells]).kind)
+
+
+def _is_ordered(frame: Frame, vectors: np.ndarray, kinds: np.ndarray) -> bool:
+    """`is_ordered` of atoms of known kinds, in a frame without deformation."""
+    lattice = frame.lattice
     for kind, ideal in enumerate(lattice.ideal):
-        at = vectors[fit.kind == kind] @ (frame.orient.T / frame.constant)
+        at = vectors[kinds == kind] @ (frame.orient.T / frame.constant)
         if len(at):
-            off = [
-                at[np.arange(len(at)), squared(at - x).argmin(axis=1)].mean(axis=0) for x in ideal
-            ]
+            # The nearest is that with the least x.x - 2 x.t.
+            rows, sizes = np.arange(len(at)), squared(at)
+            off = [at[rows, (sizes - at @ (2 * x)).argmin(axis=1)].mean(axis=0) for x in ideal]
             misfit = np.sqrt(squared(np.array(off) - ideal).mean()) / lattice.nearest
             if misfit < clear_misfit(lattice.name):
                 return True
@@ -227,9 +225,10 @@ def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
 
 
 def share_of(frame: Frame, fit: Fit, vectors: np.ndarray) -> float:
-    """Share of some atoms that fit into a frame; none where those are of another lattice."""
-    some = vectors[fit.whole]
-    return len(some) / len(vectors) if len(some) and is_ordered(frame, some) else 0.0
+    """Share of some atoms that fit into a frame without deformation; none where those are of
+    another lattice."""
+    some, kinds = vectors[fit.whole], fit.kind[fit.whole]
+    return len(some) / len(vectors) if len(some) and _is_ordered(frame, some, kinds) else 0.0
 
 
 def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
@@ -330,7 +329,8 @@ def refined(
 
 def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
     """The frame with its deformation that fits neighbour vectors best."""
-    return refined(replace(frame, deformation=np.eye(3)), vectors).deformed(vectors)
+    made = refined(replace(frame, deformation=np.eye(3)), vectors)
+    return made.deformed(vectors, fitted(made, vectors))[0]
 
 
 def single_frame(
@@ -444,8 +444,7 @@ def frame_of(
             f"another kind: of only {share:.1%} of the atoms the neighbours fit{beside}. Cut out "
             "the part that is crystalline, or one sublattice of a compound."
         )
-    frame = found[0].deformed(vectors[:, : found[0].lattice.shells])
-    return frame, fitted(frame, vectors[:, : frame.lattice.shells])
+    return found[0].deformed(vectors[:, : found[0].lattice.shells], found[1])
 
 
 def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:

@@ -1,6 +1,9 @@
 """Lattices: the decoder gives the nearest lattice vector, and v and -v opposite ones. Which lattice
 atoms have: that into which most fit, or a refusal that names those that are known."""
 
+# A vector of a line is a tuple of numbers, exact or not.
+# pyright: reportArgumentType=false
+
 import re
 import time
 
