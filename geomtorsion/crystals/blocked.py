@@ -338,8 +338,9 @@ def blocked_crystal(
     place = checks.file_name(folder, "folder")
     slabs = AtomSlabs(source)
     # Blocks of version 1 were others where a cell is open, slabs of version 2 smaller, and of
-    # blocks of version 3 it was kept which atoms are open by their numbers.
-    said = {"source": slabs.name, "digest": slabs.digest, "block": size, "version": 4}
+    # blocks of version 3 it was kept which atoms are open by their numbers. Samples of version 4
+    # have fewer neighbours.
+    said = {"source": slabs.name, "digest": slabs.digest, "block": size, "version": 5}
     said |= given.described
     open_ledger(place, said)
     made = BlockedCrystal(str(place), SortedAtoms.sized(place, given.box, size), given)

@@ -52,7 +52,8 @@ class AtomCircuit(Signed):
 
     @cached_property
     def vector(self) -> np.ndarray:
-        """b in the coordinates of the positions, from start to finish (conventions.py), (3,)."""
+        """b in the coordinates of the positions, with the mean deformation of the crystal, from
+        start to finish (conventions.py), shape (3,)."""
         # Zeros times turned axes may be -0.0.
         return self.frame.vectors(self.whole[None])[0] + 0.0
 
@@ -240,7 +241,7 @@ class AtomCircuits:
         ).T
         vectors = points[second] - points[first]
         labels = self.decoded(vectors, atoms[first], atoms[second])
-        limit = self.frame.lattice.nearest * self.frame.constant / 2
+        limit = self.frame.lattice.nearest / 2
         clear = (self.frame.apart(vectors, labels) < limit) & labels.any(axis=1)
         first, second, labels = first[clear], second[clear], labels[clear]
         lengths = np.linalg.norm(vectors[clear], axis=1)

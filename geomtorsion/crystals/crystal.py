@@ -224,8 +224,9 @@ class Crystal(InFrame):
 
     def following(self, before: Crystal | KnownGrains) -> Crystal:
         """The same atoms as the next frame of a trajectory: grains that hold the same atoms, by
-        their order, as in the frame before keep their numbers and their frames, so that Burgers
-        vectors of their lines are the same in time. One that has turned by more than 15 degrees is
+        their order, as in the frame before keep their numbers and their axes, so that Burgers
+        vectors of their lines are the same in time along these; in the coordinates of the positions
+        they follow the deformation of the crystal. One that has turned by more than 15 degrees is
         a new grain; a crystal that has is read along the axes next to those before.
 
         Examples
@@ -290,7 +291,7 @@ class Crystal(InFrame):
 
     @cached_property
     def kinds(self) -> np.ndarray:
-        """Which of the two sublattices of hcp and diamond each atom lies on, shape (atoms,)."""
+        """The sublattice of each atom, one of `Lattice.offsets`, shape (atoms,)."""
         lattice = self.frame.lattice
         if not lattice.basis:
             return np.zeros(len(self.positions), dtype=np.int64)
@@ -322,8 +323,8 @@ class Crystal(InFrame):
 
     def _decoded(self, steps: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Labels of steps between atoms."""
-        shift = self.kinds[second] - self.kinds[first]
-        return self.frame.lattice.decode(self.frame.values(steps), shift)
+        lattice, kinds = self.frame.lattice, self.kinds
+        return lattice.decode(self.frame.values(steps), lattice.shift(kinds[first], kinds[second]))
 
     @cached_property
     def bonds(self) -> Cochain:
@@ -380,8 +381,9 @@ class Crystal(InFrame):
 
         Returns
         -------
-        DislocationNetwork; `.lines` have `.burgers` (coordinates), `.burgers_lattice` (lattice
-        constants, exact), `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
+        DislocationNetwork; `.lines` have `.burgers` (coordinates of the positions, with the mean
+        deformation of the crystal), `.burgers_lattice` (crystal axes, lattice constants, exact),
+        `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
         """
         checks.flag(partials, "partials", CrystalError)
         if not self.grains.is_single:

@@ -159,14 +159,18 @@ def _counted(
     number = np.full(which.max() + 1, len(every))
     number[which[: len(every)]] = np.arange(len(every))
     other = number[which[len(every) :]]
-    ideal = np.array(lattice.ideal)[shells.kind[shell]] * frame.constant @ frame.orient
+    ideal = np.array(lattice.ideal)[shells.kind[shell]] @ frame.matrix
     expected = around.depth((steps[shell][:, None] + ideal).reshape(-1, 3)) > middle
     # What is no site that was looked at is far outside.
     gaps = (other < len(free)) | (other == len(every))
     outside = np.concatenate([outside, np.ones(len(sites) + 1, dtype=bool)])
     if (outside[other[gaps]] != expected[gaps]).any():
         return None
-    vacancies = int((deep[shells.vacancies] < middle).sum())
+    first = shells.vacancies
+    slot = (shells.near[first] == shells.sites[:, None]).argmax(axis=1)
+    # The site itself tells: the first atom beside it may lie on the other side of the middle.
+    vacant = steps[first] + np.array(lattice.ideal)[shells.kind[first], slot] @ frame.matrix
+    vacancies = int((around.depth(vacant) < middle).sum())
     return int((deep <= margin).sum()) + vacancies - int((~outside).sum())
 
 
@@ -211,9 +215,7 @@ def _free(
         (sites.min(axis=0) // period - 2).tolist(),
         (sites.max(axis=0) // period + 3).tolist(),
     )
-    kinds = [np.array(lattice.points)]
-    if lattice.basis:
-        kinds.append(kinds[0] + np.array(lattice.basis))
+    kinds = [np.array(lattice.points) + place for place in lattice.offsets]
     parts = []
     for x in range(low[0], high[0]):
         cells = np.array(list(product((x,), *map(range, low[1:], high[1:])))) * period

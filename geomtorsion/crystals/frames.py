@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,25 +30,89 @@ NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
 class Frame:
     """How a crystal lies in the specimen.
 
-    lattice: which, with c/a of hcp; constant: lattice constant a, coordinates.
+    lattice: which, with c/a of a hexagonal one; constant: mean lattice constant a, coordinates.
     orient: crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v.
+    deformation: mean deformation gradient of the crystal from the perfect one of this constant and
+        orientation, in specimen axes, shape (3, 3): b along the crystal axes is
+        deformation @ orient.T @ b in the specimen.
+    error: standard error of the deformation.
     """
 
     lattice: Lattice
     orient: np.ndarray
     constant: float
+    deformation: np.ndarray = field(default_factory=lambda: np.eye(3))
+    error: float = 0.0
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """Takes rows along the crystal axes, in lattice constants, to vectors of the specimen."""
+        return self.constant * self.orient @ self.deformation.T
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes rows of the specimen to vectors along the crystal axes, in lattice constants."""
+        return np.linalg.inv(self.deformation).T @ self.orient.T / self.constant
+
+    @property
+    def atom_volume(self) -> float:
+        """Volume of an atom, coordinates cubed."""
+        return self.lattice.atom_volume * abs(float(np.linalg.det(self.matrix)))
+
+    @property
+    def largest_stretch(self) -> float:
+        """By how much the deformation makes vectors longer at most."""
+        return float(np.linalg.norm(self.deformation, 2))
 
     def values(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors of the specimen along the crystal axes, in units of the lattice, (k, 3)."""
-        return by_rows(vectors, self.orient.T / (self.constant * np.array(self.lattice.units)))
+        return by_rows(vectors, self.inverse / np.array(self.lattice.units))
 
     def vectors(self, values: np.ndarray) -> np.ndarray:
         """Lattice vectors as vectors of the specimen, shape (k, 3)."""
-        return by_rows(values * (self.constant * np.array(self.lattice.units)), self.orient)
+        return by_rows(values * np.array(self.lattice.units), self.matrix)
 
     def apart(self, vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
-        """Distance of vectors from their labels, coordinates."""
-        return np.linalg.norm(vectors - self.vectors(labels), axis=1)
+        """Distance of vectors from their labels in the undeformed crystal, lattice constants."""
+        return np.linalg.norm(
+            (self.values(vectors) - labels) * np.array(self.lattice.units), axis=1
+        )
+
+    def deformed(self, vectors: np.ndarray, fit: Fit) -> tuple[Frame, Fit]:
+        """The same lattice, orientation and constant with the mean deformation of atoms that fit,
+        from their neighbour vectors, shape (atoms, k, 3), or without one where the atoms scatter
+        more; and how these fit. fit: how they fit into this frame, which has no deformation."""
+        frame = self
+        # As for the frame itself: labels are exchanged a few times at most.
+        for _ in range(5):
+            # All neighbours of a whole atom are there: none is missing on one side.
+            ideal = fit.labels[fit.whole] * np.array(self.lattice.units)
+            if not len(ideal):
+                break
+            squares = np.swapaxes(ideal, 1, 2) @ ideal
+            each = np.linalg.solve(squares, np.swapaxes(ideal, 1, 2) @ vectors[fit.whole])
+            each = np.swapaxes(each, 1, 2) @ self.orient / self.constant
+            # Lines along an axis leave no scatter there, but the mean is no better for it.
+            error = float(each.std(axis=0).max()) / np.sqrt(len(each))
+            before, frame = frame, self.of(each.mean(axis=0), error)
+            # In the same frame all atoms fit as before.
+            if np.array_equal(frame.matrix, before.matrix):
+                break
+            fit = fitted(frame, vectors)
+        return frame, fit
+
+    def along(self, like: Frame) -> Frame:
+        """The same lattice vectors in space, described by the lattice, orientation and constant of
+        another frame, whose axes are about these."""
+        units = np.array(self.lattice.units) / np.array(like.lattice.units)
+        matrix = units[:, None] * self.matrix
+        return like.of(matrix.T @ like.orient / like.constant, self.error)
+
+    def of(self, deformation: np.ndarray, error: float) -> Frame:
+        """The same frame with a deformation, or without where its error may be all of it."""
+        off = np.abs(deformation - np.eye(3))
+        found = deformation if off.max() > METHOD.sigma * error else np.eye(3)
+        return replace(self, deformation=found, error=error)
 
 
 class InFrame:
@@ -55,7 +120,7 @@ class InFrame:
 
     @property
     def lattice(self: Any) -> str:
-        """ "fcc", "bcc", "hcp" or "diamond"."""
+        """ "fcc", "bcc", "hcp", "diamond" or "hexagonal diamond"."""
         return self.frame.lattice.name
 
     @property
@@ -65,17 +130,24 @@ class InFrame:
 
     @property
     def constant(self: Any) -> float:
-        """Lattice constant a, in the unit of the positions."""
+        """Mean lattice constant a, in the unit of the positions."""
         return self.frame.constant
+
+    @property
+    def deformation(self: Any) -> np.ndarray:
+        """Mean deformation gradient, specimen axes, shape (3, 3): the lattice vector b (crystal
+        axes, coordinates) is deformation @ orient.T @ b in the coordinates of the positions."""
+        return self.frame.deformation
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
     """How well neighbours fit a frame.
 
-    kind: of each atom, 0 or 1: which of the two sets of neighbour vectors it has, shape (atoms,).
+    kind: of each atom, from 0: which of the sets of neighbour vectors it has, shape (atoms,).
     labels: the neighbour vector nearest to each, whole numbers, shape (atoms, k, 3).
-    whole: atoms whose neighbours are all different neighbour vectors, shape (atoms,).
+    whole: atoms whose neighbours all lie nearer to places of their own than half the neighbour
+        distance, shape (atoms,).
     misfit: root mean square distance over the neighbour distance, shape (atoms,).
     """
 
@@ -89,30 +161,24 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
     """Neighbour vectors, shape (atoms, k, 3), held against those of the perfect crystal."""
     lattice = frame.lattice
     count, k, _ = vectors.shape
-    at = vectors.reshape(-1, 3) @ (frame.orient.T / frame.constant)
-    found = []
-    for template, ideal in zip(lattice.neighbours, lattice.ideal, strict=True):
+    at = vectors.reshape(-1, 3) @ frame.inverse
+    # As for shells: beyond half the neighbour distance a neighbour is missing.
+    missing = (lattice.nearest / 2) ** 2
+    places = []
+    for ideal in lattice.ideal:
         # The nearest is that with the largest 2 x.t - t.t.
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
-        apart = squared(at - ideal[which]).reshape(count, k)
-        which = which.reshape(count, k)
-        filled = np.zeros((count, k), dtype=bool)
-        filled[np.arange(count)[:, None], which] = True
-        found.append((filled.all(axis=1), apart, template[which]))
-    first, second = found[0], found[-1]
-    # As for shells: beyond half the neighbour distance a neighbour is missing.
-    missing = (lattice.nearest / 2) ** 2
-    other = np.zeros(count, dtype=bool)
-    if second is not first:
-        other = np.minimum(second[1], missing).sum(1) < np.minimum(first[1], missing).sum(1)
-        first = (
-            np.where(other, second[0], first[0]),
-            np.where(other[:, None], second[1], first[1]),
-            np.where(other[:, None, None], second[2], first[2]),
-        )
-    misfit = np.sqrt(first[1].mean(axis=1)) / lattice.nearest
-    return Fit(other.astype(np.int64), first[2], first[0], misfit)
+        places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
+    rows, kind, (which, apart) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
+    if len(places) > 1:
+        kind = np.argmin([np.minimum(apart, missing).sum(axis=1) for _, apart in places], axis=0)
+        which, apart = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
+    filled = np.zeros((count, k), dtype=bool)
+    filled[rows[:, None], which] = True
+    whole = filled.all(axis=1) & (apart.max(axis=1) < missing)
+    labels = np.stack(lattice.neighbours)[kind[:, None], which]
+    return Fit(kind, labels, whole, np.sqrt(apart.mean(axis=1)) / lattice.nearest)
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
@@ -122,7 +188,7 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     lattice whose next shell noise mixes with this one, does not count.
     """
     lattice = frame.lattice
-    at = vectors @ (frame.orient.T / frame.constant)
+    at = vectors @ frame.inverse
     found = np.zeros(len(vectors), dtype=bool)
     for ideal in lattice.ideal:
         there = np.ones(len(vectors), dtype=bool)
@@ -133,22 +199,47 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     return found
 
 
-def _is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
+def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
     """Whether neighbours lie at their places in the mean, in which noise cancels.
 
-    In a dense crystal of another kind every place is occupied, too, but not in its midst.
+    In another lattice, such as simple cubic, atoms may have a neighbour for every place, but not in
+    its midst. Deformation is not taken off: it would make any lattice of one atom another one.
     """
-    lattice, fit = frame.lattice, fitted(frame, vectors[:, : frame.lattice.shells])
+    frame = replace(frame, deformation=np.eye(3))
+    return _is_ordered(frame, vectors, fitted(frame, vectors[:, : frame.lattice.shells]).kind)
+
+
+def _is_ordered(frame: Frame, vectors: np.ndarray, kinds: np.ndarray) -> bool:
+    """`is_ordered` of atoms of known kinds, in a frame without deformation."""
+    lattice = frame.lattice
     for kind, ideal in enumerate(lattice.ideal):
-        at = vectors[fit.kind == kind] @ (frame.orient.T / frame.constant)
+        at = vectors[kinds == kind] @ (frame.orient.T / frame.constant)
         if len(at):
-            off = [
-                at[np.arange(len(at)), squared(at - x).argmin(axis=1)].mean(axis=0) for x in ideal
-            ]
+            # The nearest is that with the least x.x - 2 x.t.
+            rows, sizes = np.arange(len(at)), squared(at)
+            off = [at[rows, (sizes - at @ (2 * x)).argmin(axis=1)].mean(axis=0) for x in ideal]
             misfit = np.sqrt(squared(np.array(off) - ideal).mean()) / lattice.nearest
             if misfit < clear_misfit(lattice.name):
                 return True
     return False
+
+
+def share_of(frame: Frame, fit: Fit, vectors: np.ndarray) -> float:
+    """Share of some atoms that fit into a frame without deformation; none where those are of
+    another lattice."""
+    some, kinds = vectors[fit.whole], fit.kind[fit.whole]
+    return len(some) / len(vectors) if len(some) and _is_ordered(frame, some, kinds) else 0.0
+
+
+def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether more atoms lie about most than the lattice has: of an atom in the next shell noise
+    brings as many in as out."""
+    lattice = frame.lattice
+    more = replace(lattice, shells=lattice.shells + 1)
+    sizes = np.linalg.norm(more.ideal[0], axis=1)
+    within = frame.constant * (sizes[-1] + sizes[-2]) / 2
+    counts = (np.linalg.norm(vectors, axis=2) < within).sum(axis=1)
+    return float(counts.mean()) > METHOD.crowd * lattice.shells
 
 
 def share_within(frame: Frame, vectors: np.ndarray) -> float:
@@ -211,7 +302,7 @@ def refined(
             break
         before = fit.labels
         labels, r = fit.labels.reshape(-1, 3), vectors.reshape(-1, 3)
-        near = frame.apart(r, labels) < frame.constant * frame.lattice.nearest / 2
+        near = frame.apart(r, labels) < frame.lattice.nearest / 2
         ideal, r = labels[near] * np.array(frame.lattice.units), r[near]
         if len(r) < 3:
             return frame
@@ -222,15 +313,24 @@ def refined(
         if not keep_constant:
             at = r @ orient.T
             constant = float((at * ideal).sum() / (ideal**2).sum())
-            if lattice.name == "hcp" and ideal[:, :2].any() and ideal[:, 2].any():
+            # Atoms at a core have lost neighbours on one side, which would shift c/a.
+            whole = np.repeat(fit.whole, vectors.shape[1])[near]
+            at, ideal = at[whole], ideal[whole]
+            if lattice.is_hexagonal and ideal[:, :2].any() and ideal[:, 2].any():
                 across, along = (
                     float((at * ideal)[:, k].sum() / (ideal**2)[:, k].sum())
                     for k in (slice(0, 2), slice(2, 3))
                 )
-                ratio = 2 * lattice.units[2] * along / across
-                lattice, constant = lattice_named("hcp", ratio), across
+                ratio = lattice.ratio * along / across
+                lattice, constant = lattice_named(lattice.name, ratio), across
         frame = Frame(lattice, orient, constant)
     return frame
+
+
+def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
+    """The frame with its deformation that fits neighbour vectors best."""
+    made = refined(replace(frame, deformation=np.eye(3)), vectors)
+    return made.deformed(vectors, fitted(made, vectors))[0]
 
 
 def single_frame(
@@ -259,7 +359,7 @@ def single_frame(
                 f"constant: neighbours are as far apart as with a = {best.constant:.4g}, but "
                 f"{constant:.4g} came. Give it in the unit of the positions, or leave it out."
             )
-        best = Frame(best.lattice, best.orient, constant)
+        best = replace(best, constant=constant)
     best = refined(best, vectors, orient is not None, constant is not None)
     return best, fitted(best, vectors)
 
@@ -274,12 +374,22 @@ def sampled(count: int) -> np.ndarray:
 def likely_lattice(
     vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
 ) -> tuple[Frame, Fit]:
-    """The frame of the lattice into which most atoms fit, in axes that may be given."""
+    """The frame of the lattice into which most atoms fit, in axes that may be given; without its
+    deformation."""
     # Few tell the lattice, all then its orientation and constant; where few fit, all tell it.
     for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
         found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
-        frame, fit = max(found, key=lambda pair: (pair[1].whole.mean(), -pair[1].misfit.mean()))
-        if fit.whole.mean() >= METHOD.share:
+        shares = [share_of(frame, fit, some) for frame, fit in found]
+        # Under strain atoms may fit into two: each counts for that into which it fits best.
+        off = [
+            np.where(fit.whole & (share > 0), fit.misfit, np.inf)
+            for (_, fit), share in zip(found, shares, strict=True)
+        ]
+        mine = np.where(np.isfinite(off).any(axis=0), np.argmin(off, axis=0), -1)
+        count = [int((mine == k).sum()) for k in range(len(found))]
+        best = max(range(len(found)), key=lambda k: (count[k], -found[k][1].misfit.mean()))
+        frame = found[best][0]
+        if shares[best] >= METHOD.share:
             break
     return single_frame(frame.lattice, vectors, orient, constant)
 
@@ -305,29 +415,39 @@ def frame_of(
         found = likely_lattice(vectors, orient, constant)
     else:
         found = single_frame(lattice_named(name), vectors, orient, constant)
-    share = float(found[1].whole.mean())
+    share = share_of(*found, vectors)
+    alike = True
     if share < 0.5 and shares is not None:
         # In many grains single atoms tell the lattice.
         parts = shares(found[0].lattice)
         most = max(parts, key=lambda key: parts[key])
-        if name is None and most != found[0].lattice.name and parts[most] > 2 * share:
+        if name is None and parts[most] > max(share, parts[found[0].lattice.name]):
             found = single_frame(lattice_named(most), vectors, orient, constant)
-        share = max(share, parts[found[0].lattice.name])
+        # Next to atoms in frames of their own others lie alike, as in grains.
+        alike = parts[found[0].lattice.name] > 0
+        share = max(share_of(*found, vectors), parts[found[0].lattice.name])
     if name is not None and share < 0.5:
         other = likely_lattice(vectors)
+        rival = share_of(*other, vectors)
         # Without a doubt it is another one.
-        if other[0].lattice.name != name and other[1].whole.mean() > 2 * share:
+        if other[0].lattice.name != name and rival > 2 * share:
             raise CrystalError(
-                f"lattice: the neighbours of {other[1].whole.mean():.1%} of the atoms fit into "
+                f"lattice: the neighbours of {rival:.1%} of the atoms fit into "
                 f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
                 "that one, or none."
             )
-    if share < METHOD.share and (
-        occupied(found[0], vectors).mean() < METHOD.share or not _is_ordered(found[0], vectors)
-    ):
+    if not (alike if share >= METHOD.share else _is_noisy(found[0], vectors)):
+        kinds = name or f"one of {', '.join(LATTICES)}"
+        beside = ", but not of those next to them" if share >= METHOD.share else ""
         raise CrystalError(
-            f"positions: a crystal was needed ({name or 'fcc, bcc, hcp or diamond'}), but of "
-            f"only {share:.1%} of the atoms the neighbours fit, as in a liquid or in a lattice of "
-            "another kind. Name the lattice, or cut out the part that is crystalline."
+            f"positions: expected a crystal ({kinds}), got atoms as in a liquid or in a lattice of "
+            f"another kind: of only {share:.1%} of the atoms the neighbours fit{beside}. Cut out "
+            "the part that is crystalline, or one sublattice of a compound."
         )
-    return found
+    return found[0].deformed(vectors[:, : found[0].lattice.shells], found[1])
+
+
+def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether atoms are a crystal under much noise: hardly one fits, but places are occupied."""
+    taken = occupied(frame, vectors).mean() >= METHOD.share
+    return bool(taken) and is_ordered(frame, vectors) and not _is_crowded(frame, vectors)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -184,4 +184,4 @@ def in_variant(frame: Frame, like: Frame) -> Frame:
     group, own = symmetry_of(frame.lattice.name), quaternion_of(frame)
     variant, _ = group.nearest(quaternion_of(like)[None], own[None])
     turned = product(own, group.quaternions[variant[0]])
-    return Frame(frame.lattice, matrix_from_quaternion(turned).T, frame.constant)
+    return replace(frame, orient=matrix_from_quaternion(turned).T)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.crystals.frames import Frame
-from geomtorsion.crystals.grains import Grain, Grains, quaternion_of, wall_between
+from geomtorsion.crystals.grains import Grain, Grains, in_variant, quaternion_of, wall_between
 from geomtorsion.crystals.local_frames import symmetry_of
 from geomtorsion.crystals.method import METHOD
 
@@ -62,7 +62,9 @@ class KnownGrains:
         for row, grain in enumerate(new):
             number = kept.get(row, used)
             used += row not in kept
-            frame = grain.frame if grains.is_single else self.frames.get(number, grain.frame)
+            frame = grain.frame
+            if row in kept and not grains.is_single:
+                frame = in_variant(frame, self.frames[number]).along(self.frames[number])
             made.append(replace(grain, number=number, frame=frame))
             names[grain.number] = made[-1]
         owner = grains.number.copy()

@@ -21,12 +21,14 @@ _SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
 class Lattice:
     """A lattice as a rectangular cell with more than one point in it, and perhaps a basis.
 
-    name: "fcc", "bcc", "hcp" or "diamond".
+    name: "fcc", "bcc", "hcp", "diamond" or "hexagonal diamond".
     units: what whole numbers count along each crystal axis, in lattice constants a, shape (3,).
     period: the rectangular cell in these units, shape (3,).
     points: the lattice points in it, in these units.
     basis: from an atom of the first kind to the nearest of the second, or () where all are alike.
     shells: how many neighbours an atom has in the shells that tell the lattice.
+    screw: from an atom to the nearest that lies like it, but turned by half a turn about c; or ()
+        where no atoms do. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 lie a screw further.
 
     Examples
     --------
@@ -40,6 +42,36 @@ class Lattice:
     points: tuple[tuple[int, int, int], ...]
     basis: tuple[int, ...]
     shells: int
+    screw: tuple[int, ...] = ()
+
+    @property
+    def is_hexagonal(self) -> bool:
+        """Whether its third axis is c, at right angles to a hexagonal net."""
+        return self.units[0] != self.units[1]
+
+    @property
+    def ratio(self) -> float:
+        """c/a of a hexagonal lattice."""
+        return self.units[2] * self.heights
+
+    @property
+    def heights(self) -> int:
+        """What whole numbers along c count: c over so much."""
+        return 8 if self.screw else 2
+
+    @cached_property
+    def offsets(self) -> np.ndarray:
+        """Where an atom of each kind lies in a primitive cell, whole numbers, shape (kinds, 3)."""
+        found = [np.zeros(3, dtype=np.int64)]
+        for step in (self.basis, self.screw):
+            found += [place + step for place in found] if step else []
+        return np.array(found)
+
+    def shift(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """What `decode` has to know of the kinds of two atoms: the basis counts as 1, the screw as
+        3, backwards as less than none."""
+        codes = np.array([0, 1, 3, 4])
+        return codes[second] - codes[first]
 
     def decode(self, values: np.ndarray, shift: np.ndarray | None = None) -> np.ndarray:
         """The nearest lattice vectors, shape (k, 3), whole numbers.
@@ -52,13 +84,14 @@ class Lattice:
         values
             Vectors along the crystal axes in units of `units`, shape (k, 3).
         shift
-            Sublattice of the second atom less that of the first: -1, 0 or 1, shape (k,).
+            From the sublattice of the first atom to that of the second: -1, 0 or 1 without a screw,
+            else as `shift` has it, shape (k,).
         """
         side = np.where(values @ _SIDE < 0, -1.0, 1.0)
         y = values * side[:, None]
         move = None
         if self.basis and shift is not None:
-            move = (side * shift)[:, None] * np.array(self.basis, dtype=float)
+            move = side[:, None] * self._moves[shift]
             y = y - move
         period, best, found = np.array(self.period, dtype=float), None, y
         scale = np.array(self.units)
@@ -76,10 +109,27 @@ class Lattice:
         return (found * side[:, None]).astype(np.int64)
 
     @cached_property
+    def _moves(self) -> np.ndarray:
+        """Offset for each shift; of those below zero, which count from the end, minus it."""
+        found = np.zeros((9, 3))
+        for kind, place in enumerate(self.offsets):
+            code = int(self.shift(np.array(0), np.array(kind)))
+            found[code], found[-code] = place, -place
+        if self.screw:
+            # From the second sublattice to the first a screw further.
+            found[2] = self.offsets[2] - self.offsets[1]
+            found[-2] = -found[2]
+        return found
+
+    @cached_property
     def neighbours(self) -> tuple[np.ndarray, ...]:
         """Vectors to the neighbours in `shells`, for each kind of atom, shape (shells, 3)."""
         near = self._near(self.shells)
-        return (near,) if not self.basis else (near, -near)
+        if self.screw:
+            # Between atoms of the two kinds of a pair along c there is a mirror.
+            signs = ((1, 1, 1), (1, 1, -1), (-1, -1, 1), (-1, -1, -1))
+            return tuple(near * sign for sign in signs)
+        return (near, -near) if self.basis else (near,)
 
     @cached_property
     def ideal(self) -> tuple[np.ndarray, ...]:
@@ -95,7 +145,7 @@ class Lattice:
     def atom_volume(self) -> float:
         """Volume of an atom over the cube of the lattice constant."""
         cell = float(np.prod(np.array(self.period) * self.units))
-        return cell / (len(self.points) * (2 if self.basis else 1))
+        return cell / (len(self.points) * len(self.offsets))
 
     @cached_property
     def translations(self) -> np.ndarray:
@@ -138,22 +188,19 @@ class Lattice:
 
     def _near(self, count: int) -> np.ndarray:
         """The nearest neighbours of an atom of the first kind, whole numbers."""
-        sites = [self._around(np.zeros(3))]
-        if self.basis:
-            sites.append(self._around(np.array(self.basis)))
-        every = np.concatenate(sites)
+        every = np.concatenate([self._around(place) for place in self.offsets])
         sizes = np.linalg.norm(every * self.units, axis=1)
         order = np.lexsort((*every.T, sizes.round(9)))
         # The first is the atom itself.
         return every[order[1 : count + 1]].astype(np.int64)
 
     def fractions(self, values: np.ndarray) -> tuple[Fraction, ...]:
-        """A lattice vector in lattice constants; of hcp along a1, a2 and c."""
+        """A lattice vector in lattice constants; of hexagonal lattices along a1, a2 and c."""
         x = [Fraction(int(v)) for v in values]
-        if self.name == "hcp":
-            # Units are a/2, sqrt(3) a/6 and c/2; a2 is at 120 degrees to a1.
+        if self.is_hexagonal:
+            # Units are a/2 and sqrt(3) a/6 in the plane; a2 is at 120 degrees to a1.
             second = x[1] / 3
-            return (x[0] / 2 + second / 2, second, x[2] / 2)
+            return (x[0] / 2 + second / 2, second, x[2] / self.heights)
         return tuple(
             v * Fraction(u).limit_denominator(12) for v, u in zip(x, self.units, strict=True)
         )
@@ -183,6 +230,20 @@ def _hcp(ratio: float) -> Lattice:
     )
 
 
+def _hexagonal_diamond(ratio: float) -> Lattice:
+    """Hexagonal diamond, of which wurtzite has two species: hcp with pairs of atoms along c."""
+    return Lattice(
+        "hexagonal diamond",
+        (0.5, sqrt(3) / 6, ratio / 8),
+        (2, 6, 8),
+        ((0, 0, 0), (1, 3, 0)),
+        (0, 0, 3),
+        # Its third shell, one atom along c, is 2 % further away than the second.
+        17,
+        (0, 2, 4),
+    )
+
+
 _CORNERS = ((0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 0))
 LATTICES = {
     "fcc": Lattice("fcc", (0.5, 0.5, 0.5), (2, 2, 2), _CORNERS, (), 12),
@@ -196,11 +257,13 @@ LATTICES = {
         (1, 1, 1),
         16,
     ),
+    "hexagonal diamond": _hexagonal_diamond(sqrt(8 / 3)),
 }
+_OF_RATIO = {"hcp": _hcp, "hexagonal diamond": _hexagonal_diamond}
 
 
 def lattice_named(name: object, ratio: float | None = None) -> Lattice:
-    """The lattice of a name; ratio: c/a of hcp, the ideal one if not given.
+    """The lattice of a name; ratio: c/a of a hexagonal one, the ideal one if not given.
 
     Raises
     ------
@@ -208,4 +271,6 @@ def lattice_named(name: object, ratio: float | None = None) -> Lattice:
         There is none of this name.
     """
     checks.choice(name, tuple(LATTICES), "lattice", CrystalError)
-    return _hcp(ratio) if name == "hcp" and ratio is not None else LATTICES[str(name)]
+    if ratio is not None and name in _OF_RATIO:
+        return _OF_RATIO[str(name)](ratio)
+    return LATTICES[str(name)]

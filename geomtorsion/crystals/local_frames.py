@@ -33,7 +33,7 @@ class LocalFrames:
 @cache
 def symmetry_of(name: str) -> LaueGroup:
     """Rotations that a lattice does not notice, its two sublattices counted as one."""
-    return laue_group("6/mmm" if name == "hcp" else "m-3m")
+    return laue_group("6/mmm" if LATTICES[name].is_hexagonal else "m-3m")
 
 
 def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:

@@ -26,6 +26,10 @@ class Method:
     strain: a lattice constant further than this from that of the atoms is one of other units or of
         another lattice: perfect metals yield at shears of 1 / 2 pi [HirthLothe1982].
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
+    crowd: more atoms about each than so many times those of the lattice are a lattice of more
+        atoms: one more in two cells of diamond, as in fluorite, is half as many more.
+    sigma: a deformation is told from none if it is more than so many standard errors: atoms about
+        a line deviate together, so that three, which noise alone needs, are too few.
     seeds, sample: atoms that suggest an orientation, and atoms that decide.
     together: atoms that are looked at together: it decides about memory, not about values.
     """
@@ -38,6 +42,8 @@ class Method:
     wall: float = radians(15)
     strain: float = 0.15
     share: float = 0.1
+    crowd: float = 1.25
+    sigma: float = 5.0
     seeds: int = 16
     sample: int = 2000
     together: int = 2**16

@@ -57,11 +57,11 @@ def torsion_on(
     """T = de on some tetrahedra."""
     pairs, images, _ = mesh.edges
     first, second = pairs.T
-    lattice, limit = frame.lattice, frame.constant * frame.lattice.nearest / 2
+    lattice, limit = frame.lattice, frame.lattice.nearest / 2
     module = lattice_read(frame, partials=True)
     steps = mesh.places[second] - mesh.places[first] + mesh.cell.shifts(images)
     values = frame.values(steps)
-    labels = lattice.decode(values, kinds[second] - kinds[first])
+    labels = lattice.decode(values, lattice.shift(kinds[first], kinds[second]))
     doubtful = frame.apart(steps, labels) > limit
     if lattice.name == "hcp":
         finer = 1
@@ -102,11 +102,10 @@ def sites_in(frame: Frame, cell: Cell) -> int | None:
         return None
     lattice, values = frame.lattice, frame.values(cell.vectors)
     periods = lattice.decode(values)
-    far = frame.apart(cell.vectors, periods)
-    if far.max() > frame.constant * lattice.nearest / 2:
+    if frame.apart(cell.vectors, periods).max() > lattice.nearest / 2:
         return None
     cells = abs(np.linalg.det(periods)) / abs(np.linalg.det(lattice.translations))
-    return round(cells) * (2 if lattice.basis else 1)
+    return round(cells) * len(lattice.offsets)
 
 
 def lines_of(
@@ -125,7 +124,7 @@ def lines_of(
         if occupied is not None and sites is not None and not len(others):
             more = occupied - sites
         more = more or inserted_about(path, others, frame, cell, near) or 0
-        return more * frame.lattice.atom_volume * frame.constant**3
+        return more * frame.atom_volume
 
     here = replace(frame, lattice=lattice_read(frame, partials))
     return network_of(faces, cell, here, width, extra, cluster_of(frame))

@@ -71,11 +71,10 @@ def network_of(
 def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
     """A crystal or a grain as OVITO has it."""
     lattice, scale = frame.lattice, np.ones(3)
-    if lattice.name == "hcp":
-        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart; along c
-        # whole numbers count halves.
-        scale = np.sqrt([2, 2, 3 * lattice.units[2] ** 2])
-    return Cluster(lattice.name, frame.constant * frame.orient.T * scale, atoms)
+    if lattice.is_hexagonal:
+        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
+        scale = np.sqrt([2, 2, 3 / 4 * lattice.ratio**2])
+    return Cluster(lattice.name, frame.matrix.T * scale, atoms)
 
 
 def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarray:
@@ -92,7 +91,7 @@ def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarr
 def family(lattice: Lattice, values: np.ndarray) -> str:
     """The family of a Burgers vector, such as 1/2<1 1 0>."""
     b = lattice.fractions(values)
-    if lattice.name == "hcp":
+    if lattice.is_hexagonal:
         # Four indices: [u v t w] with t = -(u + v), so that families look alike.
         b = ((2 * b[0] - b[1]) / 3, (2 * b[1] - b[0]) / 3, -(b[0] + b[1]) / 3, b[2])
         order = sorted(b[:3], key=lambda x: (abs(x), x))

@@ -76,8 +76,9 @@ def read_all(
     """The crystals of all frames of a trajectory, one after another, in one frame of axes.
 
     What is found in the first frame (lattice, orientation, lattice constant) is kept in all later
-    ones, so that a Burgers vector is the same from frame to frame; of a polycrystal that of each
-    grain, which keeps its number (`Crystal.following`). Parameters and errors as for `read`.
+    ones, so that a Burgers vector along the crystal axes is the same from frame to frame; of a
+    polycrystal that of each grain, which keeps its number (`Crystal.following`). Parameters and
+    errors as for `read`.
     """
     known = None
     for data in atom_frames(path, form):

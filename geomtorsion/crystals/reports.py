@@ -34,16 +34,17 @@ def crystal_report(
 
     Returns
     -------
-    atoms, lattice, constant, orient, share, cell, periodic: of the crystal; of hcp also ratio, its
-    c/a. length, junctions, nye: of all lines. lines: of each burgers (coordinates), burgers_lattice
-    (fractions as text, in lattice constants), family, length, kind, path, and of closed ones
-    `inserted`, how many atoms their half plane has: less than none for vacancies.
+    atoms, lattice, constant, orient, deformation, share, cell, periodic: of the crystal; of a
+    hexagonal one also ratio, its c/a. length, junctions, nye: of all lines. lines: of each burgers
+    (coordinates of the file, deformed as the crystal is), burgers_lattice (crystal axes, fractions
+    as text, in lattice constants), family, length, kind, path, and of closed ones `inserted`, how
+    many atoms their half plane has: less than none for vacancies.
 
     What is no single crystal, or was none in a frame before, has more. shares: of the atoms in each
-    lattice, in walls and in none. grains: of each number, lattice, constant, orient, atoms (how
-    many) and centre. walls: of each the two grains, degrees and axis of the misorientation, and
-    atoms (how many). vanished: grains that were there in the frame before; numbers: how many have
-    been given. Lines have their grain.
+    lattice, in walls and in none. grains: of each number, lattice, constant, orient, deformation,
+    atoms (how many) and centre. walls: of each the two grains, degrees and axis of the
+    misorientation, and atoms (how many). vanished: grains that were there in the frame before;
+    numbers: how many have been given. Lines have their grain.
 
     Raises
     ------
@@ -57,6 +58,7 @@ def crystal_report(
         "constant": crystal.constant,
         **_ratio(crystal.frame),
         "orient": crystal.orient.tolist(),
+        "deformation": crystal.deformation.tolist(),
         "share": crystal.share,
         **_polycrystal(crystal),
         "cell": None if cell is None else cell.tolist(),
@@ -70,10 +72,8 @@ def crystal_report(
 
 
 def _ratio(frame: Frame) -> Json:
-    """c/a of hcp."""
-    lattice = frame.lattice
-    # Along c whole numbers count halves.
-    return {"ratio": 2 * lattice.units[2]} if lattice.name == "hcp" else {}
+    """c/a of a hexagonal lattice."""
+    return {"ratio": frame.lattice.ratio} if frame.lattice.is_hexagonal else {}
 
 
 def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
@@ -118,6 +118,7 @@ def _grain(grain: Grain) -> Json:
         "constant": grain.constant,
         **_ratio(grain.frame),
         "orient": grain.orient.tolist(),
+        "deformation": grain.deformation.tolist(),
         "atoms": len(grain.atoms),
         "centre": grain.centre.tolist(),
     }
@@ -171,8 +172,8 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     which is then drawn by that count. `inserted_error` tells.
     """
     frame = _frame_of(line, crystal)
-    volume = frame.lattice.atom_volume * frame.constant**3
-    return float(np.array([float(x) for x in line.burgers]) @ line.area / volume)
+    b = np.array([float(x) for x in line.burgers])
+    return float(b @ line.area / frame.atom_volume)
 
 
 def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
@@ -187,8 +188,8 @@ def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     if abs(found - round(found)) < 1e-9 * max(abs(found), 1.0):
         return 0.0
     b = np.linalg.norm([float(x) for x in line.burgers])
-    volume = frame.lattice.atom_volume * frame.constant**3
-    return float(b * line.length * frame.lattice.nearest * frame.constant / 2 / volume)
+    nearest = frame.lattice.nearest * frame.constant
+    return float(b * line.length * nearest / 2 / frame.atom_volume)
 
 
 def _frame_of(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> Frame:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.crystals.frames import Frame, refined
+from geomtorsion.crystals.frames import Frame, best_frame
 from geomtorsion.crystals.grains import (
     Grain,
     Grains,
@@ -35,6 +35,7 @@ from geomtorsion.crystals.specimen import (
     nearest_held,
 )
 from geomtorsion.crystals.torsion import components
+from geomtorsion.errors import CrystalError
 
 
 def segmented(specimen: Specimen) -> Grains:
@@ -48,6 +49,13 @@ def segmented(specimen: Specimen) -> Grains:
         groups += _groups(lattice, local, local.phase == k, numbers, vectors)
     groups = _inner(groups, numbers)
     if not groups:
+        share = float((local.phase >= 0).mean())
+        if share > max(2 * fitting(specimen.frame, vectors).mean(), METHOD.share):
+            raise CrystalError(
+                f"positions: expected a crystal, or grains with an inside, got atoms of which "
+                f"{share:.1%} have neighbours as in a lattice, but no grain is wider than a core, "
+                "as in a small cluster of many twins. Give a larger one."
+            )
         return single_grain(specimen.frame, specimen.places)
     groups = _in_order(specimen, groups, vectors)
     while True:
@@ -164,9 +172,9 @@ def _in_order(
     found = []
     for k, (frame, part) in enumerate(rest):
         if frame.lattice.name == main.lattice.name and specimen.keep_constant:
-            frame = replace(frame, constant=main.constant)
+            frame = frame.along(replace(frame, constant=main.constant))
         if k == 0 and near and specimen.keep_orient:
-            frame = replace(frame, orient=main.orient)
+            frame = in_variant(frame, main).along(replace(frame, orient=main.orient))
         elif k == 0 and near:
             frame = in_variant(frame, main)
         found.append((frame, part))
@@ -270,7 +278,7 @@ def _joined(
         if symmetry_of(name).nearest(q, r)[1][0] < METHOD.wall:
             both = np.sort(np.concatenate([part, more]))
             some = both[np.linspace(0, len(both) - 1, min(METHOD.sample, len(both))).astype(int)]
-            made = refined(frame, vectors[some][:, : frame.lattice.shells])
+            made = best_frame(frame, vectors[some][:, : frame.lattice.shells])
             rest = [x for k, x in enumerate(groups) if k not in (one, other)]
             return [(made, both), *rest]
     return None

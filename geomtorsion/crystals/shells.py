@@ -25,16 +25,18 @@ class Shells:
 
     near: number of the neighbour for each vector of `Lattice.neighbours`, -1 where there is none,
         shape (atoms, k).
-    kind: sublattice of each atom, 0 or 1, shape (atoms,).
+    kind: of each atom, from 0, one of `Lattice.offsets`, shape (atoms,).
     closed: atoms about which every triangle closes, shape (atoms,); those at a surface lack
         neighbours.
     vacancies: sites without an atom on which all their neighbours agree: the first of these.
+    sites: numbers of these sites in `near`, behind those of the atoms.
     """
 
     near: np.ndarray
     kind: np.ndarray
     closed: np.ndarray
     vacancies: np.ndarray
+    sites: np.ndarray
 
 
 def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -50,7 +52,7 @@ def reach_of_shells(frame: Frame) -> float:
     """Within which an atom has all its neighbours, coordinates."""
     lattice = frame.lattice
     longest = np.linalg.norm(lattice.ideal[0], axis=1).max()
-    return float(frame.constant * (longest + lattice.nearest / 2))
+    return float(frame.largest_stretch * frame.constant * (longest + lattice.nearest / 2))
 
 
 def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> Shells:
@@ -84,7 +86,8 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     closed[leaning[leaning < count]] = False
     filled = (near[count:] >= 0).all(axis=1) & closed[count:]
     firsts = held[filled].min(axis=1)
-    return Shells(near[:count], kind[:count], closed[:count], firsts)
+    sites = count + np.flatnonzero(filled)
+    return Shells(near[:count], kind[:count], closed[:count], firsts, sites)
 
 
 def _slots(
@@ -94,7 +97,7 @@ def _slots(
     lattice = frame.lattice
     there = found < len(points)
     safe = np.where(there, found, 0)
-    at = (points[safe] - places[:, None]) @ (frame.orient.T / frame.constant)
+    at = (points[safe] - places[:, None]) @ frame.inverse
     rows = np.arange(len(places))[:, None]
     sure_below = (lattice.nearest / 2) ** 2
     best = None
@@ -128,12 +131,12 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
     kinds = lattice.neighbours
     slot = [{tuple(v): k for k, v in enumerate(vectors.tolist())} for vectors in kinds]
     behind = np.zeros((len(kinds), lattice.shells), dtype=np.int64)
-    if len(kinds) == 2:
-        cell = np.array(lattice.period)
-        points = {tuple(p) for p in (np.array(lattice.points) % cell).tolist()}
-        for kind, vectors in enumerate(kinds):
-            same = [tuple(v) in points for v in (vectors % cell).tolist()]
-            behind[kind] = np.where(same, kind, 1 - kind)
+    cell = np.array(lattice.period)
+    points = {tuple(p) for p in (np.array(lattice.points) % cell).tolist()}
+    for kind, vectors in enumerate(kinds):
+        for other, place in enumerate(lattice.offsets):
+            ends = (vectors + lattice.offsets[kind] - place) % cell
+            behind[kind, [tuple(v) in points for v in ends.tolist()]] = other
     back = np.array(
         [
             [slot[behind[kind][k]][tuple((-v).tolist())] for k, v in enumerate(vectors)]
@@ -192,7 +195,7 @@ def _at_surface(
     lattice = frame.lattice
     ideal = np.array(lattice.ideal)
     missing = near[atoms] < 0
-    steps = ideal[kind[atoms]] @ frame.orient
+    steps = ideal[kind[atoms]] @ frame.matrix
     radius = METHOD.reach * lattice.nearest * frame.constant
     found = np.zeros(len(atoms), dtype=bool)
     ways = [(steps * missing[:, :, None]).sum(axis=1), *np.swapaxes(steps, 0, 1)]
@@ -220,7 +223,7 @@ def _with_vacancies(
     if not len(atom):
         return near, kind, np.zeros((0, lattice.shells), dtype=np.int64)
     ideal = np.array(lattice.ideal)
-    steps = frame.constant * ideal[kind[atom], slot] @ frame.orient
+    steps = ideal[kind[atom], slot] @ frame.matrix
     seen, _ = cell.wrapped(places[atom] + steps)
     near_by = frame.constant * lattice.nearest / 2
     points, numbers, _ = cell.with_ghosts(seen, near_by)
@@ -246,11 +249,11 @@ def _with_vacancies(
     around[site, where] = atom
     # Sites that are neighbours of each other are seen from the atoms about them.
     inside, _ = cell.wrapped(centre)
-    size = frame.constant * np.linalg.norm(ideal[0], axis=1).max() + near_by
+    size = frame.largest_stretch * frame.constant * np.linalg.norm(ideal[0], axis=1).max() + near_by
     points, numbers, _ = cell.with_ghosts(inside, size)
     tree = scipy.spatial.cKDTree(points)
     empty, slots = np.nonzero(around < 0)
-    target = inside[empty] + frame.constant * ideal[site_kind[empty], slots] @ frame.orient
+    target = inside[empty] + ideal[site_kind[empty], slots] @ frame.matrix
     apart, which = tree.query(target, distance_upper_bound=near_by)
     held = np.isfinite(apart)
     around[empty[held], slots[held]] = count + numbers[which[held]]

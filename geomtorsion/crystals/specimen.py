@@ -11,9 +11,10 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion.crystals.frames import (
     NEIGHBOURS,
     Frame,
+    best_frame,
     fitted,
+    is_ordered,
     occupied,
-    refined,
     sampled,
 )
 from geomtorsion.crystals.grains import quaternion_of
@@ -105,8 +106,8 @@ def local_of(lattices: list[Lattice], vectors: np.ndarray) -> Local:
         phase[mine], best[mine] = number, found.misfit[better]
         quaternions[mine] = found.quaternions[better]
         constants[mine] = found.constants[better]
-        # So well no atom of another lattice fits.
-        left = left[~(found.good & (found.misfit < clear_misfit(lattice.name)))]
+        # So well it fits into no other lattice: misfits in two add up to that of these two.
+        left = left[~(found.good & (found.misfit < clear_misfit(lattice.name) / 2))]
     return Local(phase, quaternions, constants)
 
 
@@ -151,9 +152,18 @@ def _shares(
         rows = np.searchsorted(around, beside[k])
         mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
         _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
-        if ((other.phase[rows] == k) & (angles < METHOD.wall)).mean() < METHOD.share:
+        alike = ((other.phase[rows] == k) & (angles < METHOD.wall)).mean()
+        # Under noise next to an atom that fits as many others fit as anywhere.
+        if alike < found[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
             found[lattice.name] = 0.0
     return found
+
+
+def _are_ordered(lattice: Lattice, local: Local, mine: np.ndarray, vectors: np.ndarray) -> bool:
+    """Whether neighbours of most of some atoms, those that lie alike, are in place in the mean."""
+    frame = mean_frame(lattice, local, mine, vectors)
+    whole = mine[fitting(frame, vectors[mine])]
+    return len(whole) > 0 and is_ordered(frame, vectors[whole])
 
 
 def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.ndarray) -> Frame:
@@ -168,7 +178,7 @@ def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.nda
     first = seeds[int(np.argmin(spread))]
     start = Frame(lattice, matrix_from_quaternion(q[first]).T, float(local.constants[first]))
     _, angles = group.nearest(np.tile(q[first], (len(some), 1)), q[some])
-    return refined(start, vectors[some[angles < METHOD.wall]][:, : lattice.shells])
+    return best_frame(start, vectors[some[angles < METHOD.wall]][:, : lattice.shells])
 
 
 def is_other(specimen: Specimen, vectors: np.ndarray) -> np.ndarray:
@@ -224,15 +234,11 @@ def turned_together(specimen: Specimen, some: np.ndarray) -> bool:
 
 
 def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """Atoms whose neighbours all lie nearer to places of their own than half their distance."""
+    """`Fit.whole` of any number of atoms."""
     shells, found = frame.lattice.shells, np.zeros(len(vectors), dtype=bool)
     for start in range(0, len(vectors), METHOD.together // shells):
         part = slice(start, start + METHOD.together // shells)
-        near = vectors[part, :shells]
-        fit = fitted(frame, near)
-        apart = frame.apart(near.reshape(-1, 3), fit.labels.reshape(-1, 3)).reshape(near.shape[:2])
-        close = apart.max(axis=1) < frame.constant * frame.lattice.nearest / 2
-        found[part] = fit.whole & close
+        found[part] = fitted(frame, vectors[part, :shells]).whole
     return found
 
 

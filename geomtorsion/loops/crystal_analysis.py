@@ -29,6 +29,13 @@ AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surf
 # Lattice -> its number and full name in OVITO, and its families: name, prototype, colour.
 Family = tuple[str, str, str]
 _THIRD, _SIXTH, _HALF = "0.333333333333", "0.166666666667", "0.5"
+_HEXAGONAL: tuple[Family, ...] = (
+    ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
+    ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
+    ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
+    ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
+    ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
+)
 STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
     "fcc": (
         1,
@@ -41,17 +48,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
             ("1/3<111> (Frank)", f"{_THIRD} {_THIRD} {_THIRD}", "0 1 1"),
         ),
     ),
-    "hcp": (
-        2,
-        "HCP",
-        (
-            ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
-            ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
-            ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
-            ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
-            ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
-        ),
-    ),
+    "hcp": (2, "HCP", _HEXAGONAL),
     "bcc": (
         3,
         "BCC",
@@ -69,6 +66,8 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
             ("1/6<112>", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
         ),
     ),
+    # OVITO finds no lines in it; their families are those of hcp.
+    "hexagonal diamond": (6, "Hexagonal diamond", _HEXAGONAL),
     # A network that knows no crystal: OVITO shows its lines in one colour.
     "": (5, "unknown", ()),
 }
@@ -81,7 +80,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
 class Cluster:
     """A grain, as OVITO has it.
 
-    lattice: "fcc", "bcc", "hcp" or "diamond", by whose families OVITO names and colours lines.
+    lattice: a key of `STRUCTURES`, by whose families OVITO names and colours lines.
     matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
         the orientation of the cluster. The file has b in units of the lattice.
     atoms: how many.
@@ -362,7 +361,7 @@ class _Contents:
         self.structure = rows.whole(words, words[0], 10**18)
 
     def _name(self, rows: _Rows, words: list[str]) -> None:
-        self.names[self.structure] = words[-1]
+        self.names[self.structure] = " ".join(words[1:])
 
     def _lattice(self, rows: _Rows, words: list[str]) -> None:
         self.lattices[self.cluster] = rows.whole(words, words[0], 10**18)

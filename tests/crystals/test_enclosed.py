@@ -51,6 +51,14 @@ def test_each_of_several_loops():
     assert counted(crystal) == [few, many]
 
 
+@pytest.mark.parametrize("height", [0, 1.8, 2.6])
+def test_a_vacancy_next_to_a_loop_takes_nothing_from_it(height):
+    """Inside of the surface on which sites are counted, and where that surface itself has it."""
+    places, cell, put_in = interstitial_loop(3)
+    gone = np.linalg.norm(places - cell / 2 - [0, 0, height], axis=1).argmin()
+    assert counted(Crystal(np.delete(places, gone, axis=0), cell, OPEN)) == [put_in]
+
+
 @pytest.mark.parametrize("radius", [3, 5])
 def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
     """The fault that it encloses takes nothing from the count: all about it the crystal is good."""

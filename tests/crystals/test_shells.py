@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.crystals import LATTICES, Crystal
 from geomtorsion.crystals.shells import shells_of
 from tests.crystals.synthetic import block, with_line
 
@@ -13,7 +13,7 @@ def closed_share(crystal):
     return shells_of(crystal._places, crystal.frame).closed.mean()
 
 
-@pytest.mark.parametrize("lattice", ["fcc", "bcc", "hcp", "diamond"])
+@pytest.mark.parametrize("lattice", LATTICES)
 def test_a_perfect_crystal_needs_no_triangulation(lattice):
     """Neither does one with vacancies apart, two of them next to each other."""
     places, cell = block(lattice, (8, 5, 5))
@@ -68,6 +68,15 @@ def test_faces_edges_and_corners_are_surfaces(lattice):
     """An open block needs no triangulation; with spheres that nothing may reach into it would."""
     places, _ = block(lattice, (8, 8, 8))
     assert closed_share(Crystal(places, lattice=lattice, orient=np.eye(3))) == 1
+
+
+def test_most_of_a_ball_is_a_surface():
+    """It has steps and edges all over: few of its atoms need a triangulation. With larger spheres,
+    or spheres that nothing may reach into, 45 to 150 would."""
+    places, cell = block("fcc", (8, 8, 8))
+    ball = places[np.linalg.norm(places - cell / 2 - [0.1, 0.07, 0.03], axis=1) < 3.7]
+    crystal = Crystal(ball, periodic=(False,) * 3, lattice="fcc", orient=np.eye(3))
+    assert round((1 - closed_share(crystal)) * len(ball)) == 27
 
 
 def test_a_core_is_no_surface():

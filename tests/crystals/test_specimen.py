@@ -28,7 +28,11 @@ def shares(places, size):
 
 
 def test_a_glass_is_refused_by_a_few_of_its_atoms():
-    """Some have neighbours as in a crystal, but none lie alike; the message tells how many do."""
+    """Some atoms have neighbours as in a crystal, but none lie alike; the message has their share.
+
+    It is 0.9 %: an atom fits if all its neighbours are less than half the neighbour distance from
+    places of their own. At any distance from these places 4.9 % would fit.
+    """
     places = amorphous(10, 4.0)
     found, asked = shares(places + 5, 10.0)
     assert set(found.values()) == {0.0}
@@ -37,7 +41,7 @@ def test_a_glass_is_refused_by_a_few_of_its_atoms():
         _ = Crystal(places, [10.0] * 3).lattice
     told = re.search(r"of only ([0-9.]+)%", str(error.value))
     assert told is not None
-    assert 1 < float(told[1]) < 10
+    assert 0.3 < float(told[1]) < 3
 
 
 def test_a_crystal_in_a_glass_is_counted():
