@@ -449,5 +449,5 @@ def frame_of(
 
 def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:
     """Whether atoms are a crystal under much noise: hardly one fits, but places are occupied."""
-    taken = occupied(frame, vectors).mean() >= METHOD.share
+    taken = occupied(frame, vectors).mean() >= METHOD.places
     return bool(taken) and is_ordered(frame, vectors) and not _is_crowded(frame, vectors)

@@ -26,6 +26,8 @@ class Method:
     strain: a lattice constant further than this from that of the atoms is one of other units or of
         another lattice: perfect metals yield at shears of 1 / 2 pi [HirthLothe1982].
     share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
+    places: of a crystal under so much noise that hardly an atom fits, more than this share of the
+        atoms have another one near each neighbour place; of a gas up to a seventh have by chance.
     crowd: more atoms about each than so many times those of the lattice are a lattice of more
         atoms: one more in two cells of diamond, as in fluorite, is half as many more.
     sigma: a deformation is told from none if it is more than so many standard errors: atoms about
@@ -42,6 +44,7 @@ class Method:
     wall: float = radians(15)
     strain: float = 0.15
     share: float = 0.1
+    places: float = 0.25
     crowd: float = 1.25
     sigma: float = 5.0
     seeds: int = 16

@@ -238,3 +238,24 @@ def test_faults_do_not_change_the_lattice(layers, lattice):
     places, cell = stacked(layers, ratio=(8 / 3) ** 0.5)
     crystal = Crystal(places, cell, (True, True, False))
     assert (crystal.lattice, len(crystal.grains)) == (lattice, 1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_gas_is_refused(seed):
+    """Neighbours at most places are chance: up to 14 % of its atoms have them in hcp."""
+    rng = np.random.default_rng(seed)
+    sites = 7.2 * np.argwhere(np.ones((16, 16, 2)))
+    crystal = Crystal(
+        sites + rng.uniform(-2, 2, sites.shape), [200, 200, 14.4], [False, False, True]
+    )
+    with pytest.raises(CrystalError, match="of only"):
+        _ = crystal.lattice
+
+
+def test_diamond_under_noise_is_found():
+    """With 12 % of the neighbour distance hardly an atom fits, but most places are occupied."""
+    cell = np.array([[0, 0, 0], [0, 2, 2], [2, 0, 2], [2, 2, 0]], dtype=float)
+    cell = np.concatenate([cell, cell + 1]) * 5.43 / 4
+    sites = (cell[None] + 5.43 * np.argwhere(np.ones((6, 6, 6)))[:, None]).reshape(-1, 3)
+    noise = np.random.default_rng(1).normal(0, 0.12 * 5.43 * 3**0.5 / 4, sites.shape)
+    assert Crystal(sites + noise, [6 * 5.43] * 3, [True] * 3).lattice == "diamond"
