@@ -128,7 +128,10 @@ class System:
         """df_i/dy_j, shape (size, size); not a number where there is no value."""
         n = self.size
         try:
-            return np.array(self._jacobian(*state, *values)).reshape(n, n)
+            # Numbers may be long doubles, which may be beyond doubles.
+            with np.errstate(over="ignore"):
+                found = np.array(self._jacobian(*state, *values), dtype=float)
+            return found.reshape(n, n)
         except NO_VALUE:
             return np.full((n, n), np.nan)
 
@@ -137,10 +140,10 @@ class System:
 
         Every direction that decays has one that grows beside it where a motion conserves an energy.
         """
-        jacobian = self.jacobian(state, values)
-        if not np.isfinite(jacobian).all():
+        found = eigenvalues(self.jacobian(state, values))
+        if found is None:
             return 0.0
-        real = np.linalg.eigvals(jacobian).real
+        real = found.real
         return float(-real.min()) if -real.min() > 2 * real.max() else 0.0
 
     @cached_property

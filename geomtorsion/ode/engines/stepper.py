@@ -233,7 +233,10 @@ class Steps:
         if self.tried * stage_count() > self.most:
             raise too_many_evaluations(self.most, self.time)
         pace, left = abs(self.time - self._mark) / STEPS_AT_ONCE, abs(self.end - self.time)
-        state, most = [float(x) for x in self.state], self.most // stage_count()
+        # States of a motion that blows up may be beyond doubles.
+        with np.errstate(over="ignore"):
+            state = [float(x) for x in self.state]
+        most = self.most // stage_count()
         refuse_stiff(self._system, state, self.values, pace, self.time, left, most)
         if abs(self.time - self._mark) < 1e-6 * self.duration:
             self.stuck = "time stands still"

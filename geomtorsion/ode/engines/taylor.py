@@ -423,7 +423,10 @@ class Taylor:
             room = None if system.guard_is_entire else at
 
             def refuse(pace: float, reached: float) -> None:
-                state, left = integrator.state.astype(float).tolist(), float(grid[-1]) - reached
+                # States of a motion that blows up may be beyond doubles.
+                with np.errstate(over="ignore"):
+                    state = integrator.state.astype(float).tolist()
+                left = float(grid[-1]) - reached
                 refuse_stiff(
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
