@@ -199,15 +199,20 @@ class AccessControl:
                 await asyncio.wait_for(send(message), PAGE.sending)
                 outgoing.task_done()
 
-        session = asyncio.ensure_future(self.app(scope, receive, watched))
-        # What is sent waits in a line of its own: while a session begins nobody waits for its
-        # browser, which may never read.
-        sender = asyncio.create_task(passed_on())
-        waiting = asyncio.create_task(begun.wait())
-        try:
-            async with self._opening:
-                every = (session, sender, waiting)
+        async with self._opening:
+            session = asyncio.ensure_future(self.app(scope, receive, watched))
+            # Messages wait in a queue: while a session begins, nobody waits for its browser, which
+            # may never read.
+            sender = asyncio.create_task(passed_on())
+            waiting = asyncio.create_task(begun.wait())
+            every = (session, sender, waiting)
+            try:
                 await asyncio.wait(every, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+            except asyncio.CancelledError:
+                for task in every:
+                    task.cancel()
+                raise
+        try:
             await asyncio.wait((session, sender), return_when=asyncio.FIRST_COMPLETED)
             if session.done() and not sender.done():
                 with suppress(TimeoutError):

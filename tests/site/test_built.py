@@ -23,6 +23,7 @@ TUTORIALS = (
 )
 TASKS = (
     "tetrad_file", "notebook", "classroom", "second_chart", "effect", "space", "exercise", "engine",
+    "how_sure_is_a_number",
 )  # fmt: skip
 OTHERS = (
     "index", "api/index", "genindex", "gallery/index", "conventions", "errors", "comparison",

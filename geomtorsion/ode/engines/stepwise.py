@@ -345,12 +345,14 @@ def error_scales(
     for group in system.groups:
         index = list(group)
         size = np.abs(y0[index]).max(axis=0)
-        soon = np.abs(np.asarray(rates)[index]).max(axis=0)
-        # A rounding of what it soon becomes is as good as zero.
-        still = size <= EPS * soon * abs(duration)
-        if np.any(still):
-            terms = np.abs(system.rates.sizes(*y0, *numbers)[index]).max(axis=0)
-            soon = np.where(soon > ROUNDINGS * EPS * terms, soon, terms) * abs(duration)
-            size = np.where(still, soon, size)
+        # Endless sizes count as unknown below.
+        with np.errstate(over="ignore"):
+            soon = np.abs(np.asarray(rates)[index]).max(axis=0)
+            # A rounding of what it soon becomes is as good as zero.
+            still = size <= EPS * soon * abs(duration)
+            if np.any(still):
+                terms = np.abs(system.rates.sizes(*y0, *numbers)[index]).max(axis=0)
+                soon = np.where(soon > ROUNDINGS * EPS * terms, soon, terms) * abs(duration)
+                size = np.where(still, soon, size)
         scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
     return scales
