@@ -143,7 +143,7 @@ class System:
         found = eigenvalues(self.jacobian(state, values))
         if found is None:
             return 0.0
-        real = found.real
+        real = np.real(found)
         return float(-real.min()) if -real.min() > 2 * real.max() else 0.0
 
     @cached_property

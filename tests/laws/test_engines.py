@@ -1,5 +1,7 @@
 """Laws: what holds for every engine, a user's own among them."""
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import math

@@ -1,5 +1,7 @@
 """Error estimates: each number by which they decide, from both sides."""
 
+# pyright: reportIncompatibleMethodOverride=false, reportAssignmentType=false, reportIncompatibleVariableOverride=false
+
 from dataclasses import dataclass, field
 from fractions import Fraction
 

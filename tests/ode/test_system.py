@@ -1,5 +1,7 @@
 """Systems: rates, edges and Jacobians by all routes are the sums that they were made of."""
 
+# pyright: reportAttributeAccessIssue=false
+
 import mpmath
 import numpy as np
 import pytest

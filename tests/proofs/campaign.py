@@ -3,6 +3,8 @@
 python -m tests.proofs.campaign --motions 100 --seed 1
 """
 
+# pyright: reportArgumentType=false
+
 from __future__ import annotations
 
 import argparse

@@ -1,5 +1,7 @@
 """Systems: small equations in balls, and runs of them, for tests."""
 
+# pyright: reportOptionalMemberAccess=false
+
 from flint import arb, fmpq
 
 from geomtorsion.codegen.balls import exact_ball

@@ -1,5 +1,7 @@
 """Prove: known values lie in the balls, errors are judged, and what cannot be proved is refused."""
 
+# pyright: reportArgumentType=false
+
 import pickle
 import time
 from dataclasses import replace

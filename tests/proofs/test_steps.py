@@ -1,5 +1,7 @@
 """Steps: each bound of the method holds, and is needed: without it the ball is wrong."""
 
+# pyright: reportOptionalMemberAccess=false, reportRedeclaration=false
+
 import pytest
 from flint import arb, arb_mat, fmpq
 

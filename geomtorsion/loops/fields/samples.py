@@ -168,7 +168,12 @@ class Samples:
         order: int = 4,
         names: Sequence[str] = (),
         *,
-        branch: np.ndarray | Sequence[Sequence[float]] | Sequence[float] | float | None = None,
+        branch: np.ndarray
+        | Sequence[Sequence[float]]
+        | Sequence[float]
+        | float
+        | str
+        | None = None,
         **options: Any,
     ) -> Self:
         """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.

@@ -1,5 +1,7 @@
 """Displacements: their jumps are taken out before differences are formed."""
 
+# pyright: reportArgumentType=false, reportPossiblyUnbound=false
+
 from dataclasses import replace
 
 import numpy as np
