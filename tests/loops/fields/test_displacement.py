@@ -1,6 +1,6 @@
 """Displacements: their jumps are taken out before differences are formed."""
 
-# pyright: reportArgumentType=false, reportPossiblyUnbound=false
+# pyright: reportArgumentType=false, reportPossiblyUnboundVariable=false
 
 from dataclasses import replace
 
