@@ -16,6 +16,7 @@ import pytest
 from geomtorsion.crystals.atom_files import atom_frames
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.exercises import grading
+from geomtorsion.exercises.examiner import Examiner
 from geomtorsion.files import read_toml_text
 from geomtorsion.images import LatticeImage
 from geomtorsion.loops import DislocationNetwork, SampledFrame
@@ -221,10 +222,18 @@ def test_one_file_does_not_end_the_marking(tmp_path: Path):
     assert rows["ada.toml"]["status"] == grading.GRADED
 
 
+def asleep(_request: object) -> None:
+    """A process that never answers."""
+    time.sleep(60)
+
+
 def test_a_file_that_is_not_read_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Whatever keeps its process busy or ends it costs its own student the marks."""
-    monkeypatch.setattr(grading, "SECONDS", 0.0)
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))
+    monkeypatch.setattr(grading, "SECONDS", 0.1)
+    busy = Examiner(function=f"{__name__}:asleep")
+    monkeypatch.setattr(grading, "Examiner", lambda *_: busy)
     (tmp_path / "eve.toml").write_text("seed = 1\n")
     (row,) = grading.grade(tmp_path, tmp_path / "marks.csv", ["3.2"]).rows
     assert row["status"] == grading.REFUSED
-    assert "eve.toml could not be read: it takes longer than 0 s" in row["remarks"]
+    assert "eve.toml could not be read: it takes longer than 0.1 s" in row["remarks"]
