@@ -36,24 +36,25 @@ FLOORS = (
     ("errors", "outgoing"),
     ("checks", "copies", "displays", "precision", "progress"),
     ("allowance", "conventions", "files"),
-    ("blocks", "npz"),
+    ("npz",),
     ("hdf5",),
     ("exact",),
     ("codegen",),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
     ("proofs",),
-    ("images", "orientations", "spaces"),
-    ("crystals", "measured"),
+    ("spaces",),
+    # The wall: mathematics below, applications above.
+    ("materials",),
     ("accuracy", "pictures", "paper"),
-    ("scenes", "exercises"),
-    ("cli", "lab"),
+    ("scenes",),
+    ("teaching",),
+    ("cli",),
     ("__main__",),
 )
 # What stands on one floor and may still be used there, with the reason.
 NEIGHBOURS: dict[tuple[str, str], str] = {
     ("accuracy", "pictures"): "a table of costs draws itself in the ink of all pictures",
-    ("cli", "lab"): "the command that serves the page",
 }
 # Files of more lines hold more than one idea, unless a reason stands here.
 LONG: dict[str, str] = {
