@@ -63,14 +63,14 @@ def main(arguments: list[str] | None = None) -> None:
     # 60 pixels of the wall, in steps of 0.2 um: L = 12 um.
     b = made.burgers(gt.Circuit.rectangle((10, 30), 60, 20))
     expected = 2 * np.sin(np.radians(TILT / 2))
-    print(f"{b}\n|b| / L = {b.size / 12:.5f}, 2 sin(theta / 2) = {expected:.5f}")
-    assert abs(b.size / 12 - expected) < 4 * b.sigma / 12
+    print(f"{b}\n|b| / L = {b.magnitude / 12:.5f}, 2 sin(theta / 2) = {expected:.5f}")
+    assert abs(b.magnitude / 12 - expected) < 4 * b.noise / 12
     (lines,) = b.lines((0.5, 0.5, 0))
-    print(f"{lines}; the noise is {b.sigma:.1e} um, the significance {b.significance:.0f}")
+    print(f"{lines}; the noise is {b.noise:.1e} um, the significance {b.significance:.0f}")
     assert b.significance > 100
 
     quiet = made.burgers(gt.Loop.circle([14, 8], 3))
-    print(f"beside the wall: {quiet.size:.1e} um, noise {quiet.sigma:.1e} um")
+    print(f"beside the wall: {quiet.magnitude:.1e} um, noise {quiet.noise:.1e} um")
     assert quiet.significance < 4
     try:
         made.burgers(gt.Circuit.square((10, 80), 20))

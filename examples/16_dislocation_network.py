@@ -50,9 +50,9 @@ def ask_the_boundary(net: gt.DislocationNetwork, apart: float) -> None:
         # Across the lines along x; twenty lines are more than the box has: images count.
         corner = [0.3 * apart, 0.5 * apart, 0.25 * height]
         circuit = gt.Loop.plaquette(corner, (lines * apart, height / 2), plane=(1, 2))
-        found = net.around(circuit, lattice="sc")
-        print(f"  a circuit across {lines} lines misses {found.coordinates} lattice vectors")
-        assert found.coordinates == (lines, 0, 0)
+        found = net.burgers(circuit, lattice="sc")
+        print(f"  a circuit across {lines} lines misses {found.whole.tolist()} lattice vectors")
+        assert found.whole.tolist() == [lines, 0, 0]
     theta = 2 * np.arcsin(1 / (2 * apart))
     print(f"the crystals are turned by {np.degrees(theta):.3f} degrees (Frank)")
 
@@ -81,7 +81,7 @@ def ask_a_simulation(path: Path) -> None:
         # A face of the periodic box: what pierces it is the mean Nye tensor times its area.
         one, two = sides[(axis + 1) % 3], sides[(axis + 2) % 3]
         face = gt.Loop.plaquette(corner + 0.1, (1, 1), plane=(one, two))
-        found = net.around(face)
+        found = net.burgers(face)
         wanted = net.nye @ np.cross(one, two)
         print(
             f"  through face {axis}: b = {found.vector.round(4)}, {len(found.crossings)} crossings"

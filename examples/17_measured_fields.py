@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import geomtorsion as gt
-from geomtorsion.materials.fields.circuits import SampledBurgers
+from geomtorsion.materials import Burgers
 
 B, NU = np.array([0.286, 0.0]), 0.345
 LINE = np.linspace(-4, 4, 81)
@@ -41,7 +41,7 @@ def distortion(x: np.ndarray, y: np.ndarray, step: float = 1e-4) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-def tell(what: str, b: SampledBurgers, bound: float) -> None:
+def tell(what: str, b: Burgers, bound: float) -> None:
     """A result with its error; it must be right within three times that."""
     print(f"{what}: {b}, significance {b.significance:.0f}")
     assert np.abs(b.vector - B).max() < 3 * b.error < bound

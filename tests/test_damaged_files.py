@@ -179,7 +179,7 @@ class Lines:
         _ = net.node_rule(), net.density, net.nye, net.families(), net.opendis()
         # What is left of a network may have no answer; that is no fault of the file.
         with suppress(GeomtorsionError):
-            net.around(Loop.circle([5, 5, 5], 4))
+            net.burgers(Loop.circle([5, 5, 5], 4))
 
 
 KINDS = [Grid, Solution, Result, Checkpointed, SceneCheckpoint, Loops, Table, Lines]

@@ -1,1 +1,5 @@
 """Materials: Burgers vectors of measured and simulated matter."""
+
+from geomtorsion.materials.burgers import Burgers
+
+__all__ = ["Burgers"]

@@ -156,13 +156,13 @@ def _family(one: LineFamily, square: float | None) -> dict[str, Any]:
 def _circuit(net: DislocationNetwork, loop: Loop, lattice: str | None) -> dict[str, Any]:
     """The Burgers vector of one circuit as plain data, or why there is none."""
     try:
-        found = net.around(loop, lattice)
+        found = net.burgers(loop, lattice)
     except GeomtorsionError as error:
         return {"circuit": loop.name, "failed": str(error), "kind": type(error).__name__}
     return {
         "circuit": loop.name,
         "vector": found.vector.tolist(),
-        "lattice": None if found.coordinates is None else list(found.coordinates),
+        "lattice": found.whole.tolist() or None,
         "crossings": len(found.crossings),
     }
 

@@ -12,9 +12,9 @@ import scipy  # loads its parts when they are asked for
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
-from geomtorsion.conventions import Signed
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.validation import once_round
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.shells import reach_of_shells
 from geomtorsion.materials.crystals.triangulation import Cell
@@ -24,14 +24,15 @@ from geomtorsion.materials.lines.reactions import Vector, written
 Site = tuple[int, int, int, int]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class AtomCircuit(Signed):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class AtomCircuit(Burgers):
     """A closed path from atom to atom; b is the exact sum of the lattice vectors of its steps.
 
     atoms: the path, numbers of the atoms, the first again at its end. images: how many periods
         further each is meant, shape (k, 3).
     steps: lattice vectors of the bonds between them, whole numbers in units of
-        `crystal.frame.lattice.units`, shape (k - 1, 3).
+        `crystal.frame.lattice.units`, shape (k - 1, 3). `whole` is their sum.
+    vector: in the coordinates of the positions, with the mean deformation of the crystal.
     frame: how the crystal lies.
     """
 
@@ -40,22 +41,28 @@ class AtomCircuit(Signed):
     steps: np.ndarray
     frame: Frame
 
-    @cached_property
-    def whole(self) -> np.ndarray:
-        """b in units of `frame.lattice.units` along the crystal axes, whole numbers, shape (3,)."""
-        return self.steps.sum(axis=0)
+    @classmethod
+    def of(
+        cls, atoms: tuple[int, ...], images: np.ndarray, steps: np.ndarray, frame: Frame
+    ) -> AtomCircuit:
+        """The circuit along some steps."""
+        whole = steps.sum(axis=0)
+        # Zeros times turned axes may be -0.0.
+        vector = frame.vectors(whole[None])[0] + 0.0
+        return cls(
+            vector=vector,
+            whole=whole,
+            lattice=frame.vectors(np.eye(3, dtype=np.int64)),
+            atoms=atoms,
+            images=images,
+            steps=steps,
+            frame=frame,
+        )
 
     @property
     def burgers_lattice(self) -> Vector:
         """b along the axes of the crystal in lattice constants, exact, shape (3,)."""
-        return self.frame.lattice.fractions(self.whole)
-
-    @cached_property
-    def vector(self) -> np.ndarray:
-        """b in the coordinates of the positions, with the mean deformation of the crystal, from
-        start to finish (conventions.py), shape (3,)."""
-        # Zeros times turned axes may be -0.0.
-        return self.frame.vectors(self.whole[None])[0] + 0.0
+        return self.frame.lattice.fractions(self.steps.sum(axis=0))
 
     @property
     def burgers(self) -> Vector:
@@ -219,7 +226,7 @@ class AtomCircuits:
             on, labels = self._way(one, two)
             path += on
             steps += labels
-        return AtomCircuit(
+        return AtomCircuit.of(
             tuple(site[0] for site in path),
             # For positions as they were given.
             np.array([site[1:] for site in path]) + self.moved[[site[0] for site in path]],

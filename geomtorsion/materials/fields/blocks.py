@@ -28,6 +28,7 @@ from geomtorsion.materials.blocks import (
     run_blocks,
     write_array,
 )
+from geomtorsion.materials.burgers import independent_significances
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.grid import (
@@ -37,12 +38,7 @@ from geomtorsion.materials.fields.grid import (
     other_order,
     periodic_axes,
 )
-from geomtorsion.materials.fields.noise import (
-    SMOOTH,
-    Noise,
-    estimated_from_parts,
-    independent_significances,
-)
+from geomtorsion.materials.fields.noise import SMOOTH, Noise, estimated_from_parts
 from geomtorsion.materials.fields.sources import Source
 
 # Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger

@@ -10,14 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.burgers import independent_significances, significances
 from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
-from geomtorsion.materials.fields.noise import (
-    Noise,
-    along,
-    independent_significances,
-    significances,
-)
+from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.sides import Spread, on_grid, sides
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.conventions import Signed
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.fields.grid import ORDERS, Grid
-from geomtorsion.materials.fields.noise import Noise, along, significances
+from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import SLACK, Blocks
 from geomtorsion.precision import CALCULATED
 
@@ -53,59 +53,6 @@ class Field:
         return float(np.abs(self.values).max()) if self.scale is None else self.scale
 
 
-@dataclass(frozen=True, eq=False)
-class SampledBurgers(Signed):
-    """Burgers vector of a loop through a sampled frame.
-
-    vector: b^i, shape (rows,), in `unit`.
-    interpolation_error: distance from the result with interpolation of another order, without what
-    noise explains of that distance. quadrature_error: distance from the result with half as many
-    stretches.
-    covariance: of the components by the noise of the nodes, shape (rows, rows); zero where no sigma
-    is known.
-    order: order of the interpolation; evaluations: points at which it was taken.
-    """
-
-    vector: np.ndarray
-    interpolation_error: float
-    quadrature_error: float
-    order: int
-    evaluations: int
-    covariance: np.ndarray
-    unit: str = ""
-
-    @property
-    def sigmas(self) -> np.ndarray:
-        """Standard deviation of each component by noise, shape (rows,)."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @property
-    def noise(self) -> float:
-        """Standard deviation of the noisiest component."""
-        return float(self.sigmas.max())
-
-    @property
-    def error(self) -> float:
-        """Interpolation, quadrature and noise together; the noise as one standard deviation."""
-        return math.hypot(self.interpolation_error + self.quadrature_error, self.noise)
-
-    @property
-    def significance(self) -> float:
-        """|b| against its error: sqrt(b C^-1 b), C the noise, and the other errors in each b^i.
-
-        Pure noise in n components gives sqrt(n) or so; without any error it is infinite.
-        """
-        other = self.interpolation_error + self.quadrature_error
-        return float(significances(self.vector, self.covariance, other))
-
-    def __repr__(self) -> str:
-        parts = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
-        unit = f" {self.unit}" if self.unit else ""
-        other = self.interpolation_error + self.quadrature_error
-        noise = f", noise {self.noise:.1e}" if self.noise else ""
-        return f"SampledBurgers([{parts}]{unit}, error={self.error:.1e}: grid {other:.1e}{noise})"
-
-
 class _Weights:
     """Weights of nodes in a sum along a loop, shape (d, nodes), collected piece by piece."""
 
@@ -128,7 +75,7 @@ class _Weights:
         return found.reshape(-1, *self.grid.shape)
 
 
-def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
+def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> Burgers:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
     grid = field.grid
     if loop.dimension != grid.dimension:
@@ -137,7 +84,6 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
             "loop in the coordinates of the grid."
         )
     found = np.zeros((3, field.rows))
-    evaluations = 0
     weights, differences = _Weights(grid), _Weights(grid)
     gap = np.zeros(grid.dimension)
     for part in loop.parts:
@@ -147,7 +93,6 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
             fine, other = _both(field, part, arc, 2 * count, (weights, differences))
             coarse, _ = _both(field, part, arc, count)
             found += part.times * np.array([fine, other, coarse])
-            evaluations += 5 * count * GAUSS
             ends = part.points(arc, np.array([0.0, 1.0]))[0]
             gap += part.times * (ends[:, 1] - ends[:, 0])
     fine, other, coarse = found
@@ -162,14 +107,12 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
     if field.noise is not None:
         covariance = field.noise.of_sum(weights.total)
         difference = unexplained(difference, np.diag(field.noise.of_sum(differences.total)))
-    return SampledBurgers(
+    quadrature = float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size
+    return Burgers(
         fine,
-        safety * float(difference.max()),
-        float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size,
-        field.order,
-        evaluations,
-        covariance,
         unit,
+        covariance,
+        {"interpolation": safety * float(difference.max()), "quadrature": quadrature},
     )
 
 

@@ -7,8 +7,9 @@ import numpy as np
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.fields.cells import Plaquettes, Rectangles
-from geomtorsion.materials.fields.circuits import Field, SampledBurgers, sampled_edges
+from geomtorsion.materials.fields.circuits import Field, sampled_edges
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.sides import on_grid, window_sums
@@ -20,7 +21,7 @@ LONGEST = 1 / 2
 
 def displaced_burgers(
     grid: Grid, displacement: Displacement, loop: Loop, unit: str = ""
-) -> SampledBurgers:
+) -> Burgers:
     """Burgers vector of a loop: the jumps of the edges of the grid that it can be moved to."""
     if loop.dimension != grid.dimension:
         raise GridError(
@@ -29,10 +30,8 @@ def displaced_burgers(
         )
     jumps = displacement.jumps
     times, chances, gap = np.zeros(len(jumps.vectors)), np.zeros(len(jumps.vectors)), 0.0
-    points = 0
     for part in loop.parts:
         places, ends = _followed(grid, part)
-        points += places.shape[1]
         nodes = _nodes(grid, places, "loop")
         # Back to the first node, whole periods further on.
         turns = np.rint(ends / (np.array(grid.steps) * grid.shape)).astype(int)
@@ -46,10 +45,13 @@ def displaced_burgers(
     if np.abs(gap).max() > CALCULATED * loop.size:
         grid.check_periods(np.asarray(gap))
         vector = vector + np.eye(len(vector), grid.dimension) @ gap
-    return SampledBurgers(
-        vector, float(jumps.errors(times)), ROUNDING * float(np.abs(vector).max()), 0, points,
-        jumps.covariance(times, chances), unit,
-    )  # fmt: skip
+    rounding = ROUNDING * float(np.abs(vector).max())
+    return Burgers(
+        vector,
+        unit,
+        jumps.covariance(times, chances),
+        {"lattice": float(jumps.errors(times)), "rounding": rounding},
+    )
 
 
 def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:

@@ -104,35 +104,6 @@ def along(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
     return np.moveaxis((matrix @ flat).reshape(-1, *moved.shape[1:]), 0, axis)
 
 
-def significances(
-    vectors: np.ndarray, covariance: np.ndarray, other: np.ndarray | float = 0.0
-) -> np.ndarray:
-    """sqrt(b C^-1 b), shape (...,), for b (..., n); infinite where there are no errors.
-
-    covariance: by noise, one for all or one for each; C has the square of the other errors (one for
-    all or one for each) added to each component.
-    """
-    values, axes = np.linalg.eigh(covariance)
-    parts = np.einsum("...i,...ij->...j", vectors, axes)
-    sizes = np.sqrt(np.maximum(values, 0) + np.asarray(other)[..., None] ** 2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
-    return np.sqrt((shares**2).sum(axis=-1))
-
-
-def independent_significances(
-    vectors: np.ndarray, sigmas: np.ndarray, other: np.ndarray
-) -> np.ndarray:
-    """|b| in units of its errors, for components with independent noise, shape (places...).
-
-    vectors, sigmas: shape (rows, places...). other: the other error of each component, shape
-    (places...). NaN where b is unknown, infinite where b has no error.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(vectors == 0, 0.0, vectors / np.hypot(sigmas, other))
-    return np.sqrt((shares**2).sum(axis=0))
-
-
 def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
     """Covariances of all components, checked, shape (rows, columns, rows, columns, grid or 1...).
 

@@ -11,10 +11,10 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.fields import cells, holes
 from geomtorsion.materials.fields.cells import Plaquettes
 from geomtorsion.materials.fields.circuits import (
-    SampledBurgers,
     edge_cochain,
     sampled_burgers,
     sampled_edges,
@@ -274,7 +274,7 @@ class SampledFrame(Samples):
             return displaced_edges(self._field, self.displacement, starts, ends)
         return sampled_edges(self._field, starts, ends)
 
-    def burgers(self, loop: Loop) -> SampledBurgers:
+    def burgers(self, loop: Loop) -> Burgers:
         """Burgers vector of a loop through the grid, with its errors: grid and noise.
 
         Raises

@@ -14,7 +14,8 @@ from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, GridError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.fields.circuits import SampledBurgers, unexplained
+from geomtorsion.materials.burgers import Burgers
+from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
 from geomtorsion.materials.fields.grid import Grid, mask_of, numbers
@@ -285,7 +286,7 @@ class ScatteredFrame:
         chain = self.mesh.around(rims[number], checks.count(margin, "margin", GridError, 1))
         return {int(k): int(chain[k]) for k in np.flatnonzero(chain)}
 
-    def burgers(self, circuit: Loop | Chain | Sequence[int]) -> SampledBurgers:
+    def burgers(self, circuit: Loop | Chain | Sequence[int]) -> Burgers:
         """Burgers vector of a circuit, with its errors: interpolation and noise.
 
         Parameters
@@ -319,10 +320,12 @@ class ScatteredFrame:
             np.add.at(table[0], edges, senses)
         one = self._along(scipy.sparse.csr_array(table))
         rounding = ROUNDING * float((np.abs(table) @ np.abs(self.cochain.values)).max())
-        return SampledBurgers(
-            one.vectors[:, 0], float(one.interpolation[0]), rounding, self.order,
-            int(np.abs(table).sum()), one.covariance[0], self.vector_unit or self.unit,
-        )  # fmt: skip
+        return Burgers(
+            one.vectors[:, 0],
+            self.vector_unit or self.unit,
+            one.covariance[0],
+            {"interpolation": float(one.interpolation[0]), "rounding": rounding},
+        )
 
     def burgers_map(self, rings: int = 0) -> ScatteredMap:
         """Burgers vectors of all triangles, or of so many rings of them round every point.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geomtorsion.materials.fields.noise import significances
+from geomtorsion.materials.burgers import significances
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,46 +8,29 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
-from geomtorsion.conventions import Signed
 from geomtorsion.errors import ImageError, LoopError
 from geomtorsion.loops import Cochain, Loop
+from geomtorsion.materials.burgers import Burgers
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class LatticeBurgers(Signed):
-    """The Burgers vector of a circuit through a lattice image.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LatticeBurgers(Burgers):
+    """The Burgers vector of a circuit through a lattice image: whole numbers of lattice vectors.
 
-    whole: in lattice vectors, whole numbers, shape (2,).
-    chance: that noise has made one of them wrong; at most the risk that was accepted.
-    lattice: the lattice vectors, rows, shape (2, 2). unit: of lengths.
-    vector: along x and y, in units of length, shape (2,).
-    error: bound on its larger component, as the spots are known to a third of a pixel.
+    vector: along x and y. chance: at most the risk that was accepted. The systematic error is that
+    of the lattice vectors, since spots are known to a third of a pixel.
     path: pixels of the circuit in order, path[k] = (x, y), first and last the same.
     weakest: where the amplitude is smallest in terms of noise, (x, y) in units.
     """
 
-    whole: np.ndarray
-    chance: float
-    lattice: np.ndarray
-    unit: str
-    error: float
     path: np.ndarray
     weakest: tuple[float, float]
 
-    @property
-    def vector(self) -> np.ndarray:
-        """b along x and y, in units of length, shape (2,)."""
-        return self.whole @ self.lattice
-
-    @property
-    def magnitude(self) -> float:
-        """Length of the vector."""
-        return float(np.hypot(*self.vector))
-
     def __repr__(self) -> str:
+        size = f"{self.magnitude:.4g} {self.unit}"
         return (
-            f"LatticeBurgers({self.whole.tolist()} in lattice vectors, "
-            f"{self.magnitude:.4g} {self.unit}, chance of error {self.chance:.1g})"
+            f"LatticeBurgers({self.whole.tolist()} in lattice vectors, {size}, "
+            f"chance of error {self.chance:.1g})"
         )
 
 

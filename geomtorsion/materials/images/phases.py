@@ -246,8 +246,15 @@ class LatticePhases:
         error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
         low = (self.step * weakest).tolist()
         return LatticeBurgers(
-            whole, chance, self.lattice, self.unit, error, path, (low[0], low[1])
-        )  # fmt: skip
+            vector=whole @ self.lattice,
+            unit=self.unit,
+            systematic={"lattice vectors": error},
+            whole=whole,
+            lattice=self.lattice,
+            chance=chance,
+            path=path,
+            weakest=(low[0], low[1]),
+        )
 
     def burgers_map(self, size: int, risk: float = 0.05) -> LatticeCircuits:
         """Burgers vectors of the square circuits of size x size pixels at every place.

@@ -12,8 +12,13 @@ from geomtorsion import checks
 from geomtorsion.errors import LoopError, NetworkError, SingularPointError
 from geomtorsion.loops import Loop, Part, Segment
 from geomtorsion.loops.arcs import shown
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.lines.line_arrays import LineArrays
-from geomtorsion.materials.lines.line_families import Lattice, lattice_coordinates
+from geomtorsion.materials.lines.line_families import (
+    Lattice,
+    lattice_coordinates,
+    lattice_vectors,
+)
 from geomtorsion.materials.lines.reactions import Vector, size, total, vanishes, written
 from geomtorsion.precision import CALCULATED
 
@@ -294,23 +299,16 @@ def _sign(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     return np.where(np.abs(value) <= bound, 0, np.sign(value)).astype(np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class CircuitBurgers:
-    """What a circuit round lines of a network misses.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LineBurgers(Burgers):
+    """Burgers vector of a circuit round the lines of a network.
 
-    exact: b, exact where that of the lines is, shape (n,).
-    coordinates: the same in the lattice that was given, whole numbers; None without a lattice.
+    exact: b, exact where that of the lines is, shape (n,). whole: b in the lattice that was given.
     crossings: lines that cross a surface which the circuit spans, with their images and signs.
     """
 
     exact: Vector
-    coordinates: tuple[int, ...] | None
     crossings: tuple[Crossing, ...]
-
-    @property
-    def vector(self) -> np.ndarray:
-        """b as floats, shape (n,)."""
-        return np.array([float(x) for x in self.exact])
 
 
 def circuit_burgers(
@@ -319,7 +317,7 @@ def circuit_burgers(
     loop: Loop,
     lattice: Lattice | None,
     tolerance: float,
-) -> CircuitBurgers:
+) -> LineBurgers:
     """The signed sum of b over the lines that cross a surface; a second one must give the same.
 
     vectors: b of each line, exact where it is. tolerance: share of the largest b within which
@@ -333,9 +331,6 @@ def circuit_burgers(
     checks.instance(loop, Loop, "loop")
     if not vectors:
         raise NetworkError("a circuit needs lines to go round, but the network has none.")
-    coordinates = None
-    if lattice is not None:
-        coordinates = lattice_coordinates(lines.burgers, lattice, tolerance)
     first, second = islice(crossings(lines, loop), 2)
     one, two = (_sum(vectors, found) for found in (first, second))
     missing = tuple(a - b for a, b in zip(one, two, strict=True))
@@ -346,12 +341,15 @@ def circuit_burgers(
             f"which give {written(one)} and {written(two)}. Mend the nodes that .node_rule() "
             "names, or lead the circuit elsewhere."
         )
-    if coordinates is None:
-        return CircuitBurgers(one, None, first)
+    vector = np.array([float(x) for x in one])
+    if lattice is None:
+        return LineBurgers(vector=vector, exact=one, crossings=first)
+    cell = lattice_vectors(lattice, lines.burgers.shape[1])
+    coordinates = lattice_coordinates(lines.burgers, cell, tolerance)
     whole = np.zeros(coordinates.shape[1], dtype=np.int64)
     for crossing in first:
         whole += crossing.count * coordinates[crossing.line]
-    return CircuitBurgers(one, tuple(whole.tolist()), first)
+    return LineBurgers(vector=vector, whole=whole, lattice=cell, exact=one, crossings=first)
 
 
 def _sum(vectors: Sequence[Vector], found: Sequence[Crossing]) -> Vector:

@@ -16,7 +16,7 @@ from geomtorsion.errors import NetworkError
 from geomtorsion.files import written
 from geomtorsion.loops import Complex, Loop, Number
 from geomtorsion.materials.lines.box import Box
-from geomtorsion.materials.lines.circuit import CircuitBurgers, circuit_burgers
+from geomtorsion.materials.lines.circuit import LineBurgers, circuit_burgers
 from geomtorsion.materials.lines.crystal_analysis import clusters_of
 from geomtorsion.materials.lines.line_arrays import DislocationLine, LineArrays, line_arrays
 from geomtorsion.materials.lines.line_families import Lattice, LineFamily, Symmetry, line_families
@@ -143,7 +143,7 @@ class DislocationNetwork:
         >>> net = DislocationNetwork.of_arrays(LineArrays(corners, sides, [[0, 0, 1]] * 4, box))
         >>> net.node_rule(), net.density
         ((), 0.125)
-        >>> net.around(Loop.circle([6, 1, 2], 0.5, plane=(1, 2))).vector.tolist()
+        >>> net.burgers(Loop.circle([6, 1, 2], 0.5, plane=(1, 2))).vector.tolist()
         [0.0, 0.0, 1.0]
         """
         import networkx as nx  # as above
@@ -352,7 +352,7 @@ class DislocationNetwork:
 
     # -- measures ---------------------------------------------------------------------------------
 
-    def around(self, loop: Loop, lattice: Lattice | None = None) -> CircuitBurgers:
+    def burgers(self, loop: Loop, lattice: Lattice | None = None) -> LineBurgers:
         """The Burgers vector of a circuit: of all lines, images included, that it links with.
 
         Signed crossings with a surface that spans the loop, positive where the loop is right-handed

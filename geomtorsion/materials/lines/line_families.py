@@ -187,6 +187,23 @@ def _name(vector: Sequence[float], marks: str) -> str:
     return marks[0] + " ".join(f"{x:.4g}" for x in vector) + marks[1]
 
 
+def lattice_vectors(lattice: Lattice, dimension: int) -> np.ndarray:
+    """Lattice vectors as rows, shape (n, n), of a lattice that was given by name or by vectors.
+
+    Raises
+    ------
+    NetworkError
+        There is no such lattice, or the vectors have another shape or lie in one plane.
+    """
+    if isinstance(lattice, str):
+        checks.choice(lattice, tuple(LATTICES), "lattice", NetworkError)
+        lattice = LATTICES[lattice]
+    rows = checks.array(lattice, "lattice", NetworkError, shape=(dimension, dimension))
+    if np.linalg.matrix_rank(rows) < dimension:
+        raise NetworkError("lattice: its vectors lie in one plane. Give independent ones, as rows.")
+    return rows
+
+
 def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float) -> np.ndarray:
     """Burgers vectors as whole multiples of lattice vectors, shape (k, n).
 
@@ -209,14 +226,7 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
     >>> lattice_coordinates(np.array([[0.5, 0.5]]), [[1, 0], [0.5, 0.5]], 1e-9).tolist()
     [[0, 1]]
     """
-    dimension = vectors.shape[1]
-    if isinstance(lattice, str):
-        checks.choice(lattice, tuple(LATTICES), "lattice", NetworkError)
-        lattice = LATTICES[lattice]
-    shape = (dimension, dimension)
-    rows = checks.array(lattice, "lattice", NetworkError, shape=shape)
-    if np.linalg.matrix_rank(rows) < dimension:
-        raise NetworkError("lattice: its vectors lie in one plane. Give independent ones, as rows.")
+    rows = lattice_vectors(lattice, vectors.shape[1])
     whole = np.rint(np.linalg.solve(rows.T, vectors.T).T)
     gaps = np.abs(whole @ rows - vectors).max(axis=1, initial=0.0)
     scale = float(np.abs(vectors).max(initial=0.0))

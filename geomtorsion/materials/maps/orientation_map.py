@@ -17,9 +17,9 @@ from geomtorsion.errors import (
 )
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.materials.burgers import significances
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.fields.noise import significances
 from geomtorsion.materials.fields.stencils import SLACK
 from geomtorsion.materials.maps.circuits import Circuit, windings
 from geomtorsion.materials.maps.lattice_edges import (
@@ -84,7 +84,7 @@ class OrientationMap:
     >>> angles[:, 20:, 0] = 5.0
     >>> wall = OrientationMap.from_euler(angles, 0.5, "m-3m", threshold=10, sigma=0)
     >>> b = wall.burgers(Circuit.rectangle((0, 10), 20, 20))
-    >>> b.size / 10, 2 * np.sin(np.radians(2.5))
+    >>> b.magnitude / 10, 2 * np.sin(np.radians(2.5))
     (0.08723877473067..., np.float64(0.08723877473067...))
     """
 
@@ -423,16 +423,17 @@ class OrientationMap:
         covariance = spread_of(grid.moments(chain), self.noise[number])
         spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
         bend = unexplained(np.asarray(np.linalg.norm(grid.bend(chain))), spread)
+        rotation = matrix_from_quaternion(self.grains.quaternions[first])
         return MapBurgers(
-            circuit=circuit,
             vector=vector,
-            rotation=matrix_from_quaternion(self.grains.quaternions[first]),
-            covariance=covariance,
+            unit=self.unit,
+            covariance=rotation.T @ covariance @ rotation,
+            systematic={"interpolation": float(bend)},
+            circuit=circuit,
+            rotation=rotation,
             area=grid.area(chain),
             grain=int(self.grain[first]),
             phase=self.phases[number],
-            unit=self.unit,
-            interpolation_error=float(bend),
         )
 
     def burgers_map(self, size: int) -> CircuitMap:

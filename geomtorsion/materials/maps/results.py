@@ -9,9 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.conventions import Signed
 from geomtorsion.errors import OrientationError
-from geomtorsion.materials.fields.noise import significances
+from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.slip import SlipDensity, SlipFamily, densities, least_combination
@@ -42,8 +41,8 @@ class FamilyLines:
         return f"FamilyLines([{name}]: {self.total:.4g} lines)"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class MapBurgers(Signed):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MapBurgers(Burgers):
     """Burgers vector of a circuit in an orientation map.
 
     Equation
@@ -51,34 +50,24 @@ class MapBurgers(Signed):
     b^i = closed integral of R^i_mu dl^mu, R from specimen to crystal: the coframe that does not
     stretch. Rounded from x to y (right-handed about z), as MTEX's integral weighted Burgers vector.
 
-    vector: b^i in crystal axes (in the variant of its grain), shape (3,), in `unit`: the sum of the
-        Burgers vectors of all lines through the circuit.
+    vector, covariance: in crystal axes (in the variant of its grain): the sum of the Burgers
+        vectors of all lines through the circuit. The systematic error is the distance from a rule
+        of fourth order along the steps, without the part that noise explains.
+    circuit: from pixel to pixel.
     rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
-    covariance: of b in specimen axes by the noise of the pixels, shape (3, 3), unit squared.
-    interpolation_error: distance from a rule of fourth order along the steps, without what noise
-        explains of it, in `unit`.
-    area: enclosed, signed, unit squared. grain: its number. phase: what the grain is.
+    area: enclosed, signed, unit squared. grain: its number. phase: of the grain.
     """
 
     circuit: Circuit
-    vector: np.ndarray
     rotation: np.ndarray
-    covariance: np.ndarray
     area: float
     grain: int
     phase: Phase
-    unit: str
-    interpolation_error: float = 0.0
 
     @property
     def specimen(self) -> np.ndarray:
         """b in specimen axes (those of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
-
-    @property
-    def size(self) -> float:
-        """|b|, in `unit`."""
-        return float(np.linalg.norm(self.vector))
 
     @property
     def per_area(self) -> np.ndarray:
@@ -96,23 +85,8 @@ class MapBurgers(Signed):
             )
         return self.vector / self.area
 
-    @property
-    def sigma(self) -> float:
-        """What noise alone makes of |b|, as root of its mean square, in `unit`."""
-        return float(np.sqrt(np.trace(self.covariance)))
-
-    @property
-    def error(self) -> float:
-        """Noise, as `sigma`, and the error of the trapezoids together, in `unit`."""
-        return float(np.hypot(self.sigma, self.interpolation_error))
-
     @cached_property
-    def significance(self) -> float:
-        """Length of b in units of its errors: noise alone gives sqrt(3) or so."""
-        return float(significances(self.specimen, self.covariance, self.interpolation_error))
-
-    @cached_property
-    def lattice(self) -> np.ndarray:
+    def indices(self) -> np.ndarray:
         """b in units of the lattice vectors a, b, c, shape (3,)."""
         return np.linalg.solve(self.phase.lattice, self._angstrom)
 
@@ -152,7 +126,7 @@ class MapBurgers(Signed):
         numbers = least_combination(vectors.T, self._angstrom, lengths)
         if numbers is None:
             raise OrientationError(
-                f"families: their Burgers vectors do not span {self.lattice.round(3).tolist()} "
+                f"families: their Burgers vectors do not span {self.indices.round(3).tolist()} "
                 "(units of a, b, c). Give another family as well."
             )
         parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
@@ -189,7 +163,7 @@ class MapBurgers(Signed):
         >>> wall = OrientationMap.from_euler(tilted, 1.0, salt, sigma=0)
         >>> b = wall.burgers(Circuit.rectangle((0, 5), 10, 10))
         >>> (found,) = b.slip(SlipFamily.of(salt, (1, 0, 0), (0, 1, 0)))
-        >>> round(found.total * b.area), round(b.size * 1e4 / 4.0)
+        >>> round(found.total * b.area), round(b.magnitude * 1e4 / 4.0)
         (440, 436)
         """
         if not families:
@@ -202,7 +176,7 @@ class MapBurgers(Signed):
     def __repr__(self) -> str:
         shown = ", ".join(f"{x:.4g}" for x in self.vector.tolist())
         return (
-            f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.sigma:.1e}, "
+            f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.noise:.1e}, "
             f"grain {self.grain}, {self.phase.name})"
         )
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from geomtorsion.errors import ImageError, OrientationError
 from geomtorsion.loops import Loop
+from geomtorsion.materials.burgers import noise_level
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.maps import Circuit, OrientationMap, slip_families
@@ -20,7 +21,6 @@ from geomtorsion.materials.measured.results import (
     Closure,
     Section,
     Survey,
-    noise_level,
 )
 
 
@@ -64,8 +64,8 @@ class SampledField:
             path=points[plane],
             vector=b.vector,
             components=self.components,
-            noise=float(np.linalg.norm(b.sigmas)),
-            grid_error=b.interpolation_error + b.quadrature_error,
+            noise=b.noise,
+            grid_error=b.systematic_error,
             significance=b.significance,
             area=float(area[section.plane]),
             arrow=b.vector[plane] if len(b.vector) > max(plane) else None,
@@ -208,7 +208,7 @@ class CrystalField:
             "steps": len(circuit.starts),
         }
         if b.phase.has_lattice:
-            more["lattice"] = b.lattice.tolist()
+            more["lattice"] = b.indices.tolist()
         if self.slip:
             more["slip"] = [
                 {
@@ -225,8 +225,8 @@ class CrystalField:
             path=np.concatenate([ends, gaps], axis=-1).reshape(2, -1),
             vector=b.vector,
             components=IN_SPECIMEN,
-            noise=b.sigma,
-            grid_error=b.interpolation_error,
+            noise=b.noise,
+            grid_error=b.systematic_error,
             significance=b.significance,
             area=b.area,
             arrow=b.specimen[:2],
@@ -329,16 +329,15 @@ class LatticeField:
     def closure(self, loop: Loop) -> Closure:
         """Burgers vector of a loop: whole numbers, or a refusal."""
         b = self.phases.burgers(loop)
-        noise = float(np.sqrt(b.chance) * np.hypot(*b.lattice.T).max())
         x, y = b.path.T * self.image.step
         return Closure(
             name=loop.name or "loop",
             path=np.stack([x, y]),
             vector=b.vector,
             components=IN_IMAGE,
-            noise=noise,
-            grid_error=b.error,
-            significance=noise_level(2, b.chance) if b.whole.any() else 0.0,
+            noise=b.noise,
+            grid_error=b.systematic_error,
+            significance=b.significance,
             area=float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2),
             arrow=b.vector,
             unit=self.unit,

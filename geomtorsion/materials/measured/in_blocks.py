@@ -16,12 +16,13 @@ from geomtorsion.errors import CheckpointError, GeomtorsionError, GridError
 from geomtorsion.files import left_parts, read_json_text, read_text, write_text, written
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.blocks import array_on_disk, digest_of
+from geomtorsion.materials.burgers import noise_level
 from geomtorsion.materials.fields import BlockMap, blocked_map
 from geomtorsion.materials.fields.blocks import Parts, estimated_sigma
 from geomtorsion.materials.fields.sources import Source
 from geomtorsion.materials.measured.fields import SampledField, layer_names
 from geomtorsion.materials.measured.opening import is_array, open_measured
-from geomtorsion.materials.measured.results import Survey, noise_level, summary
+from geomtorsion.materials.measured.results import Survey, summary
 
 # What the folder of blocks is called, and what it says of the run that fills it.
 BLOCKS, RUN = "blocks", "run.json"

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
 
 from geomtorsion.files import written
 from geomtorsion.loops import Loop
+from geomtorsion.materials.burgers import noise_level
 from geomtorsion.outgoing import csv_cell, one_line
 
 
@@ -206,17 +206,6 @@ class Measured(Protocol):
     def backdrop(self, section: Section = PLANE) -> Backdrop:
         """What a picture shows below the circuits of a section."""
         ...
-
-
-def noise_level(rows: int, share: Any = 1e-3) -> Any:
-    """The length that normal noise of `rows` components passes in this share of all circuits.
-
-    Examples
-    --------
-    >>> float(noise_level(1).round(3)), float(noise_level(3).round(3))
-    (3.291, 4.033)
-    """
-    return np.sqrt(scipy.special.chdtri(rows, share))
 
 
 def summary(survey: Survey) -> dict[str, Any]:

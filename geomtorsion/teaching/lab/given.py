@@ -139,7 +139,7 @@ class GivenFrame:
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
         remark = "" if found.sigma is not None else "Nothing is known of the noise of this map."
-        other = b.interpolation_error + b.quadrature_error
+        other = b.systematic_error
         heads = [f"b{raised(k)}" for k in range(found.rows)]
         return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, remark, side)
 

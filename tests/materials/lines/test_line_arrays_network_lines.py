@@ -33,7 +33,7 @@ def test_pieces_have_the_same_sums():
     net = bowed()
     assert net.density == 8 / 64
     assert net.arrays.lengths.tolist() == [2, 2, 2, 2]
-    assert net.around(Loop.circle([2, 1, 1], 0.5, plane=(1, 2))).vector.tolist() == [0, 0, 1]
+    assert net.burgers(Loop.circle([2, 1, 1], 0.5, plane=(1, 2))).vector.tolist() == [0, 0, 1]
     (curve,) = net.polylines
     assert (curve.is_closed, curve.length) == (True, 8)
     assert bowed((0, 0, 1)).nye[2] == pytest.approx([0, 0, 4 / 64])

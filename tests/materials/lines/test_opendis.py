@@ -39,7 +39,7 @@ def test_a_junction_there_and_back():
                 assert np.array_equal(back[table][name], wanted), name
     assert DislocationNetwork.of_opendis(back).lines == net.lines
     loop = Loop.circle([3, 3, 4], 0.5, ([1, -1, 0], [0, 0, 1]))
-    assert abs(net.around(loop).vector).tolist() == [1, 1, 1]
+    assert abs(net.burgers(loop).vector).tolist() == [1, 1, 1]
 
 
 def test_a_skew_cell_has_its_edges_as_columns():

@@ -25,7 +25,7 @@ def test_a_tilt_wall(degrees):
     found = wall(degrees, (33, 40), 0.5, threshold=20, sigma=0).burgers(
         Circuit.rectangle((0, 10), 32, 20)
     )
-    assert found.size / 16 == pytest.approx(2 * np.sin(np.radians(degrees / 2)), rel=1e-12)
+    assert found.magnitude / 16 == pytest.approx(2 * np.sin(np.radians(degrees / 2)), rel=1e-12)
     # The lattice turns from x to y: b = L (e_y(right) - e_y(left)) points along +x.
     assert found.vector[0] > 0
     assert abs(found.vector[1:]).max() < 1e-12
@@ -50,7 +50,7 @@ def test_noise_of_a_wall():
         crystal = OrientationMap.from_euler(angles, step, "m-3m", threshold=20)
         found = crystal.burgers(Circuit.rectangle((0, 3), 320, 5))
         errors.append(found.vector - [16 * 2 * np.sin(np.radians(2.5)), 0, 0])
-        told.append(found.sigma)
+        told.append(found.noise)
     assert np.std(errors, axis=0)[0] / 16 < 1e-3
     scatter = np.sqrt((np.array(errors) ** 2).sum(axis=1).mean())
     assert np.mean(told) == pytest.approx(scatter, rel=0.2)
@@ -73,7 +73,7 @@ def test_variants_do_not_matter(name):
     assert other.specimen == pytest.approx(one.specimen, abs=1e-12)
     images = Rotation.from_quat(np.roll(group.quaternions, -1, axis=1)).apply(one.vector)
     assert abs(images - other.vector).max(axis=1).min() < 1e-12
-    assert one.size > 1e-3
+    assert one.magnitude > 1e-3
 
 
 def test_a_loop_is_the_sum_of_its_cells():
@@ -160,7 +160,7 @@ def test_boundaries_are_not_crossed():
     with pytest.raises(OrientationError, match=r"pixel \(2, 2\) has no orientation"):
         crystal.burgers(Circuit.square((2, 1), 2))
     # Round the hole a circuit is fine.
-    assert crystal.burgers(Circuit.square((1, 1), 2)).size < 1e-12
+    assert crystal.burgers(Circuit.square((1, 1), 2)).magnitude < 1e-12
     clean = crystal.burgers_map(2).clean
     assert clean.shape == (6, 8)
     assert not clean[:, 3:5].any()
@@ -202,7 +202,7 @@ def test_circuits_of_loops():
     crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0)
     circle = crystal.burgers(Loop.circle([15, 14], 8))
     assert circle.area == pytest.approx(np.pi * 64, rel=0.01)
-    assert circle.size == pytest.approx(np.radians(0.02) * circle.area, rel=1e-6)
+    assert circle.magnitude == pytest.approx(np.radians(0.02) * circle.area, rel=1e-6)
     twice = crystal.burgers(Loop.circle([15, 14], 8).times(-2))
     assert twice.vector == pytest.approx(-2 * circle.vector)
     box = crystal.burgers(Loop.polygon([[1, 1], [4, 1], [4, 3], [1, 3]]))
@@ -227,7 +227,7 @@ def test_hexagonal_grids():
         assert crystal.burgers_map(n).per_area == pytest.approx(np.radians(0.02), rel=1e-5)
     circle = crystal.burgers(Loop.circle([20, 12], 7))
     assert circle.area == pytest.approx(np.pi * 49, rel=0.03)
-    assert circle.size == pytest.approx(np.radians(0.02) * circle.area, rel=1e-5)
+    assert circle.magnitude == pytest.approx(np.radians(0.02) * circle.area, rel=1e-5)
 
 
 def curved(shape, shift, bend):
@@ -266,11 +266,11 @@ def test_the_error_of_trapezoids_is_told(shift):
             fine = fine + weight * chain.times @ each
         away = np.linalg.norm(found.vector - fine)
         assert away > 1e-5
-        assert found.interpolation_error == pytest.approx(away, rel=0.1)
-        assert found.error == found.interpolation_error
+        assert found.systematic_error == pytest.approx(away, rel=0.1)
+        assert found.error == found.systematic_error
     squares = crystal.burgers_map(12)
     one = crystal.burgers(Circuit.square((4, 3), 12))
-    assert squares.interpolation[4, 3] == pytest.approx(one.interpolation_error, rel=1e-9)
+    assert squares.interpolation[4, 3] == pytest.approx(one.systematic_error, rel=1e-9)
     assert squares.errors[4, 3] == pytest.approx(one.error, rel=1e-9)
     assert np.isfinite(squares.interpolation[squares.clean]).all()
 
@@ -297,8 +297,8 @@ def test_edges_of_grains_tell_no_error():
     whole = OrientationMap(q, np.ones((12, 30)), {1: NICKEL}, sigma=0)
     halves = OrientationMap(two, np.ones((12, 30)), {1: NICKEL}, sigma=0)
     circuit = Circuit.rectangle((2, 2), 8, 12)
-    error = whole.burgers(circuit).interpolation_error
-    assert halves.burgers(circuit).interpolation_error == pytest.approx(error, rel=0.1)
+    error = whole.burgers(circuit).systematic_error
+    assert halves.burgers(circuit).systematic_error == pytest.approx(error, rel=0.1)
 
 
 def test_a_grain_as_a_sampled_frame():
@@ -333,9 +333,9 @@ def test_every_circuit_of_a_hexagonal_map(shift):
     found = crystal.burgers_map(3)
     for place in ((4, 6), (5, 6)):
         one = crystal.burgers(Circuit.square(place, 3))
-        assert found.sigma[place] == pytest.approx(one.sigma, rel=1e-12)
+        assert found.sigma[place] == pytest.approx(one.noise, rel=1e-12)
         assert found.significance[place] == pytest.approx(one.significance, rel=1e-9)
-        assert found.interpolation[place] == pytest.approx(one.interpolation_error, rel=1e-9)
+        assert found.interpolation[place] == pytest.approx(one.systematic_error, rel=1e-9)
 
 
 def test_where_a_hexagonal_map_begins_and_ends():
@@ -385,7 +385,7 @@ def test_silicon():
     assert np.median(eight.per_area) < 6e-5
     scatter = np.sqrt((np.linalg.norm(eight.vectors, axis=-1) ** 2).mean())
     assert eight.sigma == pytest.approx(scatter, rel=0.2)
-    assert wafer.burgers(Circuit.square((3, 5), 8)).sigma == pytest.approx(eight.sigma[3, 5])
+    assert wafer.burgers(Circuit.square((3, 5), 8)).noise == pytest.approx(eight.sigma[3, 5])
 
 
 def test_steel():

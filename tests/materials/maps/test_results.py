@@ -25,7 +25,7 @@ def test_lines_add_up():
     (half,) = b.lines((0.5, 0.5, 0))
     assert half.numbers @ half.vectors == pytest.approx(b.vector * 1e4, rel=1e-9)
     assert half.total == pytest.approx(2 * expected, rel=0.03)
-    assert b.lattice == pytest.approx(b.vector * 1e4 / 3.52)
+    assert b.indices == pytest.approx(b.vector * 1e4 / 3.52)
     # With both at hand the shorter sum is taken: one [100] is shorter than two <110>/2.
     both = b.lines((1, 0, 0), (0.5, 0.5, 0))
     assert both[0].total == pytest.approx(whole.total, rel=0.05)

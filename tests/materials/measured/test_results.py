@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomtorsion.materials.measured.results import noise_level
+from geomtorsion.materials.burgers import noise_level
 from tests.materials.measured.test_fields import field
 
 
