@@ -17,15 +17,8 @@ import networkx as nx
 import numpy as np
 
 from geomtorsion.errors import NetworkError
-from geomtorsion.loops import (
-    Cochain,
-    Complex,
-    DislocationNetwork,
-    EdgeList,
-    Network,
-    Reaction,
-    parallel_screws,
-)
+from geomtorsion.loops import Cochain, Complex, EdgeList, Network, parallel_screws
+from geomtorsion.materials.lines import DislocationNetwork, Reaction
 
 HIDDEN = {(0.3, 0.4): 1, (-2.2, 1.7): Fraction(1, 2), (1.6, -2.4): -1}
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import geomtorsion as gt
-from geomtorsion.orientations import laue_group
+from geomtorsion.materials.maps import laue_group
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
 
 # Beside a checkout: a silicon wafer, in which there is nothing but noise.
@@ -87,7 +87,7 @@ def main(arguments: list[str] | None = None) -> None:
         shown = gt.OrientationMap.read(options.file)
         tell(shown, options.size)
     if options.pictures:
-        from geomtorsion.measured import CrystalField
+        from geomtorsion.materials.measured import CrystalField
         from geomtorsion.pictures.measured import draw_circuits, draw_survey
 
         options.pictures.mkdir(parents=True, exist_ok=True)

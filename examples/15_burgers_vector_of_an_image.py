@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion.errors import ImageError
-from geomtorsion.images import LatticeImage
 from geomtorsion.loops import Loop
+from geomtorsion.materials.images import LatticeImage
 
 
 def micrograph(size: int, spacing: float, noise: float, seed: int) -> np.ndarray:

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import geomtorsion as gt
-from geomtorsion.loops.fields.circuits import SampledBurgers
+from geomtorsion.materials.fields.circuits import SampledBurgers
 
 B, NU = np.array([0.286, 0.0]), 0.345
 LINE = np.linspace(-4, 4, 81)
@@ -101,7 +101,7 @@ def main(arguments: list[str] | None = None) -> None:
         field = gt.SampledFrame.read(options.file)
         print(field, field.burgers_map(options.size), sep="\n")
     if options.pictures:
-        from geomtorsion.measured import SampledField
+        from geomtorsion.materials.measured import SampledField
         from geomtorsion.pictures.measured import draw_survey
 
         options.pictures.mkdir(parents=True, exist_ok=True)

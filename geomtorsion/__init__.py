@@ -42,7 +42,7 @@ from geomtorsion.spaces import read_file as read
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import crystals, exercises, images, pictures, scenes
+    from geomtorsion import pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -73,31 +73,20 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
-    from geomtorsion.images import (
-        LatticeBurgers,
-        LatticeImage,
-        LatticePhases,
-    )
     from geomtorsion.loops import (
         AffineMap,
-        Box,
         BurgersMap,
         BurgersVector,
         Cochain,
         Complex,
         Defect,
         Development,
-        DislocationNetwork,
         EdgeList,
         EnclosedDefect,
         ExactBurgersVector,
-        LineArrays,
         Loop,
         Network,
         NodeRule,
-        Reaction,
-        SampledFrame,
-        ScatteredFrame,
         burgers_map,
         burgers_vector,
         burgers_vectors,
@@ -111,6 +100,19 @@ if TYPE_CHECKING:
         parallel_dislocations,
         parallel_edges,
         parallel_screws,
+    )
+    from geomtorsion.materials import crystals, images
+    from geomtorsion.materials.fields import SampledFrame, ScatteredFrame
+    from geomtorsion.materials.images import (
+        LatticeBurgers,
+        LatticeImage,
+        LatticePhases,
+    )
+    from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays, Reaction
+    from geomtorsion.materials.maps import (
+        Circuit,
+        OrientationMap,
+        Phase,
     )
     from geomtorsion.ode import (
         ODE,
@@ -128,11 +130,6 @@ if TYPE_CHECKING:
 
     # mypy takes the name in the package for the module that bears it.
     from geomtorsion.ode.solve import solve
-    from geomtorsion.orientations import (
-        Circuit,
-        OrientationMap,
-        Phase,
-    )
     from geomtorsion.proofs import (
         Proof,
         prove,
@@ -150,6 +147,7 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.teaching import exercises
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
 _LATER = {
@@ -169,24 +167,28 @@ _LATER = {
     ),
     "rigid": ("FreeTop", "free_top"),
     "loops": (
-        "AffineMap", "Box", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect",
-        "Development", "DislocationNetwork", "EdgeList", "EnclosedDefect", "ExactBurgersVector",
-        "LineArrays", "Loop", "Network", "NodeRule", "Reaction", "SampledFrame",
-        "ScatteredFrame", "burgers_map",
-        "burgers_vector", "burgers_vectors", "develop", "develop_path", "develop_period",
+        "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
+        "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
+        "burgers_map", "burgers_vector", "burgers_vectors", "develop", "develop_path",
+        "develop_period",
         "dispiration", "enclosed_defects", "exact_burgers_vector", "find_defects",
         "parallel_dislocations", "parallel_edges", "parallel_screws",
     ),
-    "orientations": ("Circuit", "OrientationMap", "Phase"),
-    "images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
+    "materials.fields": ("SampledFrame", "ScatteredFrame"),
+    "materials.lines": ("Box", "DislocationNetwork", "LineArrays", "Reaction"),
+    "materials.maps": ("Circuit", "OrientationMap", "Phase"),
+    "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
     ),
 }  # fmt: skip
-# Packages that are asked for by name, as spaces is.
-_PACKAGES = ("crystals", "exercises", "images", "pictures", "scenes")
+# Packages that users reach by a public name, imported on first use.
+_PACKAGES = {
+    "crystals": "materials.crystals", "exercises": "teaching.exercises",
+    "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+}  # fmt: skip
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
 __all__ = [
@@ -313,7 +315,7 @@ if not TYPE_CHECKING:
         if name == "__version__":
             return _version()
         if name in _PACKAGES:
-            return import_module(f"geomtorsion.{name}")
+            return import_module(f"geomtorsion.{_PACKAGES[name]}")
         if name not in _HOME:
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)

@@ -13,7 +13,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
-from tests.lab.serving import served
+from tests.teaching.lab.serving import served
 
 # Where a browser may be named, and whether its absence is a failure.
 NAMED, NEEDED = "GEOMTORSION_BROWSER", ("CI", "GEOMTORSION_NEED_BROWSER")

@@ -12,8 +12,8 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import exercises, scenes, spaces
-from geomtorsion.exercises.exports.tasks import tasks
 from geomtorsion.scenes import effects
+from geomtorsion.teaching.exercises.exports.tasks import tasks
 from tests.canary import Case
 
 X, Y = sp.symbols("x y")

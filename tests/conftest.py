@@ -23,7 +23,7 @@ from tests.browser import (
     standing_pages,
     watched,
 )
-from tests.exercises.processes import one_pool
+from tests.teaching.exercises.processes import one_pool
 
 __all__ = [
     "address", "browser", "context", "lab", "one_pool", "playwright", "standing",
@@ -35,7 +35,7 @@ settings.load_profile("geomtorsion")
 
 
 # What takes longest, or waits for a browser: nothing of it is to be left for one worker at the end.
-LONG = ("tests/lab/", "tests/test_types.py", "tests/hard/")
+LONG = ("tests/teaching/lab/", "tests/test_types.py", "tests/hard/")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -17,6 +17,15 @@ PACKAGE = Path(geomtorsion.__file__).parent
 FILES = tuple(sorted(PACKAGE.rglob("*.py")))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 LOOKED_FOR = (*FUNCTIONS, ast.Import, ast.ImportFrom, ast.AnnAssign)
+NO_CODE = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENCODING,
+    tokenize.ENDMARKER,
+}
 Nodes = Iterable[tuple[ast.AST, bool]]
 
 
@@ -102,13 +111,51 @@ def file_imports() -> dict[str, set[str]]:
 
 
 @cache
-def package_imports() -> dict[str, set[str]]:
-    """For each package the packages that it imports."""
-    found: dict[str, set[str]] = {}
-    for one, others in file_imports().items():
-        own = found.setdefault(one.partition("/")[0], set())
-        own |= {other.partition("/")[0] for other in others} - {one.partition("/")[0]}
-    return found
+def package_imports(deep: tuple[str, ...] = ()) -> dict[str, set[str]]:
+    """For each package the packages that it imports; packages in those of `deep` count as well."""
+
+    def package(file: str) -> str:
+        first, _, rest = file.partition("/")
+        return f"{first}/{rest.partition('/')[0]}" if first in deep else first
+
+    imports: dict[str, set[str]] = {}
+    for file, others in file_imports().items():
+        imports.setdefault(package(file), set()).update(
+            package(other) for other in others if package(other) != package(file)
+        )
+    return imports
+
+
+@cache
+def exports(package: str) -> frozenset[str]:
+    """The names in `__all__` of a package of geomtorsion."""
+    for node in tree_of(PACKAGE / package / "__init__.py").body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return frozenset(ast.literal_eval(node.value))
+    return frozenset()
+
+
+def is_exported(name: tuple[str, ...]) -> bool:
+    """Whether a dotted name is in `__all__` of its package, or in a module that is.
+
+    Modules directly in geomtorsion, such as checks, are open to all.
+    """
+    package = PACKAGE / name[0]
+    return not package.is_dir() or len(name) == 1 or name[1] in exports(name[0])
+
+
+def code_lines(file: Path) -> int:
+    """Lines of code of a file: docstrings, comments and blank lines do not count."""
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text_of(file)).readline):
+        if token.type not in NO_CODE:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(tree_of(file)):
+        body = getattr(node, "body", None)
+        documented = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+        if documented and body and ast.get_docstring(node, clean=False) is not None:
+            lines.difference_update(range(body[0].lineno, (body[0].end_lineno or 0) + 1))
+    return len(lines)
 
 
 def bare_inner_imports(text: str, nodes: Nodes) -> list[int]:

@@ -12,8 +12,9 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion.conventions import BURGERS, burgers
 from geomtorsion.errors import ArgumentError, UnknownNameError
-from geomtorsion.loops import Cochain, Loop, SampledFrame, burgers_vector, exact_burgers_vector
+from geomtorsion.loops import Cochain, Loop, burgers_vector, exact_burgers_vector
 from geomtorsion.loops.cochain import CycleBurgers
+from geomtorsion.materials.fields import SampledFrame
 from tests.real import real
 
 NU = 0.3

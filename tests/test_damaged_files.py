@@ -11,13 +11,15 @@ import pytest
 from geomtorsion import scenes
 from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import DislocationNetwork, Loop, SampledFrame
+from geomtorsion.loops import Loop
 from geomtorsion.loops.loop_files import read_loops
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
 from geomtorsion.scenes import SceneResult
 from geomtorsion.scenes.checkpoint import partial_result
 from tests.damage import campaign, spoilt_bytes, spoilt_json, spoilt_npz, spoilt_words
-from tests.loops.synthetic_networks import rings
+from tests.materials.lines.synthetic_networks import rings
 
 PLANE = Frame("x y", [[1, 0], [0, 1]])
 LOOPS = {

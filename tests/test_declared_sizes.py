@@ -13,15 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geomtorsion.crystals.atom_files import atom_frames
 from geomtorsion.errors import FileFormatError, LimitError
-from geomtorsion.exercises import grading
-from geomtorsion.exercises.examiner import Examiner
 from geomtorsion.files import read_toml_text
-from geomtorsion.images import LatticeImage
-from geomtorsion.loops import DislocationNetwork, SampledFrame
+from geomtorsion.materials.crystals.atom_files import atom_frames
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.images import LatticeImage
+from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.ode import ODE, RungeKutta, SavedSolution, solve
-from geomtorsion.orientations import OrientationMap
+from geomtorsion.teaching.exercises import grading
+from geomtorsion.teaching.exercises.examiner import Examiner
 
 # Seconds of work that a refusal may take; without a bound it was minutes, or without end.
 SECONDS = 5.0

@@ -5,7 +5,7 @@ import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.hdf5 import check_hdf5
-from geomtorsion.measured import open_measured
+from geomtorsion.materials.measured import open_measured
 
 h5py = pytest.importorskip("h5py")
 

@@ -12,10 +12,10 @@ from typer.testing import CliRunner
 import geomtorsion
 from geomtorsion.cli.app import app
 from geomtorsion.spaces import read_file
-from tests.crystals.making import copper_screw, written
-from tests.images.atoms import crystal
-from tests.orientations.synthetic import bent
-from tests.orientations.test_map_files import ctf, write
+from tests.materials.crystals.making import copper_screw, written
+from tests.materials.images.atoms import crystal
+from tests.materials.maps.synthetic import bent
+from tests.materials.maps.test_map_files import ctf, write
 
 # A flat field of 24 x 20 nodes, and a picture of 256 x 256 pixels with a dislocation.
 FIELD = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 24, 20)).copy()
@@ -37,8 +37,8 @@ COMMANDS = [
     for line in block.splitlines()
     if line.startswith("geomtorsion ")
 ]
-# All exercises in two variants each: tests/exercises/exports exports them one by one. Pages of all
-# tabs: the guide for teachers has them exported, in tests/lab/test_classroom.py.
+# All exercises in two variants each: tests of the exports export them one by one. Pages of all
+# tabs: the test of the lesson in examples/classroom.md exports them.
 LONG = (
     "geomtorsion exercises export --to stack -o moodle",
     "geomtorsion lab --export course",

@@ -21,8 +21,8 @@ import geomtorsion as gt
 from geomtorsion import exercises, scenes, spaces
 from geomtorsion.cli.app import app
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.exercises.grading import read_submission
 from geomtorsion.loops.loop_files import read_loops
+from geomtorsion.teaching.exercises.grading import read_submission
 from tests import canary_cases
 from tests.canary import EVENT, PAYLOAD, WATCH, leaves, payloads, poisoned
 from tests.source import tree_of

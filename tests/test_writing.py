@@ -12,16 +12,16 @@ import pytest
 
 import geomtorsion as gt
 from geomtorsion import scenes
-from geomtorsion.crystals import blocked_crystal
 from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
-from geomtorsion.exercises import export
-from geomtorsion.exercises.grading import read_submission
-from geomtorsion.exercises.sheets import write_sheet
 from geomtorsion.loops.loop_files import read_loops
-from geomtorsion.measured import open_measured
+from geomtorsion.materials.crystals import blocked_crystal
+from geomtorsion.materials.measured import open_measured
 from geomtorsion.pictures.report import write_report
 from geomtorsion.spaces.files import read_file
-from tests.loops.synthetic_networks import rings
+from geomtorsion.teaching.exercises import export
+from geomtorsion.teaching.exercises.grading import read_submission
+from geomtorsion.teaching.exercises.sheets import write_sheet
+from tests.materials.lines.synthetic_networks import rings
 
 
 @cache

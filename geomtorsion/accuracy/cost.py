@@ -9,17 +9,26 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.curves import CurveProblem
-from geomtorsion.curves.linear import closed_form
+from geomtorsion.curves import CurveProblem, closed_form
 from geomtorsion.errors import AccuracyError, GeomtorsionError, ProofError
-from geomtorsion.ode import ODE, Engine, RungeKutta, Solution, Taylor, solve
-from geomtorsion.ode.engines import Run
+from geomtorsion.ode import (
+    ODE,
+    Engine,
+    Run,
+    RungeKutta,
+    Segment,
+    Solution,
+    Stage,
+    Taylor,
+    Trajectory,
+    WorkLimitError,
+    integrate,
+    solve,
+)
 from geomtorsion.ode.engines.stepwise import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.numbers import checked_accuracy, checked_times
-from geomtorsion.ode.system import WorkLimitError
-from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 from geomtorsion.precision import EPS
 from geomtorsion.proofs import prove
 

@@ -18,10 +18,9 @@ from mpmath.libmp import prec_to_dps
 from geomtorsion import checks
 from geomtorsion.accuracy.cost import ACCURACIES, LONG_ENOUGH
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import burgers_vector, integrals
+from geomtorsion.loops import burgers_vector, forms, integrals
 from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
-from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import flux_at, line_at
 from geomtorsion.precision import CONSTANT_BITS, working_digits
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from geomtorsion.checks import cut, shown
 from geomtorsion.cli.options import processes
-from geomtorsion.crystals.atom_files import atom_frames, frame_count
-from geomtorsion.crystals.blocked import blocked_crystal, forget_blocks
-from geomtorsion.crystals.reports import Json, crystal_report
-from geomtorsion.crystals.trajectories import Wanted
 from geomtorsion.errors import CheckpointError, CrystalError
-from geomtorsion.loops import DislocationNetwork
+from geomtorsion.materials.crystals.atom_files import atom_frames, frame_count
+from geomtorsion.materials.crystals.blocked import blocked_crystal, forget_blocks
+from geomtorsion.materials.crystals.reports import Json, crystal_report
+from geomtorsion.materials.crystals.trajectories import Wanted
+from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.npz import ArrayForm, read_npz
 
 BLOCKS = "blocks"

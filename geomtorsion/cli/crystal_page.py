@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 
-from geomtorsion.crystals.reports import Json
-from geomtorsion.lab.turning import Curve, Film, turnable
+from geomtorsion.materials.crystals.reports import Json
 from geomtorsion.pictures.style import SERIES, Stroke
+from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 
 EDGE = Stroke("#9aa0a8", "-", 1.0, "")
 

@@ -19,7 +19,7 @@ from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.quantities import Quantity
 from geomtorsion.pictures.sections import aligned
 from geomtorsion.pictures.text import expression_text, plain_text
-from geomtorsion.spaces.space import Space
+from geomtorsion.spaces import Space
 
 # Letters with bars stand first: without, their bars would be left over.
 _ASCII = {

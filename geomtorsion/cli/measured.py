@@ -19,8 +19,8 @@ from geomtorsion.errors import GeomtorsionError, GridError, ImageError, Orientat
 from geomtorsion.files import UNSIGNED, write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
-from geomtorsion.measured import Closure, Measured, Survey, open_measured
-from geomtorsion.measured.results import summary, write_arrays, write_table
+from geomtorsion.materials.measured import Closure, Measured, Survey, open_measured
+from geomtorsion.materials.measured.results import summary, write_arrays, write_table
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar

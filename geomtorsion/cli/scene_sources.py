@@ -17,7 +17,7 @@ from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.files import read_toml
 from geomtorsion.scenes import Scene
 from geomtorsion.scenes.units import quantity
-from geomtorsion.spaces.space import Space
+from geomtorsion.spaces import Space
 
 
 def is_scene(source: str) -> bool:

@@ -8,8 +8,7 @@ from typing import TypeVar
 
 from geomtorsion import spaces
 from geomtorsion.errors import UnknownNameError
-from geomtorsion.spaces.files import read_file
-from geomtorsion.spaces.space import Space
+from geomtorsion.spaces import Space, read_file
 
 T = TypeVar("T")
 

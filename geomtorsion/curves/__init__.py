@@ -8,7 +8,9 @@ from geomtorsion.curves.constructors import (
     parallel_transport,
 )
 from geomtorsion.curves.distance import distance_apart
+from geomtorsion.curves.edges import edges_of
 from geomtorsion.curves.exponential import exponential_map, holonomy
+from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
 
@@ -19,7 +21,9 @@ __all__ = [
     "LogMap",
     "TransitionMap",
     "autoparallel",
+    "closed_form",
     "distance_apart",
+    "edges_of",
     "exponential_map",
     "geodesic",
     "geodesic_deviation",

@@ -1,8 +1,23 @@
 """Exact scalars: read, differentiate, decide zero, write."""
 
+from geomtorsion.exact import limits, names, syntax, tokens
 from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression
+from geomtorsion.exact.printing import PrintedOnce, TexPrinter
 
-__all__ = ["Branch", "Certainty", "Element", "Field", "Generator", "parse_expression"]
+__all__ = [
+    "Branch",
+    "Certainty",
+    "Element",
+    "Field",
+    "Generator",
+    "PrintedOnce",
+    "TexPrinter",
+    "limits",
+    "names",
+    "parse_expression",
+    "syntax",
+    "tokens",
+]

@@ -1,5 +1,6 @@
 """Geometry: symbols in, tensors out."""
 
+from geomtorsion.geometry import notation, validation
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
     blend,
@@ -35,4 +36,6 @@ __all__ = [
     "from_torsion",
     "identities",
     "levi_civita",
+    "notation",
+    "validation",
 ]

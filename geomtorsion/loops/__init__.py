@@ -1,10 +1,9 @@
 """Loops: closed paths to Burgers vectors."""
 
+from geomtorsion.loops import arcs, exact_integral, integrals, loop_files, quadrature, validation
 from geomtorsion.loops.affine_map import AffineMap
-from geomtorsion.loops.arcs import Arc, Part
-from geomtorsion.loops.box import Box
+from geomtorsion.loops.arcs import Arc, Number, Parameters, Part, Segment
 from geomtorsion.loops.burgers import burgers_vector
-from geomtorsion.loops.circuit import CircuitBurgers
 from geomtorsion.loops.cochain import ChainSums, Cochain
 from geomtorsion.loops.complexes import Complex
 from geomtorsion.loops.defect_lines import (
@@ -15,61 +14,65 @@ from geomtorsion.loops.defect_lines import (
 )
 from geomtorsion.loops.defects import Defect, EnclosedDefect, enclosed_defects, find_defects
 from geomtorsion.loops.development import Development, develop
-from geomtorsion.loops.dislocation_network import DislocationNetwork
-from geomtorsion.loops.edges import EdgeList
+from geomtorsion.loops.edges import EdgeIntegrals, EdgeList
+from geomtorsion.loops.exact_circle import exact_circle
 from geomtorsion.loops.exact_integral import ExactBurgersVector, exact_burgers_vector
-from geomtorsion.loops.fields.blocks import BlockMap, blocked_map
-from geomtorsion.loops.line_arrays import LineArrays
-from geomtorsion.loops.line_families import LineFamily
+from geomtorsion.loops.forms import forms
+from geomtorsion.loops.hodograph import Hodograph, hodograph
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.maps import BurgersMap, burgers_map, burgers_vectors
 from geomtorsion.loops.network import Network
 from geomtorsion.loops.node_rule import NodeRule
-from geomtorsion.loops.paths import develop_path, develop_period
-from geomtorsion.loops.reactions import Reaction
+from geomtorsion.loops.paths import DevelopedPath, develop_path, develop_period, developed_path
 from geomtorsion.loops.result import BurgersVector, Check
-from geomtorsion.loops.sampled import SampledFrame
-from geomtorsion.loops.scattered import ScatteredFrame
+from geomtorsion.loops.spanning_forest import spanning_forest
 
 __all__ = [
     "AffineMap",
     "Arc",
-    "BlockMap",
-    "Box",
     "BurgersMap",
     "BurgersVector",
     "ChainSums",
     "Check",
-    "CircuitBurgers",
     "Cochain",
     "Complex",
     "Defect",
+    "DevelopedPath",
     "Development",
-    "DislocationNetwork",
+    "EdgeIntegrals",
     "EdgeList",
     "EnclosedDefect",
     "ExactBurgersVector",
-    "LineArrays",
-    "LineFamily",
+    "Hodograph",
     "Loop",
     "Network",
     "NodeRule",
+    "Number",
+    "Parameters",
     "Part",
-    "Reaction",
-    "SampledFrame",
-    "ScatteredFrame",
-    "blocked_map",
+    "Segment",
+    "arcs",
     "burgers_map",
     "burgers_vector",
     "burgers_vectors",
     "develop",
     "develop_path",
     "develop_period",
+    "developed_path",
     "dispiration",
     "enclosed_defects",
     "exact_burgers_vector",
+    "exact_circle",
+    "exact_integral",
     "find_defects",
+    "forms",
+    "hodograph",
+    "integrals",
+    "loop_files",
     "parallel_dislocations",
     "parallel_edges",
     "parallel_screws",
+    "quadrature",
+    "spanning_forest",
+    "validation",
 ]

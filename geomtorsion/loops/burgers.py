@@ -24,9 +24,8 @@ from geomtorsion.loops.integrals import (
 )
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
+from geomtorsion.loops.protocols import HasBurgers, Result_co
 from geomtorsion.loops.result import BurgersVector, Check
-from geomtorsion.loops.sampled import SampledBurgers, SampledFrame
-from geomtorsion.loops.scattered import ScatteredFrame
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
 
@@ -44,13 +43,13 @@ def burgers_vector(
 
 @overload
 def burgers_vector(
-    frame: SampledFrame | ScatteredFrame,
+    frame: HasBurgers[Result_co],
     loop: Loop,
     accuracy: float = ...,
     *,
     parameters: Parameters | None = ...,
     exact: Literal[False] = ...,
-) -> SampledBurgers: ...
+) -> Result_co: ...
 
 
 @overload
@@ -64,18 +63,14 @@ def burgers_vector(
 ) -> ExactBurgersVector: ...
 
 
-@overload
-def burgers_vector(frame: SampledFrame | ScatteredFrame, loop: Loop) -> SampledBurgers: ...
-
-
 def burgers_vector(
-    frame: Frame | SampledFrame | ScatteredFrame,
+    frame: Frame | HasBurgers[object],
     loop: Loop,
     accuracy: float = 1e-12,
     *,
     parameters: Parameters | None = None,
     exact: bool = False,
-) -> BurgersVector | ExactBurgersVector | SampledBurgers:
+) -> object:
     """Burgers vector of a loop: what the frame misses when the loop closes in coordinates.
 
     Equation
@@ -128,7 +123,7 @@ def burgers_vector(
     >>> b.vector, b.route, b.check.agrees
     (array([0.00000000e+00, 0.00000000e+00, 6.28318531e-18]), 'flux', True)
     """
-    if isinstance(frame, SampledFrame | ScatteredFrame):
+    if isinstance(frame, HasBurgers):
         if exact or parameters:
             raise ArgumentError(
                 "frame: a frame known by numbers has neither closed forms nor parameters."

@@ -19,9 +19,8 @@ from geomtorsion.loops.forms import perturbed
 from geomtorsion.loops.integrals import DISAGREE, probes
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
+from geomtorsion.loops.protocols import HasBurgers
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.loops.sampled import SampledFrame
-from geomtorsion.loops.scattered import ScatteredFrame
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
@@ -248,7 +247,7 @@ def develop(
     >>> round(turn.angle, 12), turn.check.agrees     # the area (cos 1 - cos 1.5) / 4
     (0.11739127605, True)
     """
-    if isinstance(connection, SampledFrame | ScatteredFrame):
+    if isinstance(connection, HasBurgers):
         raise ArgumentError(
             "connection: a Connection was needed, but samples of a frame came, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."

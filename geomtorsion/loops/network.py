@@ -18,7 +18,7 @@ from geomtorsion.loops.edges import EdgeIntegrals, EdgeList, edge_integrals, edg
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.loop import Loop
 from geomtorsion.loops.node_rule import NodeRule, node_rule
-from geomtorsion.loops.sampled import SampledFrame
+from geomtorsion.loops.protocols import HasEdges
 from geomtorsion.loops.spanning_forest import Forest
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class Network:
     [0.0, 0.0, 0.25]
     """
 
-    frame: Frame | SampledFrame
+    frame: Frame | HasEdges
     graph: nx.Graph[Hashable] | EdgeList
     position: str = "position"
     accuracy: float = 1e-12
@@ -78,7 +78,7 @@ class Network:
         """The integral of the coframe along every edge, from its first node to its second."""
         places, pairs = self.edges.positions, self.edges.pairs
         starts, ends = places[pairs[:, 0]], places[pairs[:, 1]]
-        if isinstance(self.frame, SampledFrame):
+        if not isinstance(self.frame, Frame):
             return self.frame.along_edges(starts, ends)
         return edge_integrals(self.frame, starts, ends, self.accuracy, parameters=self.parameters)
 

@@ -1,5 +1,7 @@
 """First-order equations with events: engines, solutions to a stated accuracy, ensembles."""
 
+from geomtorsion.ode import checkpoint, engines, error_estimate, numbers, solution, writing
+from geomtorsion.ode.checkpoint import Checkpoint
 from geomtorsion.ode.engines import Engine, RungeKutta, Stiff, Taylor
 from geomtorsion.ode.ensemble import Ensemble, solve_many
 from geomtorsion.ode.files import SavedSolution
@@ -7,21 +9,36 @@ from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.problem import ODE
 from geomtorsion.ode.solution import Cost, Solution
 from geomtorsion.ode.solve import solve
+from geomtorsion.ode.system import Run, WorkLimitError
 from geomtorsion.ode.terms import At, When
+from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate
 
 __all__ = [
     "ODE",
     "At",
+    "Checkpoint",
     "Cost",
     "Engine",
     "Ensemble",
     "Moment",
+    "Run",
     "RungeKutta",
     "SavedSolution",
+    "Segment",
     "Solution",
+    "Stage",
     "Stiff",
     "Taylor",
+    "Trajectory",
     "When",
+    "WorkLimitError",
+    "checkpoint",
+    "engines",
+    "error_estimate",
+    "integrate",
+    "numbers",
+    "solution",
     "solve",
     "solve_many",
+    "writing",
 ]

@@ -23,7 +23,7 @@ from geomtorsion.pictures.curves import (
 )
 from geomtorsion.pictures.quantities import Data
 from geomtorsion.pictures.style import can_draw, save
-from geomtorsion.spaces.pair import Pair
+from geomtorsion.spaces import Pair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from geomtorsion.curves import Atlas
     from geomtorsion.ode import Solution
-    from geomtorsion.spaces.pair import Pair
+    from geomtorsion.spaces import Pair
 
 
 def error_over_time(solution: Solution) -> np.ndarray | None:

@@ -9,8 +9,7 @@ import numpy as np
 import sympy as sp
 from sympy import latex
 
-from geomtorsion.loops import Loop, develop
-from geomtorsion.loops.paths import DevelopedPath, developed_path
+from geomtorsion.loops import DevelopedPath, Loop, develop, developed_path
 from geomtorsion.pictures.loops import GAP, IMAGE, PATH, START
 from geomtorsion.pictures.style import arrow, new_figure, quiet
 

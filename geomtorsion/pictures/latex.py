@@ -11,7 +11,7 @@ import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
-from geomtorsion.exact.printing import PrintedOnce
+from geomtorsion.exact import PrintedOnce
 from geomtorsion.outgoing import latex_letters
 from geomtorsion.pictures.text import GREEK, MOST_PRIMES, greek_name, ordered_terms, to_sympy
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.images import LatticeBurgers, LatticeImage, LatticePhases
+from geomtorsion.materials.images import LatticeBurgers, LatticeImage, LatticePhases
 from geomtorsion.pictures.style import SERIES, arrow, captioned, new_figure, number
 
 if TYPE_CHECKING:

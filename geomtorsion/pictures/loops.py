@@ -11,8 +11,7 @@ from sympy import latex
 
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
-from geomtorsion.loops import BurgersMap, BurgersVector
-from geomtorsion.loops.hodograph import Hodograph, hodograph
+from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, hodograph
 from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet, sense
 
 if TYPE_CHECKING:

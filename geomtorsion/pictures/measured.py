@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.loops import Loop
-from geomtorsion.measured import Backdrop, Closure, Measured, Section, Survey
+from geomtorsion.materials.measured import Backdrop, Closure, Measured, Section, Survey
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.network import SOFT
 from geomtorsion.pictures.style import (

@@ -9,10 +9,11 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, LimitError, NetworkError
-from geomtorsion.loops import DislocationNetwork, LineArrays, Loop, Network
-from geomtorsion.loops.line_families import LineFamily, line_families, named_families
-from geomtorsion.loops.reactions import size, written
-from geomtorsion.loops.sampled import SampledFrame
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import Loop, Network
+from geomtorsion.materials.lines import DislocationNetwork, LineArrays
+from geomtorsion.materials.lines.line_families import LineFamily, line_families, named_families
+from geomtorsion.materials.lines.reactions import size, written
 from geomtorsion.pictures.loops import GAP, PATH, START
 from geomtorsion.pictures.style import (
     FLAT,
@@ -87,8 +88,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
         length > max(FLAT * largest, one.error) for one, length in zip(found, sizes, strict=True)
     )
     frame = net.frame
-    sampled = isinstance(frame, SampledFrame)
-    names = list(frame.names) if sampled else [symbol.name for symbol in frame.coordinates]
+    exact = isinstance(frame, Frame)
+    names = [symbol.name for symbol in frame.coordinates] if exact else list(frame.names)
     axes.set_xlabel(names[plane[0]])
     axes.set_ylabel(names[plane[1]])
     axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)

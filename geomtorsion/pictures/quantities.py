@@ -12,14 +12,14 @@ from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry.notation import open_mark
 from geomtorsion.pictures.latex import letters, text_label
 from geomtorsion.pictures.text import plain_text
-from geomtorsion.spaces.checking import CONNECTION_QUANTITIES
+from geomtorsion.spaces import CONNECTION_QUANTITIES
 
 if TYPE_CHECKING:
     import sympy
 
     from geomtorsion.exact import Element
     from geomtorsion.geometry import Tensor
-    from geomtorsion.spaces.space import Space
+    from geomtorsion.spaces import Space
 
 
 @dataclass(frozen=True)

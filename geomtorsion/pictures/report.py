@@ -30,14 +30,14 @@ from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words
 from geomtorsion.pictures.verdicts import Verdict, verdicts
+from geomtorsion.spaces import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.spaces.first_motion import first_motion
-from geomtorsion.spaces.pair import Pair, refuse_unknown_functions, solve_pair
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from geomtorsion.pictures.quantities import Quantity
-    from geomtorsion.spaces.space import Space
+    from geomtorsion.spaces import Space
 
 # A connection of the space's own may have these properties or not: they are no identities.
 PROPERTIES = ("metricity",)

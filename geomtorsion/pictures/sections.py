@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import sympy
 
-from geomtorsion.exact.printing import TexPrinter
+from geomtorsion.exact import TexPrinter
 from geomtorsion.geometry.notation import OPEN
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import (

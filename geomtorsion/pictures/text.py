@@ -11,7 +11,7 @@ from sympy.printing.str import StrPrinter
 
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exact.printing import PrintedOnce
+from geomtorsion.exact import PrintedOnce
 
 _LETTERS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "

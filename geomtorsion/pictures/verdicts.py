@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.geometry import cartan, identities, levi_civita
 from geomtorsion.pictures.quantities import entry
-from geomtorsion.spaces.checking import disagreements
+from geomtorsion.spaces import disagreements
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import IdentityCheck
-    from geomtorsion.spaces.space import KnownAnswer, Space
+    from geomtorsion.spaces import KnownAnswer, Space
 
 # A connection of the space's own may have these properties or not: they are no identities.
 PROPERTIES = ("metricity",)

@@ -10,13 +10,10 @@ import numpy as np
 
 from geomtorsion.checks import shown
 from geomtorsion.errors import CheckpointError
-from geomtorsion.ode import Engine
-from geomtorsion.ode.checkpoint import Checkpoint, fingerprint, part_name
+from geomtorsion.ode import Checkpoint, Cost, Engine, Run, Stage, integrate
+from geomtorsion.ode.checkpoint import fingerprint, part_name
 from geomtorsion.ode.engines.named import engine_named, is_own
 from geomtorsion.ode.numbers import PARTS, checked_times
-from geomtorsion.ode.solution import Cost
-from geomtorsion.ode.system import Run
-from geomtorsion.ode.trajectory import Stage, integrate
 from geomtorsion.scenes.result import SceneResult, result_of
 from geomtorsion.scenes.to_ode import observed
 

@@ -18,9 +18,8 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import written
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
-from geomtorsion.ode import solve
+from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
-from geomtorsion.ode.solution import Cost
 from geomtorsion.ode.writing import pandas_table
 from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.style import pictured

@@ -14,8 +14,8 @@ import numpy as np
 
 from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
-from geomtorsion.ode import Engine, solve
-from geomtorsion.ode.solution import DOUBLE, Cost
+from geomtorsion.ode import Cost, Engine, solve
+from geomtorsion.ode.solution import DOUBLE
 from geomtorsion.rigid import FreeTop, attitude, free_top
 from geomtorsion.scenes.context import OMEGA, POSITION, QUATERNION, VELOCITY, VERTICAL
 from geomtorsion.scenes.result import SceneResult, result_of

@@ -3,18 +3,40 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from geomtorsion.spaces.checking import CONNECTION_QUANTITIES, disagreements
 from geomtorsion.spaces.files import read_file
-from geomtorsion.spaces.registry import load, names, titles
+from geomtorsion.spaces.registry import SPACES, load, names, titles
 from geomtorsion.spaces.space import KnownAnswer, Space
 
 if TYPE_CHECKING:
-    from geomtorsion.spaces.pair import Pair, solve_pair
+    from geomtorsion.spaces import first_motion
+    from geomtorsion.spaces.pair import Pair, pair_problems, refuse_unknown_functions, solve_pair
 
-__all__ = ["KnownAnswer", "Pair", "Space", "load", "names", "read_file", "solve_pair", "titles"]
+# Names of spaces.pair, imported on first use: loading a space needs no motions.
+_LATER = ("Pair", "pair_problems", "refuse_unknown_functions", "solve_pair")
+
+__all__ = [
+    "CONNECTION_QUANTITIES",
+    "SPACES",
+    "KnownAnswer",
+    "Pair",
+    "Space",
+    "disagreements",
+    "first_motion",
+    "load",
+    "names",
+    "pair_problems",
+    "read_file",
+    "refuse_unknown_functions",
+    "solve_pair",
+    "titles",
+]
 
 
 def __getattr__(name: str) -> object:
-    """A public name, imported on first use: who loads a space needs no motions."""
-    if name not in ("Pair", "solve_pair"):
+    """A public name, imported on first use."""
+    if name == "first_motion":
+        return import_module("geomtorsion.spaces.first_motion")
+    if name not in _LATER:
         raise AttributeError(f"module 'geomtorsion.spaces' has no attribute {name!r}")
     return getattr(import_module("geomtorsion.spaces.pair"), name)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from geomtorsion.loops import blocked_map
+from geomtorsion.materials.fields import blocked_map
 
 BLOCK, SIZE = 1024, 32
 LENGTHS = 700.0, 900.0

@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from geomtorsion.crystals import blocked_crystal
+from geomtorsion.materials.crystals import blocked_crystal
 from tests.benchmarks.blocks import alone, processor
 
 

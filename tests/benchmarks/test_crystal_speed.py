@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import Crystal
+from geomtorsion.materials.crystals import Crystal
 from tests.benchmarks.memory import peak_gigabytes
-from tests.crystals.synthetic import block, quadrupole
+from tests.materials.crystals.synthetic import block, quadrupole
 
 ROUNDS = 3
 

@@ -6,8 +6,8 @@ The goal is 50 ms for each answer; the table shows the time of all of a name tog
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from geomtorsion.exercises.checking import check_question
-from tests.exercises.hard_answers import HARD
+from geomtorsion.teaching.exercises.checking import check_question
+from tests.teaching.exercises.hard_answers import HARD
 
 
 @pytest.mark.parametrize("name", HARD)

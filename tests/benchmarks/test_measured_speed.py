@@ -10,7 +10,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 import geomtorsion as gt
-from tests.images.atoms import crystal
+from tests.materials.images.atoms import crystal
 
 SIDE = 1000
 

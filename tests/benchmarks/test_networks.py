@@ -14,18 +14,12 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from scipy.spatial import Delaunay
 
 from geomtorsion.geometry import Connection, cartan, levi_civita
-from geomtorsion.loops import (
-    Cochain,
-    DislocationNetwork,
-    EdgeList,
-    Loop,
-    Network,
-    SampledFrame,
-    develop,
-)
+from geomtorsion.loops import Cochain, EdgeList, Loop, Network, develop
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.spaces import load
 from tests.benchmarks.memory import peak_gigabytes
-from tests.loops.synthetic_networks import rings
+from tests.materials.lines.synthetic_networks import rings
 from tests.real import real
 
 REAL = "networks/180chains_16.10e.data"

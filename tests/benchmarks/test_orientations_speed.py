@@ -15,7 +15,7 @@ WORK = """
 import json, resource, time
 import numpy as np
 import geomtorsion as gt
-from geomtorsion.orientations import laue_group
+from geomtorsion.materials.maps import laue_group
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector as turned
 
 n = 1000

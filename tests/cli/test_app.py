@@ -66,8 +66,8 @@ def test_help_loads_no_command():
 def test_a_command_loads_what_it_needs():
     """The list of exercises needs no exercise, no frame and no engine."""
     found = loaded("exercises")
-    assert "geomtorsion.exercises.registry" in found
-    assert not any(name.startswith("geomtorsion.exercises.frames") for name in found)
+    assert "geomtorsion.teaching.exercises.registry" in found
+    assert not any(name.startswith("geomtorsion.teaching.exercises.frames") for name in found)
     assert not found & {
         "scipy",
         "heyoka",

@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import LATTICES, Crystal
-from tests.crystals.synthetic import block, quadrupole, with_line
+from geomtorsion.materials.crystals import LATTICES, Crystal
+from tests.materials.crystals.synthetic import block, quadrupole, with_line
 from tests.real import real
 
 FILES = (
@@ -20,7 +20,7 @@ FILES = (
     "w_perfect", "cu_perfect",
 )  # fmt: skip
 # Four screws with relaxed cores, and an edge of fcc that is split into partials; lines of bcc that
-# are made under the same noise stand in tests/crystals/test_crystal.py.
+# are made under the same noise stand in tests/materials/crystals/test_crystal.py.
 SHARP = ("w_screw_quadrupole_relax", "cu_edge110")
 PERCENT = (4, 6, 8, 10, 12)
 SEEDS = 20

@@ -6,7 +6,7 @@ import pytest
 import geomtorsion as gt
 from geomtorsion import checks, scenes
 from geomtorsion.errors import LimitError, TimeError
-from geomtorsion.loops import SampledFrame
+from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.ode import ODE, RungeKutta, solve, solve_many
 
 SWING = ODE.of({"x": "v", "v": "-x"}, [1, 0])

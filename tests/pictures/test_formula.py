@@ -13,7 +13,6 @@ from hypothesis import given
 
 from geomtorsion import spaces
 from geomtorsion.errors import ExpressionError
-from geomtorsion.exercises.sheets import write_sheet
 from geomtorsion.pictures import formula
 from geomtorsion.pictures.formula import (
     LETTERS,
@@ -25,6 +24,7 @@ from geomtorsion.pictures.latex import equation_latex, latex_label, latex_name, 
 from geomtorsion.pictures.quantities import CATALOGUE
 from geomtorsion.pictures.report import write_report
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.teaching.exercises.sheets import write_sheet
 from tests.browser import Watched
 from tests.pictures.test_text import _expressions
 

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 
-from geomtorsion.loops import Loop, SampledFrame
-from geomtorsion.measured import CrystalField, SampledField
-from geomtorsion.orientations import Circuit, OrientationMap
+from geomtorsion.loops import Loop
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.maps import Circuit, OrientationMap
+from geomtorsion.materials.measured import CrystalField, SampledField
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import save
-from tests.measured.test_fields import field
-from tests.orientations.synthetic import wall
+from tests.materials.maps.synthetic import wall
+from tests.materials.measured.test_fields import field
 
 
 def test_a_survey_shows_density_and_significance():

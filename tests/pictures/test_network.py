@@ -11,19 +11,11 @@ from geomtorsion.geometry import Frame, levi_civita
 
 # Tests give what users give, wrong things included, and read what may be missing.
 # pyright: reportAttributeAccessIssue=false
-from geomtorsion.loops import (
-    DislocationNetwork,
-    EdgeList,
-    LineArrays,
-    Loop,
-    Network,
-    develop,
-    dispiration,
-    parallel_screws,
-)
+from geomtorsion.loops import EdgeList, Loop, Network, develop, dispiration, parallel_screws
 from geomtorsion.loops.paths import developed_path
+from geomtorsion.materials.lines import DislocationNetwork, LineArrays
 from geomtorsion.pictures import draw_lines
-from tests.loops.synthetic_networks import rings
+from tests.materials.lines.synthetic_networks import rings
 
 pytest.importorskip("matplotlib")
 

@@ -10,7 +10,7 @@ from docutils import nodes
 from docutils.parsers.rst import Directive
 from sphinx.application import Sphinx
 
-from geomtorsion.lab import problems, views
+from geomtorsion.teaching.lab import problems, views
 
 NUMBER, QUESTION = "3.2", "christoffel"
 ANSWERS = ("-cos(phi2)/sin(phi2)", "1/tan(phi2)")

@@ -26,7 +26,9 @@ from sphinx.util.nodes import make_refnode, nested_parse_with_titles
 import geomtorsion
 
 ALL_PUBLIC = ("geomtorsion.conventions", "geomtorsion.errors")
-_PLACED = re.compile(r"^\.\. public:: (\S+)(?:\n    :of: (\w+))?", re.MULTILINE)
+# Packages that only hold packages: each of these has a page of its own.
+GROUPS = ("materials", "teaching")
+_PLACED = re.compile(r"^\.\. public:: (\S+)(?:\n    :of: ([\w.]+))?", re.MULTILINE)
 
 
 def public_modules() -> Iterator[ModuleType]:
@@ -58,7 +60,8 @@ def package_of(name: str) -> str:
     value = getattr(geomtorsion, name)
     if ismodule(value):
         return "packages"
-    return value.__module__.removeprefix("geomtorsion.").split(".")[0]
+    parts = value.__module__.removeprefix("geomtorsion.").split(".")
+    return ".".join(parts[:2] if parts[0] in GROUPS else parts[:1])
 
 
 def exported_above(package: str, name: str) -> list[str]:

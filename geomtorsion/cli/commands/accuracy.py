@@ -35,7 +35,7 @@ from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
 from geomtorsion.scenes.solve import scene_accuracy
-from geomtorsion.spaces.pair import pair_problems
+from geomtorsion.spaces import pair_problems
 
 
 class Curve(StrEnum):

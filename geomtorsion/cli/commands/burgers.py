@@ -43,7 +43,7 @@ from geomtorsion.loops.loop_files import (
     number_of,
     read_loops,
 )
-from geomtorsion.measured import is_measured
+from geomtorsion.materials.measured import is_measured
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove

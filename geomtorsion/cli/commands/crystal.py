@@ -25,13 +25,13 @@ from geomtorsion.cli.exits import ExitCode, stopped
 from geomtorsion.cli.options import Workers, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
-from geomtorsion.crystals import LATTICES
-from geomtorsion.crystals.blocked import forget_blocks
-from geomtorsion.crystals.reports import Json, followed
-from geomtorsion.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
 from geomtorsion.files import write_text, written
-from geomtorsion.loops import DislocationNetwork
+from geomtorsion.materials.crystals import LATTICES
+from geomtorsion.materials.crystals.blocked import forget_blocks
+from geomtorsion.materials.crystals.reports import Json, followed
+from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
+from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save

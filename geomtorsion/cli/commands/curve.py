@@ -31,7 +31,7 @@ from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
-from geomtorsion.spaces.pair import Pair, solve_pair
+from geomtorsion.spaces import Pair, solve_pair
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4

@@ -17,16 +17,16 @@ from geomtorsion.cli.options import Number, Seed, argument, directory, option, s
 from geomtorsion.cli.terminal import shows_greek, working, wrapped
 from geomtorsion.cli.values import parts
 from geomtorsion.errors import FileFormatError
-from geomtorsion.exercises import exports, grading, load
-from geomtorsion.exercises.examiner import Examiner
-from geomtorsion.exercises.grading import loaded, read_submission
-from geomtorsion.exercises.limits import MOST
-from geomtorsion.exercises.prose import text_of
-from geomtorsion.exercises.question import how_to_answer
-from geomtorsion.exercises.registry import CHAPTERS
-from geomtorsion.exercises.sheets import write_sheet
-from geomtorsion.exercises.verdict import TITLES, Verdict
 from geomtorsion.progress import bar
+from geomtorsion.teaching.exercises import exports, grading, load
+from geomtorsion.teaching.exercises.examiner import Examiner
+from geomtorsion.teaching.exercises.grading import loaded, read_submission
+from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.prose import text_of
+from geomtorsion.teaching.exercises.question import how_to_answer
+from geomtorsion.teaching.exercises.registry import CHAPTERS
+from geomtorsion.teaching.exercises.sheets import write_sheet
+from geomtorsion.teaching.exercises.verdict import TITLES, Verdict
 
 
 def show(number: Number, seed: Seed = 0) -> None:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import typer
 
 from geomtorsion.cli.lazy import SETTINGS, LazyGroup
-from geomtorsion.exercises.registry import CHAPTERS, EXERCISES
+from geomtorsion.teaching.exercises.registry import CHAPTERS, EXERCISES
 
 
 class ExerciseCommands(LazyGroup):

@@ -10,8 +10,8 @@ import typer
 
 from geomtorsion.cli.options import option
 from geomtorsion.cli.terminal import working
-from geomtorsion.lab.export import write_pages
-from geomtorsion.lab.server import Address, serve
+from geomtorsion.teaching.lab.export import write_pages
+from geomtorsion.teaching.lab.server import Address, serve
 
 
 def lab(

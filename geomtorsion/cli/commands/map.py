@@ -46,9 +46,14 @@ from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
-from geomtorsion.measured import is_array
-from geomtorsion.measured.in_blocks import BLOCKS, BlockedRun, BlockedSurvey, open_in_blocks
-from geomtorsion.measured.results import summary
+from geomtorsion.materials.measured import is_array
+from geomtorsion.materials.measured.in_blocks import (
+    BLOCKS,
+    BlockedRun,
+    BlockedSurvey,
+    open_in_blocks,
+)
+from geomtorsion.materials.measured.results import summary
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar

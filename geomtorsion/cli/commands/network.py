@@ -18,8 +18,9 @@ from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.files import write_text
 from geomtorsion.geometry import Frame
-from geomtorsion.loops import DislocationNetwork, LineFamily, Loop
+from geomtorsion.loops import Loop
 from geomtorsion.loops.loop_files import loop_from_data
+from geomtorsion.materials.lines import DislocationNetwork, LineFamily
 from geomtorsion.pictures.network import draw_lines
 from geomtorsion.pictures.style import save
 from geomtorsion.progress import bar

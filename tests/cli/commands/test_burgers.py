@@ -11,8 +11,8 @@ import pytest
 from geomtorsion.cli.commands import burgers
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
-from tests.measured.test_opening import grid
-from tests.orientations.test_map_files import ctf, write
+from tests.materials.maps.test_map_files import ctf, write
+from tests.materials.measured.test_opening import grid
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:

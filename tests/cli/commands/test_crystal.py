@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.crystals import BlockedCrystal, trajectories
-from geomtorsion.loops import DislocationNetwork
+from geomtorsion.materials.crystals import BlockedCrystal, trajectories
+from geomtorsion.materials.lines import DislocationNetwork
 from tests.cli import running
-from tests.crystals.making import BOX, copper_screw, written
-from tests.crystals.polycrystals import bicrystal, turned
-from tests.crystals.synthetic import block
+from tests.materials.crystals.making import BOX, copper_screw, written
+from tests.materials.crystals.polycrystals import bicrystal, turned
+from tests.materials.crystals.synthetic import block
 from tests.real import real
 
 pytest.importorskip("ase")

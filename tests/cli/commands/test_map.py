@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tests.cli import running
-from tests.images.atoms import crystal
-from tests.measured.test_opening import grid
-from tests.orientations.synthetic import noisy_wall
-from tests.orientations.test_map_files import ctf, write
+from tests.materials.images.atoms import crystal
+from tests.materials.maps.synthetic import noisy_wall
+from tests.materials.maps.test_map_files import ctf, write
+from tests.materials.measured.test_opening import grid
 from tests.real import real
 
 

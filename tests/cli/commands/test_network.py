@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.loops import DislocationNetwork, LineArrays
+from geomtorsion.materials.lines import DislocationNetwork, LineArrays
 from tests.cli import running
-from tests.loops.synthetic_networks import rings
+from tests.materials.lines.synthetic_networks import rings
 
 TRIANGLE = Path(__file__).parents[2] / "data" / "triangle.data"
 

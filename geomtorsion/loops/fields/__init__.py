@@ -1,1 +1,0 @@
-"""Fields: what a coframe on a grid is computed with, from stencils to files."""

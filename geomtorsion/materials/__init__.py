@@ -1,0 +1,1 @@
+"""Materials: Burgers vectors of measured and simulated matter."""

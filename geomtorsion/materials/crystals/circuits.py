@@ -1,0 +1,280 @@
+"""Circuits: closed paths from atom to atom in a crystal, and the lattice vector that they miss."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise, product
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.conventions import Signed
+from geomtorsion.errors import CrystalError
+from geomtorsion.loops.validation import once_round
+from geomtorsion.materials.crystals.frames import Frame
+from geomtorsion.materials.crystals.shells import reach_of_shells
+from geomtorsion.materials.crystals.triangulation import Cell
+from geomtorsion.materials.lines.reactions import Vector, written
+
+# An atom and how many periods further it is meant.
+Site = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AtomCircuit(Signed):
+    """A closed path from atom to atom; b is the exact sum of the lattice vectors of its steps.
+
+    atoms: the path, numbers of the atoms, the first again at its end. images: how many periods
+        further each is meant, shape (k, 3).
+    steps: lattice vectors of the bonds between them, whole numbers in units of
+        `crystal.frame.lattice.units`, shape (k - 1, 3).
+    frame: how the crystal lies.
+    """
+
+    atoms: tuple[int, ...]
+    images: np.ndarray
+    steps: np.ndarray
+    frame: Frame
+
+    @cached_property
+    def whole(self) -> np.ndarray:
+        """b in units of `frame.lattice.units` along the crystal axes, whole numbers, shape (3,)."""
+        return self.steps.sum(axis=0)
+
+    @property
+    def burgers_lattice(self) -> Vector:
+        """b along the axes of the crystal in lattice constants, exact, shape (3,)."""
+        return self.frame.lattice.fractions(self.whole)
+
+    @cached_property
+    def vector(self) -> np.ndarray:
+        """b in the coordinates of the positions, with the mean deformation of the crystal, from
+        start to finish (conventions.py), shape (3,)."""
+        # Zeros times turned axes may be -0.0.
+        return self.frame.vectors(self.whole[None])[0] + 0.0
+
+    @property
+    def burgers(self) -> Vector:
+        """b in the coordinates of the positions, as lines have it, shape (3,)."""
+        return tuple(self.vector.tolist())
+
+    def __repr__(self) -> str:
+        return (
+            f"AtomCircuit({len(self.steps)} steps, b = {written(self.burgers_lattice)} a = "
+            f"{written(self.burgers)})"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AtomCircuits:
+    """Makes circuits in a crystal: call it with atoms, or ask for one around a point.
+
+    places: of the atoms in the cell, shape (atoms, 3). moved: periods that led there from where
+        they were given. cell: the cell. frame: how the crystal lies.
+    decoded: lattice vectors of steps between pairs of atoms.
+    """
+
+    places: np.ndarray
+    moved: np.ndarray
+    cell: Cell
+    frame: Frame
+    decoded: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+    def __call__(self, atoms: Sequence[int]) -> AtomCircuit:
+        """The circuit through atoms, from each to the nearest image of the next along bonds.
+
+        Parameters
+        ----------
+        atoms
+            Numbers of atoms, from 0; it closes by itself.
+
+        Raises
+        ------
+        CrystalError
+            An atom is not there, fewer than three are named, the circuit comes back in another
+            image, or bonds on its way are those of a core, with no lattice vector nearest.
+        """
+        numbers = [
+            checks.count(k, f"atoms[{j}]", CrystalError, 0, len(self.places) - 1)
+            for j, k in enumerate(checks.entries(checks.rows(atoms), "atoms", CrystalError))
+        ]
+        numbers = once_round(numbers, "atoms")
+        if len(set(numbers)) < 3:
+            raise CrystalError(
+                f"atoms: three different ones or more were needed for a circuit, but "
+                f"{len(set(numbers))} came."
+            )
+        sites: list[Site] = [(numbers[0], 0, 0, 0)]
+        for number in [*numbers[1:], numbers[0]]:
+            here = self._place(sites[-1])
+            sites.append((number, *self._nearest_image(self.places[number] - here)))
+        if sites[-1] != sites[0]:
+            raise CrystalError(
+                f"atoms: the circuit comes back to atom {numbers[0]} in another image, "
+                f"{sites[-1][1:]} periods further: it runs round the cell. Name atoms on the way "
+                "back."
+            )
+        return self._through(sites)
+
+    def around(self, point: ArrayLike, normal: ArrayLike, radius: float) -> AtomCircuit:
+        """The circuit from atom to atom along a circle, right-handed about a normal.
+
+        Parameters
+        ----------
+        point
+            Its centre, shape (3,).
+        normal
+            Shape (3,), of any length.
+        radius
+            In the unit of the positions; some neighbour distances, so that no core is met.
+
+        Raises
+        ------
+        CrystalError
+            No numbers, a normal or a radius of zero, or no atoms or a core on the way.
+        """
+        rim = self.rim(point, normal, radius)
+        found = [self.nearest(place) for place in rim]
+        sites = [one for k, one in enumerate(found) if one != found[k - 1]]
+        if len(sites) < 3:
+            raise CrystalError(
+                f"radius: a circle with three atoms or more next to it was needed, but there are "
+                f"{len(sites)}. Take a larger one."
+            )
+        return self._through([*sites, sites[0]])
+
+    def rim(self, point: ArrayLike, normal: ArrayLike, radius: float) -> np.ndarray:
+        """Places on the circle of `around`, as far apart as neighbours, shape (k, 3)."""
+        centre = checks.array(point, "point", CrystalError, shape=(3,))
+        axis = checks.array(normal, "normal", CrystalError, shape=(3,))
+        size = checks.positive(radius, "radius", CrystalError)
+        if not np.linalg.norm(axis) > 0:
+            raise CrystalError("normal: a direction was needed, but (0, 0, 0) came.")
+        nearest = self.frame.lattice.nearest * self.frame.constant
+        if size < nearest:
+            raise CrystalError(
+                f"radius: at least the distance of neighbours, {nearest:.4g}, was needed for a "
+                f"circuit of atoms, but {size:.4g} came."
+            )
+        # Two columns across the axis, right-handed with it.
+        across = np.linalg.qr(np.column_stack([axis, np.eye(3)[np.abs(axis).argsort()[:2]].T]))[0]
+        first = across[:, 1]
+        second = np.cross(axis / np.linalg.norm(axis), first)
+        angles = np.linspace(0, 2 * np.pi, max(int(2 * np.pi * size / nearest), 6), endpoint=False)
+        return centre + size * (np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second))
+
+    # -- the way ----------------------------------------------------------------------------------
+
+    @cached_property
+    def _reach(self) -> float:
+        """Bonds are no longer: the neighbours of a perfect crystal, and half a step more."""
+        return reach_of_shells(self.frame)
+
+    @cached_property
+    def _images(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, scipy.spatial.cKDTree]:
+        """Atoms and their images about the cell: places, numbers, images; and a tree of them."""
+        points, numbers, offsets = self.cell.with_ghosts(self.places, 2 * self._reach)
+        return points, numbers, offsets, scipy.spatial.cKDTree(points)
+
+    def _place(self, site: Site) -> np.ndarray:
+        """Where an atom in one of its images lies."""
+        return self.places[site[0]] + np.array(site[1:]) @ self.cell.vectors
+
+    def _nearest_image(self, gap: np.ndarray) -> tuple[int, int, int]:
+        """Periods that make a step the shortest; in oblique cells shares alone do not tell."""
+        near = np.where(self.cell.periodic, -np.rint(gap @ self.cell.inverse), 0)
+        # The shortest is no longer than that one: its shares are bounded by the heights.
+        length = np.linalg.norm(gap + near @ self.cell.vectors)
+        reach = np.ceil(length / self.cell.heights - 0.5) * self.cell.periodic
+        ranges = [range(-n, n + 1) for n in np.maximum(reach, 0).astype(int).tolist()]
+        more = np.array(sorted(product(*ranges), key=lambda one: sum(map(abs, one))))
+        sizes = np.linalg.norm(gap + (near + more) @ self.cell.vectors, axis=1)
+        # Rounding does not decide between equals: the one that shares tell stays.
+        best = more[int((sizes <= sizes.min() * (1 + 1e-9)).argmax())]
+        x, y, z = (near + best).astype(int).tolist()
+        return x, y, z
+
+    def nearest(self, place: np.ndarray) -> Site:
+        """The atom that is nearest to a place."""
+        inside, moved = self.cell.wrapped(place[None])
+        _, numbers, offsets, tree = self._images
+        apart, k = tree.query(inside[0])
+        if apart > self._reach:
+            raise CrystalError(
+                f"a circle among atoms was needed, but no atom lies within {self._reach:.4g} of "
+                f"{checks.shown(place.round(6).tolist())}. Is the centre in the crystal, and the "
+                "radius in its unit?"
+            )
+        image = (offsets[k] - moved[0]).tolist()
+        return int(numbers[k]), image[0], image[1], image[2]
+
+    def _through(self, sites: Sequence[Site]) -> AtomCircuit:
+        """The circuit along bonds from site to site."""
+        path, steps = [sites[0]], []
+        for one, two in pairwise(sites):
+            on, labels = self._way(one, two)
+            path += on
+            steps += labels
+        return AtomCircuit(
+            tuple(site[0] for site in path),
+            # For positions as they were given.
+            np.array([site[1:] for site in path]) + self.moved[[site[0] for site in path]],
+            np.array(steps, dtype=np.int64).reshape(-1, 3),
+            self.frame,
+        )
+
+    def _way(self, one: Site, two: Site) -> tuple[list[Site], list[np.ndarray]]:
+        """The shortest way along bonds next to the straight line, and the labels of its bonds."""
+        start, end = self._place(one), self._place(two)
+        sites = self._near(start, end)
+        place_of = {site: k for k, site in enumerate(sites)}
+        points = np.array([self._place(site) for site in sites])
+        pairs = scipy.spatial.cKDTree(points).query_pairs(self._reach, output_type="ndarray")
+        atoms = np.array([site[0] for site in sites])
+        # One sense of each bond is read, so that both are opposite whole numbers.
+        first, second = np.where(
+            atoms[pairs[:, :1]] <= atoms[pairs[:, 1:]], pairs, pairs[:, ::-1]
+        ).T
+        vectors = points[second] - points[first]
+        labels = self.decoded(vectors, atoms[first], atoms[second])
+        limit = self.frame.lattice.nearest / 2
+        clear = (self.frame.apart(vectors, labels) < limit) & labels.any(axis=1)
+        first, second, labels = first[clear], second[clear], labels[clear]
+        lengths = np.linalg.norm(vectors[clear], axis=1)
+        # Before 1.15, scipy finds ways in tables with short indices only.
+        ends = (first.astype(np.int32), second.astype(np.int32))
+        table = scipy.sparse.coo_array((lengths, ends), shape=(len(sites),) * 2)
+        source, target = place_of[one], place_of[two]
+        _, before = scipy.sparse.csgraph.dijkstra(
+            table.tocsr(), directed=False, indices=source, return_predecessors=True
+        )
+        back = [target]
+        while back[-1] != source:
+            previous = int(before[back[-1]])
+            if previous < 0:
+                raise CrystalError(
+                    f"atoms {one[0]} and {two[0]}: bonds that are lattice vectors were needed "
+                    "between them, but a core or a void lies there. Lead the circuit round it."
+                )
+            back.append(previous)
+        way = back[::-1]
+        known = {(a, b): v for a, b, v in zip(first.tolist(), second.tolist(), labels, strict=True)}
+        found = [known[a, b] if (a, b) in known else -known[b, a] for a, b in pairwise(way)]
+        return [sites[k] for k in way[1:]], found
+
+    def _near(self, start: np.ndarray, end: np.ndarray) -> list[Site]:
+        """Atoms in their images that lie next to a straight line."""
+        _, numbers, offsets, tree = self._images
+        count = max(int(np.linalg.norm(end - start) / self._reach * 2), 1)
+        line = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)
+        inside, moved = self.cell.wrapped(line)
+        found = {
+            (int(numbers[k]), *(offsets[k] - shift).tolist())
+            for near, shift in zip(tree.query_ball_point(inside, self._reach), moved, strict=True)
+            for k in near
+        }
+        return sorted(found)

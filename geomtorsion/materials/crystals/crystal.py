@@ -1,0 +1,446 @@
+"""Crystal: atoms whose bonds are lattice vectors, and the dislocations between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError
+from geomtorsion.loops import Cochain, Complex
+from geomtorsion.materials.crystals.circuits import AtomCircuits
+from geomtorsion.materials.crystals.frames import (
+    NEIGHBOURS,
+    Fit,
+    Frame,
+    InFrame,
+    check_turn,
+    fitted,
+    frame_of,
+    sampled,
+    share_within,
+)
+from geomtorsion.materials.crystals.given import Given, positions_of
+from geomtorsion.materials.crystals.grain_circuits import GrainCircuits
+from geomtorsion.materials.crystals.grain_networks import network_of_grains
+from geomtorsion.materials.crystals.grains import Grain, Grains, in_variant, single_grain
+from geomtorsion.materials.crystals.known_grains import KnownGrains
+from geomtorsion.materials.crystals.lattices import Lattice
+from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.materials.crystals.near_torsion import Atoms, lines_of, torsion_near, torsion_on
+from geomtorsion.materials.crystals.segmentation import segmented
+from geomtorsion.materials.crystals.shells import Shells, dilated, shells_of
+from geomtorsion.materials.crystals.specimen import (
+    Specimen,
+    is_single,
+    seems_many,
+    share_of_lattices,
+)
+from geomtorsion.materials.crystals.surroundings import Places
+from geomtorsion.materials.crystals.torn_faces import TornFaces
+from geomtorsion.materials.crystals.torsion import Torsion
+from geomtorsion.materials.crystals.triangulation import Cell, Triangulation, triangulated
+from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Crystal(InFrame):
+    """Atoms of a crystal, and the integer 1-cochain of their bonds.
+
+    Equation
+    --------
+    e(bond) = the lattice vector nearest to the bond; T = de, the closure failure of every triangle:
+    dT = 0 exactly, and dislocation lines are where T is not zero. b = closed integral of e
+    (conventions.py), in the coordinates of the positions.
+
+    positions: shape (atoms, 3), in any unit of length.
+    cell: edges of the cell as rows, shape (3, 3) or (3,) where they lie along the coordinates; None
+        where nothing is periodic.
+    periodic: along which edges the cell repeats, shape (3,).
+    species: of each atom, if known: it decides nothing here.
+
+    lattice, orient and constant are found where they are not given.
+
+    Raises
+    ------
+    CrystalError
+        Positions are no atoms in space, the cell does not fit them, or they are no crystal.
+
+    Examples
+    --------
+    >>> from itertools import product
+    >>> sites = [np.add(cell, site) for cell in product(range(4), repeat=3)
+    ...          for site in ((0, 0, 0), (0.5, 0.5, 0.5))]
+    >>> crystal = Crystal(np.array(sites) * 3.2, cell=[12.8] * 3)
+    >>> crystal.lattice, round(crystal.constant, 9), crystal.share, crystal.dislocations().lines
+    ('bcc', 3.2, 1.0, ())
+    """
+
+    positions: np.ndarray
+    cell: np.ndarray | None
+    periodic: np.ndarray
+    species: tuple[str, ...] | None
+    _given: Given
+    _own: Grain | None
+    _before: KnownGrains | None
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        cell: ArrayLike | None = None,
+        periodic: Sequence[bool] = (True, True, True),
+        lattice: str | None = None,
+        orient: ArrayLike | None = None,
+        constant: float | None = None,
+        species: Sequence[str] | None = None,
+    ) -> None:
+        def put(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
+        put("positions", positions_of(positions))
+        given = Given.of(cell, periodic, lattice, orient, constant)
+        put("cell", given.cell)
+        put("periodic", given.box.periodic)
+        put("_given", given)
+        put("_own", None)
+        put("_before", None)
+        put("species", None)
+        if species is not None:
+            names = checks.entries(species, "species", CrystalError)
+            if len(names) != len(self.positions):
+                raise CrystalError(
+                    f"species: one for each of {len(self.positions)} atoms was needed, but "
+                    f"{len(names)} came."
+                )
+            put("species", tuple(map(str, names)))
+
+    # -- how it lies ------------------------------------------------------------------------------
+
+    @property
+    def count(self) -> int:
+        """How many atoms there are."""
+        return len(self.positions)
+
+    @cached_property
+    def frame(self) -> Frame:
+        """Lattice, orientation and lattice constant together; of a polycrystal those of grain 0."""
+        found, fit = self._found
+        if self._own is not None:
+            return found
+        atoms = sampled(len(self.positions))
+        many = seems_many(self._specimen, atoms, fit.whole)
+        return self.grains.grains[0].frame if many else found
+
+    @property
+    def share(self) -> float:
+        """Share of the atoms whose neighbours are all where the lattice of their grain has them."""
+        found = self.grains.fitting if self.frame is not self._found[0] else None
+        return float(self._found[1].whole.mean()) if found is None else found
+
+    @cached_property
+    def _found(self) -> tuple[Frame, Fit]:
+        """The frame, and how a sample of the atoms fits into it."""
+        given = self._given
+        if self._own is not None:
+            own = self._own.frame
+            vectors = self._neighbours(own.lattice.shells, sampled(len(self.positions)))
+            return own, fitted(own, vectors)
+        if len(self.positions) < 20:
+            raise CrystalError(
+                f"positions: 20 atoms or more were needed to tell a crystal, but "
+                f"{len(self.positions)} came. Repeat the cell."
+            )
+        numbers = sampled(len(self.positions))
+        vectors = self._neighbours(NEIGHBOURS, numbers)
+
+        def shares(lattice: Lattice) -> dict[str, float]:
+            return share_of_lattices(lattice, self._near, numbers)
+
+        found = frame_of(vectors, given.lattice, given.orient, given.constant, shares)
+        if given.orient is not None and self._before is None:
+            check_turn(found[0], vectors)
+        elif given.orient is not None and share_within(found[0], vectors) < METHOD.share:
+            # The crystal has turned in time: it is found anew, in the axes next to those before.
+            new, _ = frame_of(vectors, given.lattice, None, given.constant, shares)
+            turned = in_variant(new, found[0])
+            return turned, fitted(turned, vectors[:, : turned.lattice.shells])
+        return found
+
+    def _neighbours(self, count: int, atoms: np.ndarray) -> np.ndarray:
+        """Vectors to the nearest neighbours of some atoms, shape (atoms, count, 3)."""
+        return self._near(atoms, count)[1]
+
+    def _near(self, atoms: np.ndarray, count: int = NEIGHBOURS) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the nearest neighbours of some atoms, and the vectors to them."""
+        return self._places.neighbours(atoms, count)
+
+    @property
+    def _box(self) -> Cell:
+        """The cell, or any where nothing is periodic."""
+        return self._given.box
+
+    @cached_property
+    def _wrapped(self) -> tuple[np.ndarray, np.ndarray]:
+        """Positions in the cell and the periods added to each."""
+        return self._box.wrapped(self.positions)
+
+    @cached_property
+    def _places(self) -> Places:
+        """The atoms in the cell, with those about each."""
+        reach = reach_of_sample(_spanned(self.positions, self._box), len(self.positions))
+        return Places(self._wrapped[0], self._box, reach)
+
+    # -- grains -----------------------------------------------------------------------------------
+
+    @cached_property
+    def grains(self) -> Grains:
+        """Its grains in order, the walls between them with their misorientation, and what lies in
+        none; a single crystal is one grain.
+
+        Grains of another lattice are those of another phase. Two orientations that differ by less
+        than 15 degrees are one grain, with dislocations between them.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array([np.add(cell, site) for cell in product(range(-9, 9), repeat=3)
+        ...                   for site in ((0, 0, 0), (0.5, 0.5, 0.5))])
+        >>> turn = np.array([[4, -3, 0], [3, 4, 0], [0, 0, 5]]) / 5
+        >>> low, high = sites[sites[:, 1] < -0.4], sites @ turn.T
+        >>> high = high[high[:, 1] > 0]
+        >>> both = np.concatenate([low, high])
+        >>> both = both[np.abs(both).max(axis=1) < 5.9]
+        >>> Crystal(both).grains.walls
+        (Wall(grains 0 and 1, misoriented by 36.87 degrees about [0 0 1]),)
+        """
+        found = None
+        if self._own is None:
+            near = None if self._is_narrow else self._shells.near
+            if not is_single(self._specimen, near):
+                found = segmented(self._specimen)
+        if found is None:
+            found = single_grain(self._found[0], self._wrapped[0])
+        return found if self._before is None else self._before.followed(found)
+
+    def following(self, before: Crystal | KnownGrains) -> Crystal:
+        """The same atoms as the next frame of a trajectory: grains that hold the same atoms, by
+        their order, as in the frame before keep their numbers and their axes, so that Burgers
+        vectors of their lines are the same in time along these; in the coordinates of the positions
+        they follow the deformation of the crystal. One that has turned by more than 15 degrees is
+        a new grain; a crystal that has is read along the axes next to those before.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array(list(product(range(12), repeat=3)))
+        >>> places = sites[sites.sum(axis=1) % 2 == 0] * 1.8
+        >>> crystal = Crystal(places, cell=[21.6] * 3)
+        >>> later = Crystal(places * 1.001, cell=[21.6216] * 3).following(crystal)
+        >>> later.constant == crystal.constant, later.grains.vanished
+        (True, ())
+        """
+        known = KnownGrains.of(before.grains) if isinstance(before, Crystal) else before
+        checks.instance(known, KnownGrains, "before", CrystalError)
+        frame, periodic = known.largest, self.periodic.tolist()
+        made = Crystal(
+            self.positions, self.cell, periodic, frame.lattice.name, frame.orient, frame.constant,
+            self.species,
+        )  # fmt: skip
+        object.__setattr__(made, "_before", known)
+        return made
+
+    def grain(self, number: int) -> Crystal:
+        """The crystal of one grain alone, in its own frame; atoms are those of `grains`."""
+        grain = self.grains[number]
+        species = None if self.species is None else [self.species[k] for k in grain.atoms]
+        periodic = self.periodic.tolist()
+        made = Crystal(self.positions[grain.atoms], self.cell, periodic, species=species)
+        object.__setattr__(made, "_own", grain)
+        return made
+
+    @property
+    def _numbers(self) -> np.ndarray:
+        """Numbers of the atoms; of a grain, those in the whole crystal."""
+        return np.arange(len(self.positions)) if self._own is None else self._own.atoms
+
+    @cached_property
+    def _specimen(self) -> Specimen:
+        """The atoms and the frame into which most of them fit."""
+        given = self._given.orient is not None, self._given.constant is not None
+        return Specimen(self._places, self._found[0], *given)
+
+    @property
+    def _is_narrow(self) -> bool:
+        """Whether an atom may be its own neighbour: numbers alone do not tell images there."""
+        frame = self._found[0]
+        width = 4 * frame.lattice.nearest * frame.constant
+        return bool((self._box.heights < width)[self.periodic].any())
+
+    @cached_property
+    def _shells(self) -> Shells:
+        """Neighbours of all atoms by lattice vector."""
+        return shells_of(self._places, self._found[0])
+
+    # -- bonds ------------------------------------------------------------------------------------
+
+    @cached_property
+    def mesh(self) -> Triangulation:
+        """The Delaunay tetrahedra between the atoms."""
+        reach = METHOD.reach * self.frame.lattice.nearest * self.constant
+        return triangulated(self._wrapped[0], self._box, reach, atoms=self._numbers)
+
+    @cached_property
+    def kinds(self) -> np.ndarray:
+        """The sublattice of each atom, one of `Lattice.offsets`, shape (atoms,)."""
+        lattice = self.frame.lattice
+        if not lattice.basis:
+            return np.zeros(len(self.positions), dtype=np.int64)
+        vectors = self._neighbours(lattice.shells, np.arange(len(self.positions)))
+        return fitted(self.frame, vectors).kind
+
+    def labels(self, pairs: ArrayLike | None = None, images: ArrayLike | None = None) -> np.ndarray:
+        """The lattice vectors of bonds, whole numbers in units of `frame.lattice.units`, (k, 3).
+
+        Of fcc and bcc they count halves of the lattice constant.
+
+        Parameters
+        ----------
+        pairs
+            Numbers of the two atoms of each bond, shape (k, 2); those of `bonds` if not given.
+        images
+            How many periods further the second atom is meant, shape (k, 3); none if not given.
+        """
+        if pairs is None:
+            return self.bonds.values
+        made = Complex.of_edges(
+            np.asarray(pairs), len(self.positions), None if images is None else np.asarray(images)
+        )
+        first, second = made.pairs.T
+        steps = self.positions[second] - self.positions[first]
+        if made.images.shape[1] == 3:
+            steps = steps + made.images @ self._box.vectors
+        return self._decoded(steps, first, second)
+
+    def _decoded(self, steps: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Labels of steps between atoms."""
+        lattice, kinds = self.frame.lattice, self.kinds
+        return lattice.decode(self.frame.values(steps), lattice.shift(kinds[first], kinds[second]))
+
+    @cached_property
+    def bonds(self) -> Cochain:
+        """e: the label of every Delaunay edge, an integer cochain with periodic images."""
+        pairs, images, _ = self.mesh.edges
+        moved = self._wrapped[1]
+        first, second = pairs.T
+        offsets = images + moved[second] - moved[first]
+        made = Complex.of_edges(pairs, len(self.positions), offsets)
+        return Cochain(made, self.torsion.labels)
+
+    @cached_property
+    def torsion(self) -> Torsion:
+        """T = de on the faces of the Delaunay tetrahedra."""
+        return torsion_on(self.frame, self.mesh, self.kinds)
+
+    @cached_property
+    def circuit(self) -> AtomCircuits | GrainCircuits:
+        """Closed paths from atom to atom: `crystal.circuit(atoms=[...])` through atoms by number,
+        `crystal.circuit.around(point, normal, radius)` along a circle; see `AtomCircuits`.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array(list(product(range(12), repeat=3)))
+        >>> crystal = Crystal(sites[sites.sum(axis=1) % 2 == 0] * 1.8, cell=[21.6] * 3)
+        >>> crystal.circuit.around([10, 10, 10], [1, 1, 1], 6).burgers
+        (0.0, 0.0, 0.0)
+        """
+        if self.grains.is_single:
+            return self._circuits
+        return GrainCircuits(
+            self._circuits, self.grains, lambda number: self.grain(number)._circuits
+        )
+
+    @cached_property
+    def _circuits(self) -> AtomCircuits:
+        """Circuits in its one frame."""
+        return AtomCircuits(
+            self._wrapped[0], self._wrapped[1], self._box, self.frame, self._decoded
+        )
+
+    # -- dislocations -----------------------------------------------------------------------------
+
+    def dislocations(self, partials: bool = False) -> DislocationNetwork:
+        """Dislocation lines with their junctions.
+
+        Parameters
+        ----------
+        partials
+            Whether partial dislocations at the edges of stacking faults are told apart, in fcc and
+            diamond those of 1/6<112>, in hcp those of basal faults (Shockley 1/3<1-100>, Frank
+            1/6<20-23>); if not, their sum is given.
+
+        Returns
+        -------
+        DislocationNetwork; `.lines` have `.burgers` (coordinates of the positions, with the mean
+        deformation of the crystal), `.burgers_lattice` (crystal axes, lattice constants, exact),
+        `.family`, `.length`, `.path`, `.kind` and `.is_closed`.
+        """
+        checks.flag(partials, "partials", CrystalError)
+        if not self.grains.is_single:
+            crystals = [self.grain(grain.number) for grain in self.grains]
+            networks = [one.dislocations(partials) for one in crystals]
+            every = np.arange(len(self.positions)), self._wrapped[0]
+            return network_of_grains(networks, self.grains, self._box, lambda *_: every)
+        found, vacancies = self._near_torsion(partials)
+        # A grain does not fill its cell.
+        occupied = None if self._own is not None else len(self.positions) + vacancies
+        faces = TornFaces.of(found.relaxed(), self._numbers)
+        return lines_of(
+            faces, self._box, self.frame, partials, occupied, lambda *_: self._wrapped[0]
+        )
+
+    def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
+        """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
+        frame, (places, _) = self.frame, self._wrapped
+        if self._is_narrow:
+            return torsion_on(frame, self.mesh, self.kinds, partials), 0
+        shells = self._shells
+        wanted = dilated(~shells.closed, shells.near)
+        atoms = Atoms(self._numbers, places, shells.kind)
+        found = torsion_near(frame, self._box, wanted, atoms, partials)
+        return found, len(shells.vacancies)
+
+    def __repr__(self) -> str:
+        count = len(self.positions)
+        axes = "".join("T" if flag else "F" for flag in self.periodic.tolist())
+        return f"Crystal({count:,} atoms, {self.lattice}, a = {self.constant:.6g}, periodic {axes})"
+
+
+def reach_of_sample(volume: float, atoms: int) -> float:
+    """Within which an atom has as many neighbours as are asked for, whatever the structure."""
+    return 3 * (volume / atoms) ** (1 / 3)
+
+
+def _spanned(positions: np.ndarray, cell: Cell) -> float:
+    """About the volume that the atoms fill: that of the cell without its widest empty layers, or of
+    a box about them."""
+    shares = (positions @ cell.inverse).T
+    sizes = [
+        _filled(one) if flag else np.ptp(one)
+        for one, flag in zip(shares, cell.periodic.tolist(), strict=True)
+    ]
+    return float(np.prod(sizes) * abs(np.linalg.det(cell.vectors)))
+
+
+def _filled(shares: np.ndarray) -> float:
+    """Share of a period without the widest layer in which no atom lies, in as many slices as there
+    are atoms."""
+    count = len(shares)
+    slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
+    taken = np.flatnonzero(np.bincount(slices))
+    gaps = np.diff(taken, append=taken[0] + count)
+    return 1 - float(gaps.max() - 1) / count

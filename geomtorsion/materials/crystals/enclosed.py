@@ -1,0 +1,231 @@
+"""Enclosed: how many atoms more than lattice sites lie inside of a closed dislocation line.
+
+About the line a surface is put that lies in the good crystal. There every atom has its site, whole
+numbers that add up from bond to bond; since the surface is a sphere without torsion, it does not
+matter along which. Sites that these separate from all outside are those inside; what there is of
+atoms more than of them is what the line has put in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.materials.crystals.frames import Frame
+from geomtorsion.materials.crystals.lattices import Lattice
+from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.materials.crystals.shells import Shells, reach_of_shells, shells_of
+from geomtorsion.materials.crystals.surroundings import Places
+from geomtorsion.materials.crystals.torsion import components
+from geomtorsion.materials.crystals.triangulation import Cell, distinct
+
+# Places of all atoms as near to some places as a distance, or of more.
+Near = Callable[[np.ndarray, float], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """A prism about a closed path, its base convex and in the plane of the path.
+
+    middle: of a box about it, shape (3,); axes: of that box as rows, shape (3, 3); half: half of
+        its sides, shape (3,).
+    sides: outward normals of the base and their distances from the middle, shape (k, 3).
+    """
+
+    middle: np.ndarray
+    axes: np.ndarray
+    half: np.ndarray
+    sides: np.ndarray
+
+    @classmethod
+    def of(cls, path: np.ndarray) -> Around | None:
+        """The one along the principal axes of a path; None of one without area."""
+        mean = path.mean(axis=0)
+        axes = np.linalg.svd(path - mean)[2]
+        along = (path - mean) @ axes.T
+        low, high = along.min(axis=0), along.max(axis=0)
+        flat = (along - (low + high) / 2)[:, :2]
+        half = (high - low) / 2
+        try:
+            hull = scipy.spatial.ConvexHull(flat).equations
+        except scipy.spatial.QhullError:
+            return None
+        # With the sides of the box corners of acute angles do not reach out of it.
+        box = [[1, 0, -half[0]], [-1, 0, -half[0]], [0, 1, -half[1]], [0, -1, -half[1]]]
+        return cls(mean + (low + high) / 2 @ axes, axes, half, np.concatenate([hull, box]))
+
+    def inside(
+        self, places: np.ndarray, cell: Cell, margin: float, every: bool = True
+    ) -> np.ndarray:
+        """From the middle to all images of places that lie in it or in a margin about it, (k, 3).
+
+        every: if not, places are unwrapped, and the image in which they come is left out.
+        """
+        steps, found = places - self.middle, [np.zeros((0, 3))]
+        if every:
+            steps -= (np.rint(steps @ cell.inverse) * cell.periodic) @ cell.vectors
+        # How far it reaches along the edges, in periods.
+        shares = np.abs(self.axes @ cell.inverse).T @ (self.half + margin)
+        wide = cell.periodic & (shares >= 0.5)
+        for image in product(*((-1, 0, 1) if flag else (0,) for flag in wide)):
+            if every or any(image):
+                moved = cell.moved(steps, image)
+                near = moved[(np.abs(moved @ self.axes.T) < self.half + margin).all(axis=1)]
+                found.append(near[self.depth(near) < margin])
+        return np.concatenate(found)
+
+    def depth(self, steps: np.ndarray) -> np.ndarray:
+        """How far outside steps from the middle end, shape (k,); less than none is inside."""
+        along = steps @ self.axes.T
+        base = (along[:, :2] @ self.sides[:, :2].T + self.sides[:, 2]).max(axis=1, initial=-np.inf)
+        return np.maximum(base, np.abs(along[:, 2]) - self.half[2])
+
+    def filling(self, margin: float) -> np.ndarray:
+        """Points in it and in a margin, next ones nearer than the margin, shape (k, 3)."""
+        ends = self.half + margin
+        counts = np.ceil(2 * ends / margin).astype(int) + 1
+        along = [np.linspace(-end, end, n) for end, n in zip(ends, counts.tolist(), strict=True)]
+        return self.middle + np.stack(np.meshgrid(*along), axis=-1).reshape(-1, 3) @ self.axes
+
+
+def inserted_about(
+    path: np.ndarray, others: np.ndarray, frame: Frame, cell: Cell, near: Near
+) -> int | None:
+    """Atoms more than sites about a closed line; an isolated vacancy counts as an atom.
+
+    Parameters
+    ----------
+    path
+        Of the line, shape (k, 3).
+    others
+        Points of all other lines, shape (n, 3).
+
+    Returns
+    -------
+    None where there is no good crystal all about this line alone: at a surface, in much noise, next
+    to another line, in a cell that is hardly larger.
+    """
+    around = Around.of(path)
+    if around is None:
+        return None
+    nearest, reach = frame.lattice.nearest * frame.constant, reach_of_shells(frame)
+    # A core is no wider on either side than two lines that are still told apart.
+    for margin in nearest * np.arange(1, 2 * METHOD.width + 1):
+        outer = margin + reach
+        # Neither another line lies in it nor an image of this one.
+        if len(around.inside(others, cell, outer)) or len(around.inside(path, cell, outer, False)):
+            return None
+        points, _ = cell.wrapped(around.filling(outer + reach))
+        steps = around.inside(near(points, outer + reach), cell, outer + reach)
+        found = _counted(steps, around, margin, outer, frame)
+        if found is not None:
+            return found
+    return None
+
+
+def _counted(
+    steps: np.ndarray, around: Around, margin: float, outer: float, frame: Frame
+) -> int | None:
+    """Atoms more than sites in the midst, if all is sound between two depths; steps: of atoms."""
+    if len(steps) < 2:
+        return None
+    lattice, middle = frame.lattice, (margin + outer) / 2
+    open_box = Cell(np.eye(3), np.zeros(3, dtype=bool))
+    shells = shells_of(Places(steps, open_box, reach_of_shells(frame)), frame)
+    deep = around.depth(steps)
+    shell = np.flatnonzero((deep > margin) & (deep < outer))
+    sites = _sites(shells, shell, lattice)
+    if sites is None:
+        return None
+    bonds = np.array(lattice.neighbours)[shells.kind[shell]]
+    beside = (sites[:, None] + bonds).reshape(-1, 3)
+    root = steps[shell[int((~sites.any(axis=1)).argmax())]]
+
+    def apart(some: np.ndarray) -> np.ndarray:
+        return around.depth(root + frame.vectors(some))
+
+    free, outside = _free(sites, lattice, apart, outer + 2 * reach_of_shells(frame))
+    if len(distinct(sites.T)[0]) < len(sites):
+        # Two atoms are at one site.
+        return None
+    every = np.concatenate([free, sites])
+    # Where a free site next to the shell should lie tells on which side of it: nothing else is
+    # missing in the shell, and it has no hole.
+    which = distinct(np.concatenate([every, beside]).T)[1]
+    number = np.full(which.max() + 1, len(every))
+    number[which[: len(every)]] = np.arange(len(every))
+    other = number[which[len(every) :]]
+    ideal = np.array(lattice.ideal)[shells.kind[shell]] @ frame.matrix
+    expected = around.depth((steps[shell][:, None] + ideal).reshape(-1, 3)) > middle
+    # What is no site that was looked at is far outside.
+    gaps = (other < len(free)) | (other == len(every))
+    outside = np.concatenate([outside, np.ones(len(sites) + 1, dtype=bool)])
+    if (outside[other[gaps]] != expected[gaps]).any():
+        return None
+    first = shells.vacancies
+    slot = (shells.near[first] == shells.sites[:, None]).argmax(axis=1)
+    # The site itself tells: the first atom beside it may lie on the other side of the middle.
+    vacant = steps[first] + np.array(lattice.ideal)[shells.kind[first], slot] @ frame.matrix
+    vacancies = int((around.depth(vacant) < middle).sum())
+    return int((deep <= margin).sum()) + vacancies - int((~outside).sum())
+
+
+def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | None:
+    """Sites of atoms in whole numbers, from one of the first kind, shape (k, 3); None where it
+    matters along which bonds they are counted, or not all atoms hang together."""
+    kind, count = shells.kind[shell], len(shell)
+    if not count or kind.all():
+        return None
+    number = np.full(len(shells.near) + 1, -1)
+    number[shell] = np.arange(count)
+    near = shells.near[shell]
+    # Behind the atoms there are vacancies.
+    to = number[np.where(near < len(shells.near), near, -1)]
+    first, slot = np.nonzero(to >= 0)
+    second = to[first, slot]
+    bonds = np.array(lattice.neighbours)[kind[first], slot]
+    table = scipy.sparse.coo_array((np.ones(len(first)), (first, second)), (count, count)).tocsr()
+    root = int(kind.argmin())
+    order, before = scipy.sparse.csgraph.breadth_first_order(table, root)
+    if len(order) < count:
+        return None
+    # The bond by which each was reached, and then sums along all of them, twice as many each time.
+    before[root] = root
+    sites = np.zeros((count, 3), dtype=np.int64)
+    chosen = before[second] == first
+    sites[second[chosen]] = bonds[chosen]
+    sites[root] = 0
+    while (before != root).any():
+        sites += sites[before]
+        before = before[before]
+    return sites if (sites[second] - sites[first] == bonds).all() else None
+
+
+def _free(
+    sites: np.ndarray, lattice: Lattice, depth: Callable[[np.ndarray], np.ndarray], far: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sites no deeper than far about others, in whole numbers, and which of them those do not
+    separate from all that is outside."""
+    period = np.array(lattice.period)
+    low, high = (
+        (sites.min(axis=0) // period - 2).tolist(),
+        (sites.max(axis=0) // period + 3).tolist(),
+    )
+    kinds = [np.array(lattice.points) + place for place in lattice.offsets]
+    parts = []
+    for x in range(low[0], high[0]):
+        cells = np.array(list(product((x,), *map(range, low[1:], high[1:])))) * period
+        some = (cells[:, None] + np.concatenate(kinds)).reshape(-1, 3)
+        parts.append(some[depth(some) < far])
+    every = np.concatenate(parts)
+    # The first occurrence of each is kept: what comes behind is taken.
+    first, _ = distinct(np.concatenate([sites, every]).T)
+    free = every[first[first >= len(sites)] - len(sites)]
+    longest = np.linalg.norm(lattice.ideal[0], axis=1).max()
+    tree = scipy.spatial.cKDTree(free * np.array(lattice.units))
+    number = components(len(free), tree.query_pairs(longest * (1 + 1e-9), output_type="ndarray"))
+    return free, number == number[int(depth(free).argmax())]

@@ -1,0 +1,115 @@
+"""Faults: bonds across stacking faults, whose shift is no lattice vector."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
+
+# Differences of lattice vectors of fcc and shifts 1/6<112> are again face-centred, in sixths of a.
+SIXTHS = replace(LATTICES["fcc"], units=(1 / 6, 1 / 6, 1 / 6))
+# The same of diamond, whose bonds are counted in quarters of a, in twelfths.
+TWELFTHS = replace(
+    LATTICES["diamond"],
+    units=(1 / 12, 1 / 12, 1 / 12),
+    points=tuple((2 * x, 2 * y, 2 * z) for x, y, z in LATTICES["fcc"].points),
+)
+MODULES = {"fcc": SIXTHS, "diamond": TWELFTHS}
+# Normals of the planes {111}: bonds of diamond, from its atoms of the first kind.
+NORMALS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+# How far the layer above a fault is moved, in sixths of a, three times the same but for lattice
+# vectors: the other sense would lead from B over A not to C but onto A.
+SHIFTS = NORMALS[:, None] * [[1, 1, -2], [1, -2, 1], [-2, 1, 1]]
+
+
+def fault_labels(
+    lattice: Lattice,
+    values: np.ndarray,
+    labels: np.ndarray,
+    pairs: np.ndarray,
+    kinds: np.ndarray,
+    known: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Labels of bonds in sixths of a, of diamond in twelfths, and those about whose layers the two
+    atoms do not agree.
+
+    Of each plane {111}, the layers above and below an atom lie where the lattice has them, or are
+    moved; its bonds, free of its own deviation from them in the plane, tell which by least squares.
+    A bond to the next layer is read in the way of its two atoms.
+
+    Parameters
+    ----------
+    values, labels
+        Bonds along the crystal axes and their nearest lattice vectors, in units of the lattice,
+        shape (k, 3).
+    pairs
+        Their atoms, shape (k, 2).
+    kinds
+        Sublattice of each atom, 0 or 1, shape (atoms,).
+    known
+        Atoms all of whose bonds are here; next to others there is no fault, shape (atoms,).
+    """
+    change = kinds[pairs[:, 1]] - kinds[pairs[:, 0]]
+    scale = 2 if lattice.basis else 1
+    moved = np.zeros(values.shape, dtype=np.int64)
+    torn = np.zeros(len(values), dtype=bool)
+    for normal, shifts in zip(NORMALS, SHIFTS, strict=True):
+        # Two atoms of diamond that a bond along the normal joins are one of fcc: faults lie in the
+        # glide set, between such layers.
+        steps = (values - change[:, None] * normal * (scale - 1)) / scale
+        upwards = steps @ normal / 2
+        above = np.rint(upwards).astype(np.int64)
+        flat = steps - np.multiply.outer((upwards - above) * 2 / 3, normal)
+        off = flat - LATTICES["fcc"].decode(flat)
+        layers, split = _shifted(off, above, pairs, shifts / 3, known)
+        moved += scale * np.multiply.outer(layers, shifts[0])
+        torn |= split
+    found, some = 3 * labels, np.flatnonzero(moved.any(axis=1))
+    at = values[some] - moved[some] / 3
+    found[some] = 3 * lattice.decode(at, change[some]) + moved[some]
+    return found, torn
+
+
+def _shifted(
+    off: np.ndarray, height: np.ndarray, pairs: np.ndarray, shifts: np.ndarray, known: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """How many shifts bonds have, and those about which their atoms do not agree.
+
+    off: from the nearest site in the layer where a bond ends, shape (k, 3); height: how many layers
+    further up it is, shape (k,); shifts: of the layer above a fault, in the same units, (3, 3).
+    """
+    count = len(known)
+    inside, steep = (np.flatnonzero(np.abs(height) == m) for m in (0, 1))
+    own, many = np.zeros((count, 3)), np.zeros(count)
+    for atom, sign in zip(pairs[inside].T, (1, -1), strict=True):
+        many += np.bincount(atom, minlength=count)
+        for k in range(3):
+            own[:, k] += sign * np.bincount(atom, off[inside, k], minlength=count)
+    own /= np.maximum(many, 1)[:, None]
+    sense = np.sign(height)
+    low, high = np.where(height >= 0, pairs.T, pairs.T[::-1])
+    up, below, above = sense[steep, None] * off[steep], low[steep], high[steep]
+    ways = np.zeros((2, count), dtype=np.int64)
+    for way, atom, free in ((ways[0], below, up - own[below]), (ways[1], above, up + own[above])):
+        way[known & (np.bincount(atom, _gain(free, shifts), minlength=count) > 0)] = 1
+    one, other = ways[0, low], ways[1, high]
+    layers = np.zeros(len(height), dtype=np.int64)
+    # Of two atoms that do not agree, that counts to which the bond is nearer.
+    layers[steep] = np.where(one == other, one, 0)[steep]
+    split = steep[one[steep] != other[steep]]
+    layers[split] = _gain(sense[split, None] * off[split], shifts) > 0
+    # A layer further off lies where the ways of both lead.
+    far = np.abs(height) > 1
+    layers[far] = (one + other)[far]
+    torn = np.zeros(len(height), dtype=bool)
+    torn[split] = True
+    return layers * sense, torn
+
+
+def _gain(off: np.ndarray, shifts: np.ndarray) -> np.ndarray:
+    """By how much squared distances from sites fall where these are moved, shape (k,)."""
+    x, y, z = off.T
+    best = np.max([x * a + y * b + z * c for a, b, c in shifts], axis=0)
+    return 2 * best - shifts[0] @ shifts[0]

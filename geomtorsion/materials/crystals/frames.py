@@ -1,0 +1,453 @@
+"""Frames: orientation and lattice constant of a crystal, found from its neighbour vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.errors import CrystalError
+from geomtorsion.materials.crystals.lattices import LATTICES, Lattice, lattice_named
+from geomtorsion.materials.crystals.local_frames import (
+    clear_misfit,
+    local_frames,
+    squared,
+    symmetry_of,
+    triads,
+)
+from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.materials.crystals.triangulation import by_rows
+from geomtorsion.rigid.attitude import quaternion_from_matrix
+
+# Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
+NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """How a crystal lies in the specimen.
+
+    lattice: which, with c/a of a hexagonal one; constant: mean lattice constant a, coordinates.
+    orient: crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v.
+    deformation: mean deformation gradient of the crystal from the perfect one of this constant and
+        orientation, in specimen axes, shape (3, 3): b along the crystal axes is
+        deformation @ orient.T @ b in the specimen.
+    error: standard error of the deformation.
+    """
+
+    lattice: Lattice
+    orient: np.ndarray
+    constant: float
+    deformation: np.ndarray = field(default_factory=lambda: np.eye(3))
+    error: float = 0.0
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """Takes rows along the crystal axes, in lattice constants, to vectors of the specimen."""
+        return self.constant * self.orient @ self.deformation.T
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes rows of the specimen to vectors along the crystal axes, in lattice constants."""
+        return np.linalg.inv(self.deformation).T @ self.orient.T / self.constant
+
+    @property
+    def atom_volume(self) -> float:
+        """Volume of an atom, coordinates cubed."""
+        return self.lattice.atom_volume * abs(float(np.linalg.det(self.matrix)))
+
+    @property
+    def largest_stretch(self) -> float:
+        """By how much the deformation makes vectors longer at most."""
+        return float(np.linalg.norm(self.deformation, 2))
+
+    def values(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors of the specimen along the crystal axes, in units of the lattice, (k, 3)."""
+        return by_rows(vectors, self.inverse / np.array(self.lattice.units))
+
+    def vectors(self, values: np.ndarray) -> np.ndarray:
+        """Lattice vectors as vectors of the specimen, shape (k, 3)."""
+        return by_rows(values * np.array(self.lattice.units), self.matrix)
+
+    def apart(self, vectors: np.ndarray, labels: np.ndarray) -> np.ndarray:
+        """Distance of vectors from their labels in the undeformed crystal, lattice constants."""
+        return np.linalg.norm(
+            (self.values(vectors) - labels) * np.array(self.lattice.units), axis=1
+        )
+
+    def deformed(self, vectors: np.ndarray, fit: Fit) -> tuple[Frame, Fit]:
+        """The same lattice, orientation and constant with the mean deformation of atoms that fit,
+        from their neighbour vectors, shape (atoms, k, 3), or without one where the atoms scatter
+        more; and how these fit. fit: how they fit into this frame, which has no deformation."""
+        frame = self
+        # As for the frame itself: labels are exchanged a few times at most.
+        for _ in range(5):
+            # All neighbours of a whole atom are there: none is missing on one side.
+            ideal = fit.labels[fit.whole] * np.array(self.lattice.units)
+            if not len(ideal):
+                break
+            squares = np.swapaxes(ideal, 1, 2) @ ideal
+            each = np.linalg.solve(squares, np.swapaxes(ideal, 1, 2) @ vectors[fit.whole])
+            each = np.swapaxes(each, 1, 2) @ self.orient / self.constant
+            # Lines along an axis leave no scatter there, but the mean is no better for it.
+            error = float(each.std(axis=0).max()) / np.sqrt(len(each))
+            before, frame = frame, self.of(each.mean(axis=0), error)
+            # In the same frame all atoms fit as before.
+            if np.array_equal(frame.matrix, before.matrix):
+                break
+            fit = fitted(frame, vectors)
+        return frame, fit
+
+    def along(self, like: Frame) -> Frame:
+        """The same lattice vectors in space, described by the lattice, orientation and constant of
+        another frame, whose axes are about these."""
+        units = np.array(self.lattice.units) / np.array(like.lattice.units)
+        matrix = units[:, None] * self.matrix
+        return like.of(matrix.T @ like.orient / like.constant, self.error)
+
+    def of(self, deformation: np.ndarray, error: float) -> Frame:
+        """The same frame with a deformation, or without where its error may be all of it."""
+        off = np.abs(deformation - np.eye(3))
+        found = deformation if off.max() > METHOD.sigma * error else np.eye(3)
+        return replace(self, deformation=found, error=error)
+
+
+class InFrame:
+    """The parts of the frame in which something lies: a field `frame`, or found when asked for."""
+
+    @property
+    def lattice(self: Any) -> str:
+        """ "fcc", "bcc", "hcp", "diamond" or "hexagonal diamond"."""
+        return self.frame.lattice.name
+
+    @property
+    def orient(self: Any) -> np.ndarray:
+        """Crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v."""
+        return self.frame.orient
+
+    @property
+    def constant(self: Any) -> float:
+        """Mean lattice constant a, in the unit of the positions."""
+        return self.frame.constant
+
+    @property
+    def deformation(self: Any) -> np.ndarray:
+        """Mean deformation gradient, specimen axes, shape (3, 3): the lattice vector b (crystal
+        axes, coordinates) is deformation @ orient.T @ b in the coordinates of the positions."""
+        return self.frame.deformation
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """How well neighbours fit a frame.
+
+    kind: of each atom, from 0: which of the sets of neighbour vectors it has, shape (atoms,).
+    labels: the neighbour vector nearest to each, whole numbers, shape (atoms, k, 3).
+    whole: atoms whose neighbours all lie nearer to places of their own than half the neighbour
+        distance, shape (atoms,).
+    misfit: root mean square distance over the neighbour distance, shape (atoms,).
+    """
+
+    kind: np.ndarray
+    labels: np.ndarray
+    whole: np.ndarray
+    misfit: np.ndarray
+
+
+def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
+    """Neighbour vectors, shape (atoms, k, 3), held against those of the perfect crystal."""
+    lattice = frame.lattice
+    count, k, _ = vectors.shape
+    at = vectors.reshape(-1, 3) @ frame.inverse
+    # As for shells: beyond half the neighbour distance a neighbour is missing.
+    missing = (lattice.nearest / 2) ** 2
+    places = []
+    for ideal in lattice.ideal:
+        # The nearest is that with the largest 2 x.t - t.t.
+        closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
+        which = closeness.argmax(axis=1)
+        places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
+    rows, kind, (which, apart) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
+    if len(places) > 1:
+        kind = np.argmin([np.minimum(apart, missing).sum(axis=1) for _, apart in places], axis=0)
+        which, apart = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
+    filled = np.zeros((count, k), dtype=bool)
+    filled[rows[:, None], which] = True
+    whole = filled.all(axis=1) & (apart.max(axis=1) < missing)
+    labels = np.stack(lattice.neighbours)[kind[:, None], which]
+    return Fit(kind, labels, whole, np.sqrt(apart.mean(axis=1)) / lattice.nearest)
+
+
+def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
+    """Atoms with another one at every neighbour vector, shape (atoms,) of truth values.
+
+    It is there if it lies nearer than half the neighbour distance; what else is near, as in a
+    lattice whose next shell noise mixes with this one, does not count.
+    """
+    lattice = frame.lattice
+    at = vectors @ frame.inverse
+    found = np.zeros(len(vectors), dtype=bool)
+    for ideal in lattice.ideal:
+        there = np.ones(len(vectors), dtype=bool)
+        for place in ideal:
+            apart = squared(at - place).min(axis=1)
+            there &= apart < (lattice.nearest / 2) ** 2
+        found |= there
+    return found
+
+
+def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether neighbours lie at their places in the mean, in which noise cancels.
+
+    In another lattice, such as simple cubic, atoms may have a neighbour for every place, but not in
+    its midst. Deformation is not taken off: it would make any lattice of one atom another one.
+    """
+    frame = replace(frame, deformation=np.eye(3))
+    return _is_ordered(frame, vectors, fitted(frame, vectors[:, : frame.lattice.shells]).kind)
+
+
+def _is_ordered(frame: Frame, vectors: np.ndarray, kinds: np.ndarray) -> bool:
+    """`is_ordered` of atoms of known kinds, in a frame without deformation."""
+    lattice = frame.lattice
+    for kind, ideal in enumerate(lattice.ideal):
+        at = vectors[kinds == kind] @ (frame.orient.T / frame.constant)
+        if len(at):
+            # The nearest is that with the least x.x - 2 x.t.
+            rows, sizes = np.arange(len(at)), squared(at)
+            off = [at[rows, (sizes - at @ (2 * x)).argmin(axis=1)].mean(axis=0) for x in ideal]
+            misfit = np.sqrt(squared(np.array(off) - ideal).mean()) / lattice.nearest
+            if misfit < clear_misfit(lattice.name):
+                return True
+    return False
+
+
+def share_of(frame: Frame, fit: Fit, vectors: np.ndarray) -> float:
+    """Share of some atoms that fit into a frame without deformation; none where those are of
+    another lattice."""
+    some, kinds = vectors[fit.whole], fit.kind[fit.whole]
+    return len(some) / len(vectors) if len(some) and _is_ordered(frame, some, kinds) else 0.0
+
+
+def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether more atoms lie about most than the lattice has: of an atom in the next shell noise
+    brings as many in as out."""
+    lattice = frame.lattice
+    more = replace(lattice, shells=lattice.shells + 1)
+    sizes = np.linalg.norm(more.ideal[0], axis=1)
+    within = frame.constant * (sizes[-1] + sizes[-2]) / 2
+    counts = (np.linalg.norm(vectors, axis=2) < within).sum(axis=1)
+    return float(counts.mean()) > METHOD.crowd * lattice.shells
+
+
+def share_within(frame: Frame, vectors: np.ndarray) -> float:
+    """Share of those atoms that tell an orientation that lie in the frame, up to the angle of a
+    wall; all where none tells."""
+    angles = _turns(frame, vectors)
+    return float((angles < METHOD.wall).mean()) if len(angles) else 1.0
+
+
+def check_turn(frame: Frame, vectors: np.ndarray) -> None:
+    """Refuse a given orientation in which no atom of a crystal lies."""
+    if share_within(frame, vectors) == 0:
+        least = np.degrees(_turns(frame, vectors).min())
+        raise CrystalError(
+            "orient: that of the crystal, or of one of its grains, was needed, but all atoms are "
+            f"turned from it by {least:.3g} degrees or more. Its rows are the crystal axes in the "
+            "specimen; leave it out to have it found."
+        )
+
+
+def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
+    """Misorientations of single atoms from a frame, of those that fit in one of their own, rad."""
+    local = local_frames(frame.lattice, vectors)
+    found = local.quaternions[local.good]
+    own = np.tile(quaternion_from_matrix(frame.orient.T), (len(found), 1))
+    return symmetry_of(frame.lattice.name).nearest(own, found)[1]
+
+
+def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
+    """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
+    ideal = lattice.ideal[0]
+    scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
+    r = vectors / scale
+    unit = r / np.linalg.norm(r, axis=1)[:, None]
+    other = int(np.abs(unit @ unit[0]).argmin())
+    directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
+    angle = unit[0] @ unit[other]
+    # Any pair of neighbour vectors with about this angle may be these two.
+    cosines = directions @ directions.T
+    first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
+    if not len(first):
+        # All neighbours lie on a line, or seem so from very far: any turn is as good.
+        return Frame(lattice, np.eye(3), float(scale))
+    here = triads(unit[:1], unit[other : other + 1])[0]
+    turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
+    at = np.einsum("nij,kj->nki", turns, r)
+    apart = squared(at[:, :, None] - ideal).min(axis=2).sum(axis=1)
+    return Frame(lattice, turns[apart.argmin()], float(scale))
+
+
+def refined(
+    frame: Frame, vectors: np.ndarray, keep_orient: bool = False, keep_constant: bool = False
+) -> Frame:
+    """The frame that fits neighbour vectors best, in the sense of least squares."""
+    before = None
+    # Labels are exchanged a few times at most; without a crystal it may go on.
+    for _ in range(5):
+        fit = fitted(frame, vectors)
+        if before is not None and (fit.labels == before).all():
+            break
+        before = fit.labels
+        labels, r = fit.labels.reshape(-1, 3), vectors.reshape(-1, 3)
+        near = frame.apart(r, labels) < frame.lattice.nearest / 2
+        ideal, r = labels[near] * np.array(frame.lattice.units), r[near]
+        if len(r) < 3:
+            return frame
+        orient, constant, lattice = frame.orient, frame.constant, frame.lattice
+        if not keep_orient:
+            u, _, v = np.linalg.svd(ideal.T @ r)
+            orient = u @ np.diag([1.0, 1.0, np.linalg.det(u @ v)]) @ v
+        if not keep_constant:
+            at = r @ orient.T
+            constant = float((at * ideal).sum() / (ideal**2).sum())
+            # Atoms at a core have lost neighbours on one side, which would shift c/a.
+            whole = np.repeat(fit.whole, vectors.shape[1])[near]
+            at, ideal = at[whole], ideal[whole]
+            if lattice.is_hexagonal and ideal[:, :2].any() and ideal[:, 2].any():
+                across, along = (
+                    float((at * ideal)[:, k].sum() / (ideal**2)[:, k].sum())
+                    for k in (slice(0, 2), slice(2, 3))
+                )
+                ratio = lattice.ratio * along / across
+                lattice, constant = lattice_named(lattice.name, ratio), across
+        frame = Frame(lattice, orient, constant)
+    return frame
+
+
+def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
+    """The frame with its deformation that fits neighbour vectors best."""
+    made = refined(replace(frame, deformation=np.eye(3)), vectors)
+    return made.deformed(vectors, fitted(made, vectors))[0]
+
+
+def single_frame(
+    lattice: Lattice,
+    vectors: np.ndarray,
+    orient: np.ndarray | None = None,
+    constant: float | None = None,
+) -> tuple[Frame, Fit]:
+    """The frame into which most atoms fit, of those that single atoms suggest, and how they fit."""
+    k = lattice.shells
+    vectors = vectors[:, :k]
+    if orient is not None:
+        ideal = np.linalg.norm(lattice.ideal[0], axis=1).mean()
+        scale = float(np.linalg.norm(vectors, axis=2).mean() / ideal)
+        best = Frame(lattice, orient, scale)
+    else:
+        spread = np.linspace(0, len(vectors) - 1, min(METHOD.seeds, len(vectors)))
+        chosen = vectors[spread.astype(int)]
+        every = [refined(_seeded(lattice, one), one[None]) for one in chosen]
+        scores = [float(np.minimum(fitted(frame, chosen).misfit, 0.5).mean()) for frame in every]
+        best = every[int(np.argmin(scores))]
+    if constant is not None:
+        best = refined(best, vectors, orient is not None)
+        if abs(best.constant / constant - 1) > METHOD.strain:
+            raise CrystalError(
+                f"constant: neighbours are as far apart as with a = {best.constant:.4g}, but "
+                f"{constant:.4g} came. Give it in the unit of the positions, or leave it out."
+            )
+        best = replace(best, constant=constant)
+    best = refined(best, vectors, orient is not None, constant is not None)
+    return best, fitted(best, vectors)
+
+
+def sampled(count: int) -> np.ndarray:
+    """Numbers of atoms that stand for all."""
+    if count <= METHOD.sample:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(0).choice(count, METHOD.sample, replace=False))
+
+
+def likely_lattice(
+    vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
+) -> tuple[Frame, Fit]:
+    """The frame of the lattice into which most atoms fit, in axes that may be given; without its
+    deformation."""
+    # Few tell the lattice, all then its orientation and constant; where few fit, all tell it.
+    for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
+        found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
+        shares = [share_of(frame, fit, some) for frame, fit in found]
+        # Under strain atoms may fit into two: each counts for that into which it fits best.
+        off = [
+            np.where(fit.whole & (share > 0), fit.misfit, np.inf)
+            for (_, fit), share in zip(found, shares, strict=True)
+        ]
+        mine = np.where(np.isfinite(off).any(axis=0), np.argmin(off, axis=0), -1)
+        count = [int((mine == k).sum()) for k in range(len(found))]
+        best = max(range(len(found)), key=lambda k: (count[k], -found[k][1].misfit.mean()))
+        frame = found[best][0]
+        if shares[best] >= METHOD.share:
+            break
+    return single_frame(frame.lattice, vectors, orient, constant)
+
+
+def frame_of(
+    vectors: np.ndarray,
+    name: str | None = None,
+    orient: np.ndarray | None = None,
+    constant: float | None = None,
+    shares: Callable[[Lattice], dict[str, float]] | None = None,
+) -> tuple[Frame, Fit]:
+    """The frame of a crystal from neighbour vectors of a sample of its atoms, and how they fit.
+
+    name, orient, constant: of the lattice, where they are given. shares: of atoms that fit into
+    each lattice in frames of their own, as in a polycrystal.
+
+    Raises
+    ------
+    CrystalError
+        The atoms are no crystal, or one of another lattice.
+    """
+    if name is None:
+        found = likely_lattice(vectors, orient, constant)
+    else:
+        found = single_frame(lattice_named(name), vectors, orient, constant)
+    share = share_of(*found, vectors)
+    alike = True
+    if share < 0.5 and shares is not None:
+        # In many grains single atoms tell the lattice.
+        parts = shares(found[0].lattice)
+        most = max(parts, key=lambda key: parts[key])
+        if name is None and parts[most] > max(share, parts[found[0].lattice.name]):
+            found = single_frame(lattice_named(most), vectors, orient, constant)
+        # Next to atoms in frames of their own others lie alike, as in grains.
+        alike = parts[found[0].lattice.name] > 0
+        share = max(share_of(*found, vectors), parts[found[0].lattice.name])
+    if name is not None and share < 0.5:
+        other = likely_lattice(vectors)
+        rival = share_of(*other, vectors)
+        # Without a doubt it is another one.
+        if other[0].lattice.name != name and rival > 2 * share:
+            raise CrystalError(
+                f"lattice: the neighbours of {rival:.1%} of the atoms fit into "
+                f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
+                "that one, or none."
+            )
+    if not (alike if share >= METHOD.share else _is_noisy(found[0], vectors)):
+        kinds = name or f"one of {', '.join(LATTICES)}"
+        beside = ", but not of those next to them" if share >= METHOD.share else ""
+        raise CrystalError(
+            f"positions: expected a crystal ({kinds}), got atoms as in a liquid or in a lattice of "
+            f"another kind: of only {share:.1%} of the atoms the neighbours fit{beside}. Cut out "
+            "the part that is crystalline, or one sublattice of a compound."
+        )
+    return found[0].deformed(vectors[:, : found[0].lattice.shells], found[1])
+
+
+def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:
+    """Whether atoms are a crystal under much noise: hardly one fits, but places are occupied."""
+    taken = occupied(frame, vectors).mean() >= METHOD.places
+    return bool(taken) and is_ordered(frame, vectors) and not _is_crowded(frame, vectors)

@@ -1,0 +1,128 @@
+"""Given: how a crystal lies, as far as somebody says it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError
+from geomtorsion.materials.crystals.lattices import lattice_named
+from geomtorsion.materials.crystals.triangulation import Cell
+
+POSITIONS = "positions"
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """Cell and frame of a crystal, None for what is to be found.
+
+    cell: edges as rows, shape (3, 3). periodic: along which it repeats, shape (3,).
+    lattice, orient, constant: as of a `Crystal`.
+    """
+
+    cell: np.ndarray | None
+    periodic: np.ndarray
+    lattice: str | None
+    orient: np.ndarray | None
+    constant: float | None
+
+    @classmethod
+    def of(
+        cls,
+        cell: ArrayLike | None,
+        periodic: Sequence[bool],
+        lattice: str | None,
+        orient: ArrayLike | None,
+        constant: float | None,
+    ) -> Given:
+        """What came, looked at once; errors say what was needed."""
+        edges = None if cell is None else _cell(cell)
+        flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
+        if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
+            raise CrystalError(
+                f"periodic: three truth values were needed, but {checks.shown(flags)} came."
+            )
+        wraps = np.array(flags, dtype=bool) & (cell is not None)
+        if lattice is not None:
+            lattice_named(lattice)
+        return cls(edges, wraps, lattice, _rotation(orient), _constant(constant))
+
+    @cached_property
+    def box(self) -> Cell:
+        """The cell, or any where nothing is periodic."""
+        vectors = np.eye(3) if self.cell is None else self.cell
+        return Cell(vectors, self.periodic)
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """The same as JSON has it, to the last bit."""
+        return {
+            "cell": None if self.cell is None else self.cell.tolist(),
+            "periodic": self.periodic.tolist(),
+            "lattice": self.lattice,
+            "orient": None if self.orient is None else self.orient.tolist(),
+            "constant": self.constant,
+        }
+
+
+def positions_of(given: object) -> np.ndarray:
+    """Positions of atoms, shape (atoms, 3), that span a volume that is a number."""
+    found = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
+    largest = float(max(found.max(initial=0), -found.min(initial=0)))
+    limit = float(np.finfo(float).max ** (1 / 3)) / 2
+    if largest > limit:
+        raise CrystalError(
+            f"{POSITIONS}: numbers up to {limit:.1e} were needed, whose cubes are volumes, "
+            f"but {largest:.3g} came. Give them in another unit of length."
+        )
+    return found
+
+
+def _cell(given: ArrayLike) -> np.ndarray:
+    """Edges of the cell as rows."""
+    found = checks.array(given, "cell", CrystalError)
+    if found.shape == (3,):
+        found = np.diag(found)
+    if found.shape != (3, 3):
+        raise CrystalError(
+            f"cell: three edges as rows were needed, shape (3, 3), but {found.shape} came."
+        )
+    with np.errstate(all="ignore"):
+        volume = abs(np.linalg.det(found))
+        sizes = np.prod(np.linalg.norm(found, axis=1))
+    if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
+        raise CrystalError(
+            f"cell: three edges that span a volume were needed, but "
+            f"{checks.shown(found.tolist())} came. Give an open box periodic=(False, False, False)."
+        )
+    return found
+
+
+def _rotation(given: ArrayLike | None) -> np.ndarray | None:
+    """A rotation, put right to the last digit."""
+    if given is None:
+        return None
+    found = checks.array(given, "orient", CrystalError, shape=(3, 3))
+    u, sizes, v = np.linalg.svd(found)
+    if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(found) < 0:
+        raise CrystalError(
+            "orient: a rotation was needed, crystal axes from specimen axes, but "
+            f"{checks.shown(found.tolist())} came. Its columns are the specimen axes in the "
+            "crystal, of length one and right-handed."
+        )
+    nearest = u @ v
+    # What is a rotation up to rounding stays as it is, frame by frame of a trajectory.
+    if np.abs(nearest - found).max() < 16 * np.finfo(float).eps:
+        return found
+    return nearest
+
+
+def _constant(given: float | None) -> float | None:
+    """A length."""
+    return None if given is None else float(checks.positive(given, "constant", CrystalError))

@@ -1,0 +1,95 @@
+"""Grain circuits: closed paths from atom to atom in a polycrystal, each within one grain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError
+from geomtorsion.materials.crystals.circuits import AtomCircuit, AtomCircuits
+from geomtorsion.materials.crystals.grains import Grains, Nowhere
+
+
+@dataclass(frozen=True, eq=False)
+class GrainCircuits:
+    """Makes circuits in a polycrystal, as `AtomCircuits` does in a single crystal.
+
+    whole: of all atoms. grains: to which grain each belongs. single: circuits in each alone.
+
+    A circuit through a wall has no Burgers vector: bonds there are vectors of neither lattice.
+    """
+
+    whole: AtomCircuits
+    grains: Grains
+    single: Callable[[int], AtomCircuits]
+
+    def __call__(self, atoms: Sequence[int]) -> AtomCircuit:
+        """The circuit through atoms of one grain, from each to the nearest image of the next.
+
+        Raises
+        ------
+        CrystalError
+            As in a single crystal, or atoms lie in two grains or in none.
+        """
+        last = len(self.grains.number) - 1
+        numbers = [
+            checks.count(k, f"atoms[{j}]", CrystalError, 0, last)
+            for j, k in enumerate(checks.entries(checks.rows(atoms), "atoms", CrystalError))
+        ]
+        number = self._one_grain(numbers)
+        inside = self.grains[number].atoms
+        return self._named(number, self.single(number)(np.searchsorted(inside, numbers).tolist()))
+
+    def around(self, point: ArrayLike, normal: ArrayLike, radius: float) -> AtomCircuit:
+        """The circuit along a circle within one grain; as in a single crystal.
+
+        Raises
+        ------
+        CrystalError
+            As in a single crystal, or the circle meets a wall.
+        """
+        rim = self.whole.rim(point, normal, radius)
+        number = self._one_grain([self.whole.nearest(place)[0] for place in rim])
+        return self._named(number, self.single(number).around(point, normal, radius))
+
+    def _one_grain(self, atoms: Sequence[int]) -> int:
+        """The grain of all these atoms."""
+        found = {int(self.grains.number[k]): k for k in reversed(atoms)}
+        inside = sorted(number for number in found if number >= 0)
+        if len(inside) > 1:
+            one, other = inside[:2]
+            how = self.grains.wall(one, other).description
+            raise CrystalError(
+                f"a circuit within one grain was needed, but atom {found[one]} lies in grain {one} "
+                f"and atom {found[other]} in grain {other}, {how}: "
+                "circuits end at the wall between them. Lead it through one of them."
+            )
+        if len(inside) < len(found):
+            code = max(number for number in found if number < 0)
+            where = "a region without a lattice"
+            if code == Nowhere.wall:
+                where = self._where(found[code])
+            raise CrystalError(
+                f"a circuit within one grain was needed, but atom {found[code]} lies in {where}. "
+                "Lead it through a grain."
+            )
+        if not inside:
+            raise CrystalError("atoms: three different ones or more were needed, but none came.")
+        return inside[0]
+
+    def _where(self, atom: int) -> str:
+        """The wall in which an atom lies, in words."""
+        for wall in self.grains.walls:
+            if (wall.atoms == atom).any():
+                one, other = wall.grains
+                return f"the wall between grains {one} and {other}, {wall.description}"
+        return "a wall"
+
+    def _named(self, number: int, circuit: AtomCircuit) -> AtomCircuit:
+        """The circuit with the numbers that atoms have in the polycrystal."""
+        inside = self.grains[number].atoms
+        return replace(circuit, atoms=tuple(int(inside[k]) for k in circuit.atoms))

@@ -1,0 +1,187 @@
+"""Grains: the single crystals of a polycrystal, and the walls between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError
+from geomtorsion.materials.crystals.frames import Frame, InFrame
+from geomtorsion.materials.crystals.local_frames import symmetry_of
+from geomtorsion.materials.maps.symmetry import angle_of
+from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
+
+
+class Nowhere(IntEnum):
+    """What stands in the place of its grain for an atom that belongs to none."""
+
+    wall = -1
+    none = -2
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Grain(InFrame):
+    """A single crystal of a polycrystal.
+
+    number: from 0; 0 is the grain of `crystal.frame`, the others are larger first. In a trajectory
+        a grain keeps its number.
+    frame: how it lies; orient is the variant nearest to that of grain 0 of the same lattice.
+    atoms: their numbers, ascending, those of its dislocation cores included, shape (n,).
+    centre: centre of gravity of the atoms, in the cell, shape (3,).
+    """
+
+    number: int
+    frame: Frame
+    atoms: np.ndarray
+    centre: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"Grain({self.number}: {len(self.atoms):,} atoms, {self.lattice})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Wall:
+    """A wall between two grains: a grain boundary, or one between two phases.
+
+    grains: their numbers, ascending. atoms: numbers of atoms that belong to neither, shape (n,).
+    angle: of the misorientation, the least of all symmetric equivalents, rad; None between
+        different lattices. axis: of that turn, a unit vector in crystal axes within the standard
+        triangle, shape (3,).
+    """
+
+    grains: tuple[int, int]
+    atoms: np.ndarray
+    angle: float | None
+    axis: tuple[float, float, float] | None
+
+    @property
+    def degrees(self) -> float | None:
+        """The angle in degrees."""
+        return None if self.angle is None else float(np.degrees(self.angle))
+
+    @property
+    def description(self) -> str:
+        """The misorientation in words."""
+        if self.angle is None or self.axis is None:
+            return "of different lattices"
+        axis = " ".join(f"{round(x, 3) + 0.0:g}" for x in self.axis)
+        return f"misoriented by {self.degrees:.2f} degrees about [{axis}]"
+
+    def __repr__(self) -> str:
+        return f"Wall(grains {self.grains[0]} and {self.grains[1]}, {self.description})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Grains:
+    """All grains of a crystal, in order, and the walls between neighbours.
+
+    number: the grain of each atom, -1 in a wall, -2 in a region without a lattice, shape (atoms,).
+    walls: those between two grains that touch, by the numbers of the grains.
+    fitting: share of the atoms whose neighbours are where the lattice of their grain has them;
+        None of a single crystal.
+    used: how many numbers have been given, in this frame of a trajectory and before.
+    vanished: numbers of grains that were there in the frame before and are there no more.
+    """
+
+    grains: tuple[Grain, ...]
+    number: np.ndarray
+    walls: tuple[Wall, ...]
+    fitting: float | None
+    used: int
+    vanished: tuple[int, ...] = ()
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is one crystal, with no atom outside of it."""
+        return self.fitting is None
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the atoms in each lattice, in walls ("wall") and in regions without ("none")."""
+        found: dict[str, float] = {}
+        for grain in self.grains:
+            part = len(grain.atoms) / len(self.number)
+            found[grain.lattice] = found.get(grain.lattice, 0.0) + part
+        for code in Nowhere:
+            if (self.number == code).any():
+                found[code.name] = float((self.number == code).mean())
+        return found
+
+    def wall(self, one: int, other: int) -> Wall:
+        """The wall between two grains, or what it would be where they do not touch.
+
+        Raises
+        ------
+        CrystalError
+            A number is that of no grain, or both are the same.
+        """
+        first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
+        if first is second:
+            raise CrystalError(
+                f"wall: two different grains were needed, but {first.number} came twice. Give "
+                "two of them."
+            )
+        for wall in self.walls:
+            if wall.grains == (first.number, second.number):
+                return wall
+        return wall_between(first, second, np.zeros(0, dtype=np.int64))
+
+    def __len__(self) -> int:
+        return len(self.grains)
+
+    def __iter__(self) -> Iterator[Grain]:
+        return iter(self.grains)
+
+    def __getitem__(self, number: int) -> Grain:
+        """The grain of a number."""
+        wanted = checks.count(number, "number", CrystalError)
+        for grain in self.grains:
+            if grain.number == wanted:
+                return grain
+        known = ", ".join(str(grain.number) for grain in self.grains)
+        raise CrystalError(
+            f"number: that of a grain was needed ({checks.cut(known)}), but {wanted} came. Give "
+            "one of these."
+        )
+
+    def __repr__(self) -> str:
+        count = len(self.grains)
+        parts = ", ".join(f"{name} {part:.1%}" for name, part in self.shares.items())
+        return f"Grains({count} grain{'s' * (count != 1)}: {parts})"
+
+
+def single_grain(frame: Frame, places: np.ndarray) -> Grains:
+    """A single crystal as its one grain."""
+    count = len(places)
+    grain = Grain(0, frame, np.arange(count), places.mean(axis=0))
+    return Grains((grain,), np.zeros(count, dtype=np.int64), (), None, 1)
+
+
+def wall_between(one: Grain, other: Grain, atoms: np.ndarray) -> Wall:
+    """The wall between two grains."""
+    angle, axis = None, None
+    if one.lattice == other.lattice:
+        turn = symmetry_of(one.lattice).disorientation(
+            quaternion_of(one.frame), quaternion_of(other.frame)
+        )
+        angle = float(angle_of(turn))
+        size = np.linalg.norm(turn[1:])
+        axis = tuple((turn[1:] / size).tolist()) if size > 0 else (0.0, 0.0, 1.0)
+    return Wall((one.number, other.number), atoms, angle, axis)
+
+
+def quaternion_of(frame: Frame) -> np.ndarray:
+    """The orientation of a frame, crystal to specimen, scalar first, shape (4,)."""
+    return quaternion_from_matrix(frame.orient.T)
+
+
+def in_variant(frame: Frame, like: Frame) -> Frame:
+    """The same frame in the variant of its symmetry that is nearest to another of its lattice."""
+    group, own = symmetry_of(frame.lattice.name), quaternion_of(frame)
+    variant, _ = group.nearest(quaternion_of(like)[None], own[None])
+    turned = product(own, group.quaternions[variant[0]])
+    return replace(frame, orient=matrix_from_quaternion(turned).T)

@@ -1,0 +1,159 @@
+"""Local frames: orientation and lattice constant of each single atom, from its neighbours alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+
+import numpy as np
+
+from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
+from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.materials.maps import LaueGroup, laue_group
+from geomtorsion.rigid.attitude import matrix_from_quaternion, quaternion_from_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class LocalFrames:
+    """How the neighbours of single atoms lie.
+
+    quaternions: crystal to specimen, in any variant of the symmetry, shape (atoms, 4).
+    constants: lattice constants, shape (atoms,).
+    good: atoms each neighbour of which lies nearer to a place of its own than half the neighbour
+        distance, shape (atoms,).
+    misfit: root mean square distance over the neighbour distance, shape (atoms,).
+    """
+
+    quaternions: np.ndarray
+    constants: np.ndarray
+    good: np.ndarray
+    misfit: np.ndarray
+
+
+@cache
+def symmetry_of(name: str) -> LaueGroup:
+    """Rotations that a lattice does not notice, its two sublattices counted as one."""
+    return laue_group("6/mmm" if LATTICES[name].is_hexagonal else "m-3m")
+
+
+def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
+    """The frame of each atom for which its neighbours fit best, and how well they do.
+
+    Two of the neighbours, as perpendicular as any, are laid upon each pair of neighbours of the
+    perfect crystal that symmetry does not make one; the rotation that fits best is then put right
+    by least squares.
+
+    Parameters
+    ----------
+    vectors
+        To the nearest neighbours, nearest first, shape (atoms, k, 3), k no less than
+        `lattice.shells`.
+    """
+    part = METHOD.together // lattice.shells
+    pieces = [
+        _some(lattice, vectors[start : start + part, : lattice.shells])
+        for start in range(0, max(len(vectors), 1), part)
+    ]
+    return LocalFrames(*(np.concatenate(x) for x in zip(*pieces, strict=True)))
+
+
+@cache
+def clear_misfit(name: str) -> float:
+    """The least misfit in a lattice of an atom that lies in another one without any noise."""
+    found = [np.inf]
+    for other in LATTICES.values():
+        if other.name != name:
+            ideal = replace(other, shells=50).ideal[0]
+            # Of neighbours that are equally far away any may be counted.
+            moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
+            order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
+            fit = local_frames(LATTICES[name], np.take_along_axis(moved, order, axis=1))
+            found += fit.misfit[fit.good].tolist()
+    return min(found)
+
+
+def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The fields of the local frames of some atoms."""
+    ideal = lattice.ideal[0]
+    count, k, _ = vectors.shape
+    sizes = np.sqrt(squared(vectors))
+    scale = sizes.mean(axis=1) / np.linalg.norm(ideal, axis=1).mean()
+    r = vectors / scale[:, None, None]
+    unit = vectors / sizes[:, :, None]
+    cosines = np.abs(np.einsum("ni,nki->nk", unit[:, 0], unit))
+    other = cosines.argmin(axis=1)
+    here = triads(unit[:, 0], unit[np.arange(count), other])
+    best, turns = np.full(count, -np.inf), np.tile(np.eye(3), (count, 1, 1))
+    squares = (ideal**2).sum(axis=1)
+    at = (r @ np.swapaxes(here, 1, 2)).reshape(-1, 3)
+    for there in _seeds(lattice):
+        # Neighbours along the triad here, places along the triad there.
+        close = largest(at @ (2 * there @ ideal.T) - squares)
+        total = close.reshape(count, k).sum(axis=1)
+        closer = total > best
+        best = np.where(closer, total, best)
+        turns[closer] = there.T @ here[closer]
+    # Places are exchanged once or twice, as in `frames.refined`.
+    for _ in range(3):
+        which, _ = _nearest(r @ np.swapaxes(turns, 1, 2), ideal)
+        u, _, v = np.linalg.svd(np.swapaxes(ideal[which], 1, 2) @ r)
+        u[:, :, 2] *= np.linalg.det(u @ v)[:, None]
+        turns = u @ v
+    which, apart = _nearest(r @ np.swapaxes(turns, 1, 2), ideal)
+    filled = np.zeros((count, k), dtype=bool)
+    filled[np.arange(count)[:, None], which] = True
+    good = filled.all(axis=1) & (apart.max(axis=1) < (lattice.nearest / 2) ** 2)
+    misfit = np.sqrt(apart.mean(axis=1)) / lattice.nearest
+    return quaternion_from_matrix(np.swapaxes(turns, 1, 2)), scale, good, misfit
+
+
+def _nearest(at: np.ndarray, ideal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The place nearest to each vector, and the square of its distance, shape (atoms, k)."""
+    closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
+    which = closeness.argmax(axis=2)
+    best = np.take_along_axis(closeness, which[:, :, None], axis=2)[:, :, 0]
+    return which, np.maximum(squared(at) - best, 0.0)
+
+
+def squared(vectors: np.ndarray) -> np.ndarray:
+    """Squares of lengths, shape (..., 3) to (...); numpy is slow at sums of three."""
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    return x**2 + y**2 + z**2
+
+
+def largest(table: np.ndarray) -> np.ndarray:
+    """The largest of each row; numpy is slow at rows of a dozen, and fast at columns."""
+    found = table[:, 0].copy()
+    for column in table.T[1:]:
+        np.maximum(found, column, out=found)
+    return found
+
+
+def triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Orthonormal rows along the first vectors and in the plane of both, shape (n, 3, 3)."""
+    normal = np.cross(first, second)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+@lru_cache(16)
+def _seeds(lattice: Lattice) -> np.ndarray:
+    """Triads of pairs of neighbours, one of each set that symmetry makes one, shape (n, 3, 3)."""
+    ideal = lattice.ideal[0]
+    unit = ideal / np.linalg.norm(ideal, axis=1)[:, None]
+    rotations = matrix_from_quaternion(symmetry_of(lattice.name).quaternions)
+    turned = np.einsum("nij,kj->nki", rotations, ideal)
+    apart = np.linalg.norm(turned[:, :, None] - ideal, axis=3)
+    # Those that bring neighbours of the one sublattice upon neighbours of it.
+    images = apart.argmin(axis=2)[apart.min(axis=2).max(axis=1) < lattice.nearest / 2]
+    seen: set[tuple[int, int]] = set()
+    found = []
+    for a in range(len(ideal)):
+        for b in range(len(ideal)):
+            # Two neighbours that tell an orientation lie on no line.
+            if (a, b) in seen or abs(unit[a] @ unit[b]) > 0.9:
+                continue
+            seen |= {(int(image[a]), int(image[b])) for image in images}
+            found.append((a, b))
+    first, second = np.array(found).T
+    return triads(unit[first], unit[second])

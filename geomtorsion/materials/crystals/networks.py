@@ -1,0 +1,109 @@
+"""Networks: dislocation lines of a crystal as a DislocationNetwork."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from fractions import Fraction
+from math import gcd
+
+import numpy as np
+
+from geomtorsion.materials.crystals.frames import Frame
+from geomtorsion.materials.crystals.lattices import Lattice
+from geomtorsion.materials.crystals.lines import DualGraph, simplified, smoothed, strands
+from geomtorsion.materials.crystals.torn_faces import TornFaces
+from geomtorsion.materials.crystals.triangulation import Cell
+from geomtorsion.materials.lines.box import Box
+from geomtorsion.materials.lines.crystal_analysis import Cluster
+from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
+
+
+def network_of(
+    faces: TornFaces,
+    cell: Cell,
+    frame: Frame,
+    width: float,
+    extra: Callable[[np.ndarray, np.ndarray], float],
+    cluster: Cluster,
+) -> DislocationNetwork:
+    """The lines that carry torsion, smoothed, in the frame of a crystal.
+
+    width: of a core. extra: volume of the atoms more than sites about a closed path, given the
+    points of all other lines; 0.0 where they cannot be counted. A closed line is drawn so that
+    b . A is that volume, since bonds across it flip a little inside of it. cluster: how OVITO has
+    the crystal.
+    """
+    import networkx as nx  # 0.15 s, and networks alone need it
+
+    graph = DualGraph.of(faces)
+    found = nx.MultiDiGraph(clusters={None: cluster})
+    lines = simplified(strands(graph, cell.vectors), graph.surface, cell.vectors, width)
+    ends = Counter(node for line in lines for node in (line.start, line.end))
+    alone = [line.start == line.end and ends[line.start] == 2 for line in lines]
+    paths = [smoothed(line.path, one, width) for line, one in zip(lines, alone, strict=True)]
+    for k, line in enumerate(lines):
+        if alone[k] and not line.image.any():
+            others = [np.zeros((0, 3)), *(one.path for one in lines if one is not line)]
+            volume = extra(line.path, np.concatenate(others))
+            paths[k] = _with_area(paths[k], frame.vectors(line.burgers[None])[0], volume)
+    numbers: dict[int, int] = {}
+    for line, path, one in zip(lines, paths, alone, strict=True):
+        for node in (line.start, line.end):
+            if node not in numbers:
+                numbers[node] = len(numbers)
+                # Of a line without junctions only the line itself says where it begins.
+                place = path[0] if one else graph.places[node]
+                outside = bool(graph.surface[node])
+                found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
+        found.add_edge(
+            numbers[line.start],
+            numbers[line.end],
+            burgers=tuple(frame.vectors(line.burgers[None])[0].tolist()),
+            burgers_lattice=frame.lattice.fractions(line.burgers),
+            family=family(frame.lattice, line.burgers),
+            path=path,
+            image=tuple(line.image.tolist()),
+        )
+    return DislocationNetwork(found, box=Box(cell.vectors, periodic=cell.periodic))
+
+
+def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
+    """A crystal or a grain as OVITO has it."""
+    lattice, scale = frame.lattice, np.ones(3)
+    if lattice.is_hexagonal:
+        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
+        scale = np.sqrt([2, 2, 3 / 4 * lattice.ratio**2])
+    return Cluster(lattice.name, frame.matrix.T * scale, atoms)
+
+
+def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarray:
+    """A closed path about its centre, as large as b . A is a volume, if it is about that."""
+    middle = path[:-1].mean(axis=0)
+    spokes = path - middle
+    found = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
+    # Twice as much in area is more than a core can hide: other defects have been counted, too.
+    if not 0.5 < volume / (found or np.inf) < 2:
+        return path
+    return middle + np.sqrt(volume / found) * spokes
+
+
+def family(lattice: Lattice, values: np.ndarray) -> str:
+    """The family of a Burgers vector, such as 1/2<1 1 0>."""
+    b = lattice.fractions(values)
+    if lattice.is_hexagonal:
+        # Four indices: [u v t w] with t = -(u + v), so that families look alike.
+        b = ((2 * b[0] - b[1]) / 3, (2 * b[1] - b[0]) / 3, -(b[0] + b[1]) / 3, b[2])
+        order = sorted(b[:3], key=lambda x: (abs(x), x))
+        sign = -1 if next((x for x in order if x), 1) < 0 else 1
+        order = [*(sign * x for x in order), abs(b[3])]
+    else:
+        order = sorted(map(abs, b), key=lambda x: (x == 0, x))
+    below = 1
+    for x in order:
+        below = below * x.denominator // gcd(below, x.denominator)
+    whole = [int(x * below) for x in order]
+    common = gcd(*whole)
+    factor = Fraction(common, below)
+    inner = " ".join(str(x // common) for x in whole)
+    return f"{factor if factor != 1 else ''}<{inner}>"

@@ -1,0 +1,108 @@
+"""Reading: crystals from files of atoms, and from the frames of a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.errors import CrystalError, FileFormatError
+from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames
+from geomtorsion.materials.crystals.crystal import Crystal
+from geomtorsion.materials.crystals.known_grains import KnownGrains
+
+
+def read(
+    path: str | PathLike[str],
+    *,
+    frame: int = 0,
+    lattice: str | None = None,
+    orient: ArrayLike | None = None,
+    constant: float | None = None,
+    form: str | None = None,
+) -> Crystal:
+    """A crystal from a file of atoms: extended XYZ, LAMMPS dump or data, POSCAR, CIF, and more.
+
+    Parameters
+    ----------
+    frame
+        Which of a trajectory, counted from 0.
+    lattice, orient, constant
+        As for `Crystal`; found from the atoms if not given.
+    form
+        The format, one of `atom_files.FORMATS`; found from name and content if not given.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, damaged (the message names the line where there is one), has no such
+        frame, or is of a format that may hold more than numbers.
+    CrystalError
+        The atoms are no crystal.
+    MissingExtraError
+        ase is not installed: the extra `crystals`.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> rows = [f"W {(x + k / 2) * 3.2} {(y + k / 2) * 3.2} {(z + k / 2) * 3.2}"
+    ...         for k in (0, 1) for x in range(4) for y in range(4) for z in range(4)]
+    >>> head = ["128", 'Lattice="12.8 0 0 0 12.8 0 0 0 12.8" pbc="T T T"']
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "w.xyz"
+    ...     _ = path.write_text("\\n".join([*head, *rows]))
+    ...     crystal = read(path)
+    >>> crystal.lattice, len(crystal.positions)
+    ('bcc', 128)
+    """
+    number = checks.count(frame, "frame", FileFormatError)
+    found = next(islice(atom_frames(path, form), number, None), None)
+    if found is None:
+        raise FileFormatError(f"{path}: it has no frame {number}; they are counted from 0.")
+    return crystal_of(found, lattice, orient, constant)
+
+
+def read_all(
+    path: str | PathLike[str],
+    *,
+    lattice: str | None = None,
+    orient: ArrayLike | None = None,
+    constant: float | None = None,
+    form: str | None = None,
+) -> Iterator[Crystal]:
+    """The crystals of all frames of a trajectory, one after another, in one frame of axes.
+
+    What is found in the first frame (lattice, orientation, lattice constant) is kept in all later
+    ones, so that a Burgers vector along the crystal axes is the same from frame to frame; of a
+    polycrystal that of each grain, which keeps its number (`Crystal.following`). Parameters and
+    errors as for `read`.
+    """
+    known = None
+    for data in atom_frames(path, form):
+        crystal = crystal_of(data, lattice, orient, constant, known)
+        known = KnownGrains.of(crystal.grains)
+        yield crystal
+
+
+def crystal_of(
+    data: AtomData,
+    lattice: str | None,
+    orient: ArrayLike | None,
+    constant: float | None,
+    known: KnownGrains | None = None,
+) -> Crystal:
+    """The crystal of a frame, behind one whose grains are known; what is wrong with it is told with
+    its file."""
+    try:
+        made = Crystal(
+            data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
+        )
+        made = made if known is None else made.following(known)
+        # Found now, so that a file that holds no crystal is told as such.
+        _ = made.frame
+    except CrystalError as error:
+        raise CrystalError(f"{data.where}: {error}") from None
+    return made

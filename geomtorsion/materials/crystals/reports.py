@@ -1,0 +1,285 @@
+"""Reports: what is found in a crystal as plain data, frame by frame, and lines followed in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.conventions import burgers
+from geomtorsion.materials.crystals.blocked import BlockedCrystal
+from geomtorsion.materials.crystals.crystal import Crystal
+from geomtorsion.materials.crystals.frames import Frame
+from geomtorsion.materials.crystals.grains import Grain, Wall
+from geomtorsion.materials.crystals.known_grains import KnownGrains
+from geomtorsion.materials.crystals.lattices import lattice_named
+from geomtorsion.materials.lines import DislocationNetwork
+from geomtorsion.materials.lines.line_arrays import DislocationLine
+
+# A frame, or a line in it, as JSON has it.
+Json = dict[str, Any]
+
+
+def crystal_report(
+    crystal: Crystal | BlockedCrystal, net: DislocationNetwork, convention: str = "SF/RH"
+) -> Json:
+    """A crystal and its dislocation lines as plain data; every number to the last digit.
+
+    Parameters
+    ----------
+    convention
+        Of the sign of b; see `conventions.burgers`.
+
+    Returns
+    -------
+    atoms, lattice, constant, orient, deformation, share, cell, periodic: of the crystal; of a
+    hexagonal one also ratio, its c/a. length, junctions, nye: of all lines. lines: of each burgers
+    (coordinates of the file, deformed as the crystal is), burgers_lattice (crystal axes, fractions
+    as text, in lattice constants), family, length, kind, path, and of closed ones `inserted`, how
+    many atoms their half plane has: less than none for vacancies.
+
+    What is no single crystal, or was none in a frame before, has more. shares: of the atoms in each
+    lattice, in walls and in none. grains: of each number, lattice, constant, orient, deformation,
+    atoms (how many) and centre. walls: of each the two grains, degrees and axis of the
+    misorientation, and atoms (how many). vanished: grains that were there in the frame before;
+    numbers: how many have been given. Lines have their grain.
+
+    Raises
+    ------
+    UnknownNameError
+        No convention has this name.
+    """
+    cell = crystal.cell
+    return {
+        "atoms": crystal.count,
+        "lattice": crystal.lattice,
+        "constant": crystal.constant,
+        **_ratio(crystal.frame),
+        "orient": crystal.orient.tolist(),
+        "deformation": crystal.deformation.tolist(),
+        "share": crystal.share,
+        **_polycrystal(crystal),
+        "cell": None if cell is None else cell.tolist(),
+        "periodic": crystal.periodic.tolist(),
+        "convention": convention,
+        "length": float(sum(line.length for line in net.lines)),
+        "junctions": len(net.junctions),
+        "nye": _signed(net.nye, convention).tolist(),
+        "lines": [_line(crystal, line, convention) for line in net.lines],
+    }
+
+
+def _ratio(frame: Frame) -> Json:
+    """c/a of a hexagonal lattice."""
+    return {"ratio": frame.lattice.ratio} if frame.lattice.is_hexagonal else {}
+
+
+def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
+    """Grains and walls of what is no single crystal."""
+    if _is_single(crystal):
+        return {}
+    grains = crystal.grains
+    return {
+        "shares": grains.shares,
+        "grains": [_grain(grain) for grain in grains],
+        "walls": [_wall(wall) for wall in grains.walls],
+        "vanished": list(grains.vanished),
+        "numbers": grains.used,
+    }
+
+
+def _is_single(crystal: Crystal | BlockedCrystal) -> bool:
+    """Whether it is a single crystal, and was in frames before."""
+    if isinstance(crystal, BlockedCrystal):
+        return crystal.is_single
+    return crystal.grains.is_single and crystal.grains.used == 1
+
+
+def known_of(report: Json, owner: np.ndarray) -> KnownGrains:
+    """The grains of a report, for the frame behind it; owner: the grain of each atom."""
+    rows = report.get("grains", [{"number": 0, **report}])
+    frames = {
+        row["number"]: Frame(
+            lattice_named(row["lattice"], row.get("ratio")), np.array(row["orient"]),
+            row["constant"],
+        )
+        for row in rows
+    }  # fmt: skip
+    return KnownGrains(frames, owner, report.get("numbers", 1))
+
+
+def _grain(grain: Grain) -> Json:
+    """A grain as plain data."""
+    return {
+        "number": grain.number,
+        "lattice": grain.lattice,
+        "constant": grain.constant,
+        **_ratio(grain.frame),
+        "orient": grain.orient.tolist(),
+        "deformation": grain.deformation.tolist(),
+        "atoms": len(grain.atoms),
+        "centre": grain.centre.tolist(),
+    }
+
+
+def _wall(wall: Wall) -> Json:
+    """A wall between grains as plain data."""
+    return {
+        "grains": list(wall.grains),
+        "degrees": wall.degrees,
+        "axis": None if wall.axis is None else list(wall.axis),
+        "atoms": len(wall.atoms),
+    }
+
+
+def _signed(values: object, convention: str) -> np.ndarray:
+    """Burgers vectors in a convention; minus zero is zero."""
+    return burgers(np.asarray(values, dtype=float), convention) + 0.0
+
+
+def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: str) -> Json:
+    """One line as plain data."""
+    exact = burgers(list(line.burgers_lattice or ()), convention)
+    grain = line.grain
+    if grain is None and not _is_single(crystal) and crystal.grains.used > 1:
+        grain = crystal.grains.grains[0].number
+    found: Json = {
+        **({} if grain is None else {"grain": grain}),
+        "burgers": _signed(line.burgers, convention).tolist(),
+        "burgers_lattice": [str(x) for x in exact],
+        "family": line.family,
+        "length": line.length,
+        "kind": line.kind,
+        "path": line.path.tolist(),
+    }
+    if line.is_closed:
+        found["inserted"] = inserted_atoms(line, crystal)
+        found["inserted_error"] = inserted_error(line, crystal)
+    return found
+
+
+def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
+    """How many atoms a closed line has between its half planes; of vacancies less than none.
+
+    Equation
+    --------
+    n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
+    conventions.py, of which the integral of du, the opening of a cut, is minus.
+
+    It is exact where atoms and sites could be counted: where good crystal lies all about the line,
+    which is then drawn by that count. `inserted_error` tells.
+    """
+    frame = _frame_of(line, crystal)
+    b = np.array([float(x) for x in line.burgers])
+    return float(b @ line.area / frame.atom_volume)
+
+
+def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
+    """How far `inserted_atoms` may be off: 0.0 where atoms and sites were counted.
+
+    Elsewhere, at a surface, next to another line, in much noise, the line alone tells. It lies
+    where bonds turn from one label to the next, within half a neighbour distance d:
+    |b| (length of the line) d / 2 over the volume of an atom.
+    """
+    found, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)
+    # Of a line that is drawn by a count it is whole but for rounding.
+    if abs(found - round(found)) < 1e-9 * max(abs(found), 1.0):
+        return 0.0
+    b = np.linalg.norm([float(x) for x in line.burgers])
+    nearest = frame.lattice.nearest * frame.constant
+    return float(b * line.length * nearest / 2 / frame.atom_volume)
+
+
+def _frame_of(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> Frame:
+    """The frame of the grain in which a line lies."""
+    if line.grain is not None:
+        return crystal.grains[line.grain].frame
+    return crystal.frame
+
+
+def tracks(frames: Sequence[Json]) -> list[list[int]]:
+    """Numbers of the lines of each frame, so that one line keeps its number in time.
+
+    Lines of two frames that follow each other are one if they lie in one grain, have the same
+    exact b (or one has the opposite sense), and lie nearest to each other: of all ways to pair them
+    that with the least sum of mean distances. What has no partner ends or begins.
+
+    Parameters
+    ----------
+    frames
+        Reports of a trajectory, in order.
+    """
+    found: list[list[int]] = []
+    count = 0
+    for number, frame in enumerate(frames):
+        lines = frame["lines"]
+        mine = [-1] * len(lines)
+        if number:
+            before = frames[number - 1]["lines"]
+            for group in {_direction(line) for line in lines}:
+                here = [k for k, line in enumerate(lines) if _direction(line) == group]
+                there = [k for k, line in enumerate(before) if _direction(line) == group]
+                costs = np.array(
+                    [[_apart(lines[a], before[b], frame) for b in there] for a in here]
+                ).reshape(len(here), len(there))
+                for a, b in zip(*scipy.optimize.linear_sum_assignment(costs), strict=True):
+                    mine[here[a]] = found[-1][there[b]]
+        for k, known in enumerate(mine):
+            if known < 0:
+                mine[k] = count
+                count += 1
+        found.append(mine)
+    return found
+
+
+def followed(frames: Sequence[Json]) -> list[Json]:
+    """The same reports with a number `track` for each line, which it keeps in time, and its sense.
+
+    Where a line is found with the opposite sense, and so with -b, it is described the other way
+    round: b of a track is one vector.
+    """
+    senses: dict[int, list[str]] = {}
+    found = []
+    for frame, numbers in zip(frames, tracks(frames), strict=True):
+        lines = []
+        for line, number in zip(frame["lines"], numbers, strict=True):
+            known = senses.setdefault(number, line["burgers_lattice"])
+            same = line if known == line["burgers_lattice"] else _turned(line)
+            lines.append({"track": number, **same})
+        found.append({**frame, "lines": lines})
+    return found
+
+
+def _turned(line: Json) -> Json:
+    """A line described in the opposite sense."""
+    return {
+        **line,
+        "burgers": [-x + 0.0 for x in line["burgers"]],
+        "burgers_lattice": _opposite(line["burgers_lattice"]),
+        "path": line["path"][::-1],
+    }
+
+
+def _opposite(exact: Sequence[str]) -> list[str]:
+    """Fractions as text, with the other sign."""
+    return [x[1:] if x.startswith("-") else x if x == "0" else f"-{x}" for x in exact]
+
+
+def _direction(line: Json) -> tuple[int, tuple[str, ...]]:
+    """The grain, and b without its sign, which turns round with the sense of the line."""
+    exact = line["burgers_lattice"]
+    return line.get("grain", 0), max(tuple(exact), tuple(_opposite(exact)))
+
+
+def _apart(one: Json, two: Json, frame: Json) -> float:
+    """Mean distance of the points of two lines from each other, nearest images."""
+    first, second = np.array(one["path"]), np.array(two["path"])
+    gaps = first[:, None] - second[None]
+    if frame["cell"] is not None:
+        cell = np.array(frame["cell"])
+        shares = gaps @ np.linalg.inv(cell)
+        gaps = gaps - np.where(frame["periodic"], np.rint(shares), 0.0) @ cell
+    sizes = np.linalg.norm(gaps, axis=2)
+    return float(sizes.min(axis=0).mean() + sizes.min(axis=1).mean()) / 2

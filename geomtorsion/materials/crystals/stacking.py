@@ -1,0 +1,89 @@
+"""Stacking: bonds of hcp read layer by layer, so that basal faults are no torsion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from geomtorsion.materials.crystals.lattices import Lattice
+
+
+def layered(lattice: Lattice) -> Lattice:
+    """All sites of close-packed layers A, B and C at all heights: differences of vectors of hcp,
+    shifts 1/3<1 -1 0 0> in the plane and c/2 along the axis, in the units of hcp."""
+    return replace(lattice, period=(2, 2, 1), points=((0, 0, 0), (1, 1, 0)), basis=())
+
+
+def stacked_labels(
+    lattice: Lattice,
+    values: np.ndarray,
+    pairs: np.ndarray,
+    kinds: np.ndarray,
+    known: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Labels of bonds in `layered`, and those about whose layers the two atoms do not agree.
+
+    The layers above and below an atom lie each in one of two ways over its own; its bonds, free of
+    its own deviation from them in the plane, tell which by least squares. Both alike are hcp, one
+    of each cubic. A bond to the next layer is read in the way of its two atoms.
+
+    Parameters
+    ----------
+    values
+        Bonds along the crystal axes in units of the lattice, shape (k, 3).
+    pairs
+        Their atoms, shape (k, 2).
+    kinds
+        Sublattice of each atom, 0 or 1, shape (atoms,).
+    known
+        Atoms all of whose bonds are here; of others the sublattice tells the layers, (atoms,).
+    """
+    ways = _ways(lattice, values, pairs, kinds, known)
+    first, second = pairs.T
+    low = np.floor(values[:, 2]).astype(np.int64)
+    best = np.full(len(values), np.inf)
+    found = np.zeros(values.shape, dtype=np.int64)
+    torn = np.zeros(len(values), dtype=bool)
+    for height in (low, low + 1):
+        side = (height > 0).astype(np.int64)
+        one, other = ways[first, side], -ways[second, 1 - side]
+        for layer in (one, other):
+            # The next layer but one lies where the ways of both lead.
+            way = np.select([height == 0, np.abs(height) == 1], [0, layer], one + other)
+            near, apart = _nearest(lattice, values, height, way)
+            closer = apart < best
+            best = np.where(closer, apart, best)
+            found[closer] = near[closer]
+            torn[closer] = ((np.abs(height) == 1) & (one != other))[closer]
+    return found, torn
+
+
+def _ways(
+    lattice: Lattice, values: np.ndarray, pairs: np.ndarray, kinds: np.ndarray, known: np.ndarray
+) -> np.ndarray:
+    """How the layers below and above each atom lie: 1 or -1 times 1/3[1 -1 0 0], (atoms, 2)."""
+    at = np.concatenate([values, -values])
+    atom = np.concatenate([pairs[:, 0], pairs[:, 1]])
+    height = np.rint(at[:, 2]).astype(np.int64)
+    count = len(kinds)
+    inside, sums = height == 0, np.zeros((count, 3))
+    np.add.at(sums, atom[inside], at[inside] - lattice.decode(at[inside]))
+    many = np.bincount(atom[inside], minlength=count)
+    own = sums / np.maximum(many, 1)[:, None]
+    steep = np.abs(height) == 1
+    at, atom, height = at[steep], atom[steep], height[steep]
+    one, other = (_nearest(lattice, at - own[atom], height, way)[1] for way in (1, -1))
+    votes = np.zeros((count, 2))
+    np.add.at(votes, (atom, (height > 0).astype(np.int64)), other - one)
+    by_kind = np.repeat((1 - 2 * kinds)[:, None], 2, axis=1)
+    return np.where(known[:, None] & (votes != 0), np.where(votes > 0, 1, -1), by_kind)
+
+
+def _nearest(
+    lattice: Lattice, values: np.ndarray, height: np.ndarray, way: np.ndarray | int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The nearest site of layers at a height that lie in some way, and its distance squared."""
+    move = height[:, None] * np.array([0, 0, 1]) + np.multiply.outer(way, [0, 2, 0])
+    near = lattice.decode(values - move) + move
+    return near, (((values - near) * lattice.units) ** 2).sum(axis=1)

@@ -1,0 +1,125 @@
+"""Surroundings: atoms with their images, in a tree, and the nearest neighbours among them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.errors import CrystalError
+from geomtorsion.materials.crystals.frames import sampled
+from geomtorsion.materials.crystals.triangulation import Cell
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Points as near to some places as a distance, or more.
+
+    points: shape (k, 3). numbers: of the atoms of which they are images, shape (k,).
+    distance: as far as which they are there. whole: whether there are no others.
+    """
+
+    points: np.ndarray
+    numbers: np.ndarray
+    distance: float
+    whole: bool = False
+
+    @cached_property
+    def tree(self) -> scipy.spatial.cKDTree:
+        """The points, as they are searched."""
+        return scipy.spatial.cKDTree(self.points, balanced_tree=False, compact_nodes=False)
+
+    @cached_property
+    def apart(self) -> Surroundings:
+        """The same, unless atoms lie upon each other: those of a crystal are about equally far
+        apart.
+
+        Raises
+        ------
+        CrystalError
+            Some are ten times as near to each other as most are.
+        """
+        some = self.points[sampled(len(self.points))]
+        closest = float(np.median(self.tree.query(some, k=2)[0][:, 1]))
+        pairs = self.tree.query_pairs(closest / 10, output_type="ndarray")
+        if len(pairs):
+            one, other = sorted(self.numbers[pairs[0]].tolist())
+            raise CrystalError(
+                f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} "
+                "more pairs. Drop one of each, and see whether the cell is as large as the crystal."
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Atoms in a cell.
+
+    places: wrapped, shape (atoms, 3). cell: in which they lie.
+    reach: within which most have as many neighbours as are asked for.
+    """
+
+    places: np.ndarray
+    cell: Cell
+    reach: float
+
+    @cached_property
+    def _near(self) -> Surroundings:
+        return self._as_far_as(self.reach)
+
+    def _as_far_as(self, distance: float) -> Surroundings:
+        points, numbers, _ = self.cell.with_ghosts(self.places, distance)
+        return Surroundings(points, numbers, distance, not self.cell.periodic.any())
+
+    def within(self, distance: float) -> Surroundings:
+        """All atoms, with images at least as far as a distance outside of the cell: those within
+        reach, or others that are made anew, so that nothing depends on what was asked before."""
+        return self._near if distance <= self.reach else self._as_far_as(distance)
+
+    def neighbours(self, atoms: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
+        the vectors to them, shape (atoms, count, 3).
+
+        Raises
+        ------
+        CrystalError
+            Atoms lie upon each other, or have not so many neighbours.
+        """
+        centres = self.places[atoms]
+        return nearest_points(lambda _, far: self.within(far), centres, count, self.reach)
+
+
+def nearest_points(
+    about: Callable[[np.ndarray, float], Surroundings],
+    centres: np.ndarray,
+    count: int,
+    reach: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of atoms of which those near by are asked for.
+
+    Of equally near ones those with lower numbers come first.
+    """
+    found = np.empty((len(centres), count), dtype=np.int64)
+    vectors = np.empty((len(centres), count, 3))
+    left = np.arange(len(centres))
+    while len(left):
+        around = about(centres[left], reach)
+        points, numbers = around.points, around.numbers
+        if around.whole and len(points) <= count:
+            raise CrystalError(
+                f"positions: atoms with {count} neighbours were needed, but there are "
+                f"{len(points)} atoms. Give more of the crystal."
+            )
+        if len(points) > count:
+            apart, near = around.apart.tree.query(centres[left], k=count + 1)
+            order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+            near = np.take_along_axis(near, order, axis=1)
+            found[left] = numbers[near]
+            vectors[left] = points[near] - centres[left][:, None]
+            left = left[(apart[:, -1] > around.distance) & (not around.whole)]
+        # At corners, and in a gas about the crystal, neighbours are far away.
+        reach = 2 * around.distance
+    return found, vectors

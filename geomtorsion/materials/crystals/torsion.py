@@ -1,0 +1,275 @@
+"""Torsion: the coboundary of bond labels, and the shortest lines that carry it.
+
+A label that noise has turned into a neighbouring lattice vector puts a ring of torsion round its
+bond. Other labels inside a core are as good as long as no circuit on its surface changes: of all of
+them those with the least energy b^2 are taken, which leaves nothing of rings and straight lines of
+dislocations. No label of a bond that reaches out of a core is touched, so that Burgers vectors
+stay.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.materials.crystals.lattices import Lattice
+from geomtorsion.materials.crystals.method import METHOD
+from geomtorsion.materials.crystals.triangulation import Triangulation
+
+# Boundary of a face with its edges (ij, ik, jk).
+BOUNDARY = np.array([1, -1, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """How long a line through each face is.
+
+    sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
+    sound: faces without torsion or doubt, shape (faces,).
+    """
+
+    sizes: np.ndarray
+    sound: np.ndarray
+
+    def weights(self, faces: np.ndarray) -> np.ndarray:
+        """How long lines through the faces of one core count, their mean as 1, shape (k,)."""
+        sizes = self.sizes[faces]
+        inner = sizes > 0
+        mean = sizes[inner].mean() if inner.any() else 1.0
+        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Torsion:
+    """Labels on the edges of a triangulation and what they miss round each face.
+
+    labels: lattice vectors, whole numbers, shape (edges, 3).
+    doubtful: edges that lie further from their label than half the neighbour distance, (edges,).
+    """
+
+    mesh: Triangulation
+    lattice: Lattice
+    labels: np.ndarray
+    doubtful: np.ndarray
+
+    @property
+    def values(self) -> np.ndarray:
+        """T = de: closure failure of each face, shape (faces, 3)."""
+        rows = self.mesh.faces[0]
+        return self.labels[rows[:, 0]] - self.labels[rows[:, 1]] + self.labels[rows[:, 2]]
+
+    @property
+    def beyond(self) -> np.ndarray:
+        """Atoms with torsion where not all tetrahedra are known, shape (atoms,)."""
+        known, (pairs, _, _) = self.mesh.known, self.mesh.edges
+        rows = self.mesh.faces[0]
+        corners = pairs[rows].reshape(len(rows), 6)
+        chosen = self.values.any(axis=1) & ~known[corners].any(axis=1)
+        found = np.zeros(len(known), dtype=bool)
+        found[corners[chosen].ravel()] = True
+        return found
+
+    @property
+    def leading_on(self) -> np.ndarray:
+        """Atoms about which all tetrahedra are needed, too: cores reach as far as the neighbours of
+        what is torn where not all are known, shape (atoms,)."""
+        beyond, corners = self.beyond, self.mesh.corners
+        found = np.zeros(len(beyond), dtype=bool)
+        if beyond.any():
+            found[corners[beyond[corners].any(axis=1)].ravel()] = True
+        return found & ~self.mesh.known
+
+    @property
+    def torn(self) -> np.ndarray:
+        """Tetrahedra with torsion in a face, shape (cells,) of truth values."""
+        _, sides, _ = self.mesh.faces
+        found = np.zeros(len(self.mesh.corners), dtype=bool)
+        touched = sides[self.values.any(axis=1)].ravel()
+        found[touched[touched >= 0]] = True
+        return found
+
+    def relaxed(self) -> Torsion:
+        """The same torsion, but for what closes on the surfaces of cores, on the shortest lines.
+
+        Cores are first what is torn or doubtful; then whatever has an atom in common with the
+        torsion that is left: a ring that no circuit outside of its own atoms sees is a point
+        defect.
+        """
+        if not self.torn.any():
+            return self
+        lengths = self.lengths
+        core = self.cores(self.bad)
+        found = self.descended(core).shortest(core, lengths)
+        return found.shortest(found.cores(found.touched), lengths)
+
+    @property
+    def bad(self) -> np.ndarray:
+        """Tetrahedra with torsion in a face or a doubtful edge, shape (cells,)."""
+        return self.torn | np.any(self.doubtful[self.mesh.edges[2]], axis=1)
+
+    @property
+    def touched(self) -> np.ndarray:
+        """Tetrahedra with an atom in common with one with torsion, shape (cells,)."""
+        return np.any(self.torn_atoms[self.mesh.corners], axis=1)
+
+    @property
+    def torn_atoms(self) -> np.ndarray:
+        """Corners of tetrahedra with torsion, shape (atoms,)."""
+        found = np.zeros(len(self.mesh.places), dtype=bool)
+        found[self.mesh.corners[self.torn].ravel()] = True
+        return found
+
+    @property
+    def lengths(self) -> Lengths:
+        """How long lines through faces are."""
+        rows, sides, images = self.mesh.faces
+        a, b = sides.T
+        steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)
+        sizes = np.where((sides < 0).any(axis=1), 0.0, np.linalg.norm(steps, axis=1))
+        sound = ~(np.any(self.values, axis=1) | np.any(self.doubtful[rows], axis=1))
+        return Lengths(sizes, sound)
+
+    def cores(self, bad: np.ndarray) -> np.ndarray:
+        """The core of each tetrahedron, -1 where there is none, shape (cells,): bad ones that hang
+        together by faces, with torsion in them."""
+        _, sides, _ = self.mesh.faces
+        joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
+        number = components(len(bad), sides[joined])
+        real = np.zeros(number.max(initial=-1) + 1, dtype=bool)
+        real[number[self.torn]] = True
+        return np.where(bad & real[number], number, -1)
+
+    def free(self, core: np.ndarray) -> np.ndarray:
+        """Edges inside of one core, shape (edges,)."""
+        of_cell = self.mesh.edges[2]
+        owner = np.full(len(self.labels), -1)
+        owner[of_cell] = core[:, None]
+        found = owner >= 0
+        # Of one that lies in two cores, or in the surface of one, one tetrahedron tells.
+        found[of_cell[owner[of_cell] != core[:, None]]] = False
+        # Of other edges not all tetrahedra are here.
+        return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
+
+    def descended(self, core: np.ndarray) -> Torsion:
+        """With less torsion in cores: most of what noise does is undone, one bond at a time."""
+        rows, free, labels = self.mesh.faces[0], self.free(core), self.labels.copy()
+        _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
+        return replace(self, labels=labels)
+
+    def shortest(self, core: np.ndarray, lengths: Lengths) -> Torsion:
+        """Of all labels of free edges, those with the shortest lines: a linear program per core.
+
+        Torsion in each direction of a basis is as long as the faces that it runs through; the
+        matrix of boundaries makes the best solution whole. What is no vector of the basis counts as
+        several that may part: the basis is one of those vectors that most faces carry.
+        """
+        rows, sides, _ = self.mesh.faces
+        values, free = self.values, self.free(core)
+        torn = np.any(values, axis=1)
+        touched = np.unique(core[sides[torn]].ravel())
+        touched = touched[touched >= 0]
+        labels = self.labels.copy()
+        inside = free[rows].any(axis=1)
+        of_face = np.where(sides[:, 0] >= 0, core[sides[:, 0]], core[sides[:, 1]])
+        other = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
+        of_face = np.maximum(of_face, other)
+        order = np.flatnonzero(inside & np.isin(of_face, touched))
+        order = order[np.argsort(of_face[order], kind="stable")]
+        breaks = np.flatnonzero(np.diff(of_face[order])) + 1
+        for mine in np.split(order, breaks):
+            if not torn[mine].any():
+                continue
+            weights = lengths.weights(mine)
+            change = _program(values[mine], rows[mine], free, weights, self.lattice)
+            if change is not None:
+                labels[change[0]] -= change[1]
+        return replace(self, labels=labels)
+
+
+def _program(
+    values: np.ndarray, rows: np.ndarray, free: np.ndarray, weights: np.ndarray, lattice: Lattice
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Free edges and what to subtract from their labels for the shortest lines of one core."""
+    vectors = lattice.basis_of(values)
+    parts = np.rint(values @ np.linalg.inv(vectors))
+    edges, local = np.unique(rows, return_inverse=True)
+    local = local.reshape(rows.shape)
+    use = free[edges]
+    number = np.cumsum(use) - 1
+    face, side = np.nonzero(use[local])
+    count, many = int(use.sum()), len(rows)
+    matrix = scipy.sparse.coo_array(
+        (BOUNDARY[side].astype(float), (face, number[local[face, side]])), shape=(many, count)
+    )
+    one = scipy.sparse.eye_array(many)
+    table = scipy.sparse.hstack([matrix, one, -one]).tocsc()
+    cost = np.concatenate([np.zeros(count), weights, weights])
+    bounds = np.array([(-np.inf, np.inf)] * count + [(0, np.inf)] * (2 * many))
+    found = np.zeros((count, 3))
+    for k in range(3):
+        if not parts[:, k].any():
+            continue
+        done = scipy.optimize.linprog(cost, A_eq=table, b_eq=parts[:, k], bounds=bounds)
+        if done.status != 0:
+            return None
+        found[:, k] = done.x[:count]
+    whole = np.rint(found)
+    after = parts - matrix @ whole
+    if (weights @ np.abs(after)).sum() >= (weights @ np.abs(parts)).sum() - 1e-9:
+        return None
+    return edges[use], (whole @ vectors).astype(np.int64)
+
+
+def components(count: int, pairs: np.ndarray) -> np.ndarray:
+    """Number of the connected component of each of so many nodes."""
+    # Keys of both ends in one number need 64 bits: scipy keeps rows and columns apart.
+    table = scipy.sparse.coo_array(
+        (np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count)
+    )
+    return scipy.sparse.csgraph.connected_components(table, directed=False)[1].astype(np.int64)
+
+
+def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: Lattice) -> None:
+    """Change labels of free edges as long as the sum of squares of torsion falls.
+
+    Changing one by d changes the sum by n d^2 - 2 d.S, with S the torsion of its n faces along the
+    edge: best is the lattice vector nearest to S/n. Edges without a common face change at once.
+    """
+    scale = np.array(lattice.units) ** 2
+    used, local = np.unique(faces, return_inverse=True)
+    local = local.reshape(faces.shape)
+    open_edge = free[used]
+    values = labels[used]
+    degree = np.bincount(local.ravel(), minlength=len(used))
+    while True:
+        torsion = values[local[:, 0]] - values[local[:, 1]] + values[local[:, 2]]
+        torn = np.flatnonzero(torsion.any(axis=1))
+        near = np.unique(local[torn])
+        near = near[open_edge[near]]
+        if not len(near):
+            break
+        total = np.zeros((len(used), 3))
+        for k in range(3):
+            np.add.at(total, local[torn, k], BOUNDARY[k] * torsion[torn])
+        change = lattice.decode(total[near] / degree[near, None])
+        gain = 2 * (change * total[near] * scale).sum(axis=1)
+        gain -= degree[near] * (change**2 * scale).sum(axis=1)
+        good = gain > 1e-9
+        if not good.any():
+            break
+        near, change, gain = near[good], change[good], gain[good]
+        # The best of all edges of a face goes first; the number decides between equals.
+        rank = np.empty(len(near), dtype=np.int64)
+        rank[np.lexsort((near, gain))] = np.arange(1, len(near) + 1)
+        of_edge = np.zeros(len(used), dtype=np.int64)
+        of_edge[near] = rank
+        best = of_edge[local].max(axis=1)
+        beaten = np.zeros(len(used), dtype=bool)
+        for k in range(3):
+            beaten[local[of_edge[local[:, k]] < best, k]] = True
+        chosen = ~beaten[near]
+        values[near[chosen]] -= change[chosen]
+    labels[used] = values

@@ -1,0 +1,155 @@
+"""Trajectories: reports of all frames of a file, kept one by one so that a run can go on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion.checks import LARGEST_ARRAYS
+from geomtorsion.errors import CheckpointError, GeomtorsionError
+from geomtorsion.files import read_json_text, read_text, write_text
+from geomtorsion.materials.blocks import digest_of, read_array, write_array
+from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames, frame_count
+from geomtorsion.materials.crystals.crystal import Crystal
+from geomtorsion.materials.crystals.known_grains import KnownGrains
+from geomtorsion.materials.crystals.reading import crystal_of
+from geomtorsion.materials.crystals.reports import Json, crystal_report, known_of
+from geomtorsion.materials.lines import DislocationNetwork
+
+SETTINGS = "settings.json"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is asked of every frame.
+
+    lattice, orient (rows), constant, form: as for `read`. partials: as for `dislocations`.
+    convention: of the sign of b.
+    """
+
+    lattice: str | None = None
+    orient: tuple[tuple[float, ...], ...] | None = None
+    constant: float | None = None
+    form: str | None = None
+    partials: bool = False
+    convention: str = "SF/RH"
+
+
+def reports(
+    path: Path,
+    wanted: Wanted,
+    folder: Path | None = None,
+    seen: Callable[[int, int], object] = lambda done, total: None,
+) -> Iterator[tuple[Json, Callable[[], DislocationNetwork]]]:
+    """The report of each frame, and a function that gives its lines.
+
+    Parameters
+    ----------
+    folder
+        Where reports are kept, one file a frame. What lies there is taken as it is, so that a run
+        that was killed gives the same bits.
+    seen
+        Called with the frames that are done and how many there are.
+
+    Raises
+    ------
+    CheckpointError
+        The folder holds reports of another file or of other settings.
+    """
+    total = frame_count(path, wanted.form)
+    said = "" if folder is None else _settings(path, wanted, folder)
+    known = None
+    for number, data in enumerate(atom_frames(path, wanted.form)):
+        seen(number, total)
+        frame = _Frame(data, wanted, known)
+        kept = None if folder is None else folder / f"{number:06}.json"
+        if kept is not None and kept.exists():
+            report = read_json_text(read_text(kept, LARGEST_ARRAYS), kept.name)
+            known = known_of(report, _owner(kept, report))
+        else:
+            report = {"frame": number, **frame.report()}
+            known = KnownGrains.of(frame.crystal.grains)
+            if kept is not None:
+                # Of a run without a frame nothing is left: what was wrong can be mended.
+                kept.parent.mkdir(parents=True, exist_ok=True)
+                write_text(kept.with_name(SETTINGS), said)
+                if "grains" in report:
+                    write_array(kept.with_suffix(".npy"), known.owner)
+                # What stands in it comes last: where it is, all is.
+                write_text(kept, json.dumps(report))
+        yield report, frame.lines
+    seen(total, total)
+
+
+class _Frame:
+    """A frame whose crystal is made when it is first asked for."""
+
+    def __init__(self, data: AtomData, wanted: Wanted, known: KnownGrains | None) -> None:
+        self.data, self.wanted, self.known = data, wanted, known
+
+    @cached_property
+    def crystal(self) -> Crystal:
+        """The crystal in the axes of the frames before."""
+        wanted = self.wanted
+        return crystal_of(self.data, wanted.lattice, wanted.orient, wanted.constant, self.known)
+
+    @cached_property
+    def network(self) -> DislocationNetwork:
+        """Its lines."""
+        return self.crystal.dislocations(self.wanted.partials)
+
+    def lines(self) -> DislocationNetwork:
+        """Its lines, as a function."""
+        return self.network
+
+    def report(self) -> Json:
+        """What is found in it."""
+        return crystal_report(self.crystal, self.network, self.wanted.convention)
+
+
+def _owner(kept: Path, report: Json) -> np.ndarray:
+    """The grain of each atom of a frame that was kept."""
+    count = report["atoms"]
+    if "grains" not in report:
+        return np.zeros(count, dtype=np.int64)
+    file = kept.with_suffix(".npy")
+    found = read_array(file, (count,), np.int64)
+    if found is None:
+        raise CheckpointError(
+            f"{file}: the grains of its atoms were needed, but the file is missing or damaged. "
+            "Begin anew with --overwrite."
+        )
+    return found
+
+
+def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
+    """What the reports in a folder are of, checked against what is noted there."""
+    said = {"file": path.name, "digest": digest_of(path), **asdict(wanted)}
+    text, note = json.dumps(said, indent=1), folder / SETTINGS
+    if note.exists() and read_text(note) != text:
+        raise CheckpointError(
+            f"{folder} holds frames of another file or of other settings. Give those that stand in "
+            f"{note}, or begin anew in another directory."
+        )
+    return text
+
+
+def is_begun(folder: Path) -> bool:
+    """Whether reports of a run lie in a folder."""
+    return (folder / SETTINGS).exists()
+
+
+def forget(folder: Path) -> None:
+    """Remove the reports of a run, and nothing else."""
+    kept = [*folder.glob("[0-9]" * 6 + ".json"), *folder.glob("[0-9]" * 6 + ".npy")]
+    for file in (*sorted(kept), folder / SETTINGS):
+        file.unlink(missing_ok=True)
+    try:
+        folder.rmdir()
+    except OSError as error:
+        raise GeomtorsionError(f"{folder}: it holds other files, which stay: {error}") from None

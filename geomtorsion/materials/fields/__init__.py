@@ -1,0 +1,12 @@
+"""Fields: frames and displacements on grids and at scattered points."""
+
+from geomtorsion.materials.fields.blocks import BlockMap, blocked_map
+from geomtorsion.materials.fields.sampled import SampledFrame
+from geomtorsion.materials.fields.scattered import ScatteredFrame
+
+__all__ = [
+    "BlockMap",
+    "SampledFrame",
+    "ScatteredFrame",
+    "blocked_map",
+]

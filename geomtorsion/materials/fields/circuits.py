@@ -1,0 +1,321 @@
+"""Circuits: integrals of a field on a grid along loops and edges, with the noise along them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.conventions import Signed
+from geomtorsion.errors import GridError
+from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
+from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.fields.grid import ORDERS, Grid
+from geomtorsion.materials.fields.noise import Noise, along, significances
+from geomtorsion.materials.fields.stencils import SLACK, Blocks
+from geomtorsion.precision import CALCULATED
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+
+# Gauss points on each stretch: enough for the highest order of interpolation.
+GAUSS = max(ORDERS) // 2 + 2
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """The values of a coframe on a grid, as integrals use them.
+
+    values: e^i_mu without its mean, zero in holes, shape (rows, d, grid...): constant parts close
+    exactly, and need not be rounded. mean: shape (rows, d). noise: of the values, or None.
+    """
+
+    grid: Grid
+    values: np.ndarray
+    mean: np.ndarray
+    noise: Noise | None
+    order: int
+    other_order: int
+    scale: float | None = None
+
+    @property
+    def rows(self) -> int:
+        """Number of frame indices."""
+        return len(self.values)
+
+    @property
+    def size(self) -> float:
+        """The largest value, to which rounding is in proportion."""
+        return float(np.abs(self.values).max()) if self.scale is None else self.scale
+
+
+@dataclass(frozen=True, eq=False)
+class SampledBurgers(Signed):
+    """Burgers vector of a loop through a sampled frame.
+
+    vector: b^i, shape (rows,), in `unit`.
+    interpolation_error: distance from the result with interpolation of another order, without what
+    noise explains of that distance. quadrature_error: distance from the result with half as many
+    stretches.
+    covariance: of the components by the noise of the nodes, shape (rows, rows); zero where no sigma
+    is known.
+    order: order of the interpolation; evaluations: points at which it was taken.
+    """
+
+    vector: np.ndarray
+    interpolation_error: float
+    quadrature_error: float
+    order: int
+    evaluations: int
+    covariance: np.ndarray
+    unit: str = ""
+
+    @property
+    def sigmas(self) -> np.ndarray:
+        """Standard deviation of each component by noise, shape (rows,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the noisiest component."""
+        return float(self.sigmas.max())
+
+    @property
+    def error(self) -> float:
+        """Interpolation, quadrature and noise together; the noise as one standard deviation."""
+        return math.hypot(self.interpolation_error + self.quadrature_error, self.noise)
+
+    @property
+    def significance(self) -> float:
+        """|b| against its error: sqrt(b C^-1 b), C the noise, and the other errors in each b^i.
+
+        Pure noise in n components gives sqrt(n) or so; without any error it is infinite.
+        """
+        other = self.interpolation_error + self.quadrature_error
+        return float(significances(self.vector, self.covariance, other))
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{x:.6g}" for x in self.vector.tolist())
+        unit = f" {self.unit}" if self.unit else ""
+        other = self.interpolation_error + self.quadrature_error
+        noise = f", noise {self.noise:.1e}" if self.noise else ""
+        return f"SampledBurgers([{parts}]{unit}, error={self.error:.1e}: grid {other:.1e}{noise})"
+
+
+class _Weights:
+    """Weights of nodes in a sum along a loop, shape (d, nodes), collected piece by piece."""
+
+    def __init__(self, grid: Grid):
+        self.grid = grid
+        self.keys: list[np.ndarray] = []
+        self.parts: list[np.ndarray] = []
+
+    def add(self, nodes: tuple[np.ndarray, ...], weights: np.ndarray) -> None:
+        """Weights of shape (d, k) at k nodes."""
+        self.keys.append(np.ravel_multi_index(nodes, self.grid.shape))
+        self.parts.append(weights)
+
+    @property
+    def total(self) -> np.ndarray:
+        """The weight of every node, shape (d, grid...)."""
+        keys, parts = np.concatenate(self.keys), np.concatenate(self.parts, axis=1)
+        count = self.grid.holes.size
+        found = np.array([np.bincount(keys, row, count) for row in parts])
+        return found.reshape(-1, *self.grid.shape)
+
+
+def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> SampledBurgers:
+    """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
+    grid = field.grid
+    if loop.dimension != grid.dimension:
+        raise GridError(
+            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
+            "loop in the coordinates of the grid."
+        )
+    found = np.zeros((3, field.rows))
+    evaluations = 0
+    weights, differences = _Weights(grid), _Weights(grid)
+    gap = np.zeros(grid.dimension)
+    for part in loop.parts:
+        for arc in part.arcs:
+            count = _stretches(grid, part, arc)
+            # On the coarse points: how the order matters. On the fine ones: the result.
+            fine, other = _both(field, part, arc, 2 * count, (weights, differences))
+            coarse, _ = _both(field, part, arc, count)
+            found += part.times * np.array([fine, other, coarse])
+            evaluations += 5 * count * GAUSS
+            ends = part.points(arc, np.array([0.0, 1.0]))[0]
+            gap += part.times * (ends[:, 1] - ends[:, 0])
+    fine, other, coarse = found
+    if np.abs(gap).max() > CALCULATED * loop.size:
+        grid.check_periods(gap)
+        # Round a period the constant part does not close.
+        fine, other, coarse = (x + field.mean @ gap for x in (fine, other, coarse))
+    # Order 2 is compared with a better one: its own error is that distance, give or take a little.
+    safety = 4 / 3 if field.order < field.other_order else 1.0
+    difference = np.abs(fine - other)
+    covariance = np.zeros((field.rows, field.rows))
+    if field.noise is not None:
+        covariance = field.noise.of_sum(weights.total)
+        difference = unexplained(difference, np.diag(field.noise.of_sum(differences.total)))
+    return SampledBurgers(
+        fine,
+        safety * float(difference.max()),
+        float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size,
+        field.order,
+        evaluations,
+        covariance,
+        unit,
+    )
+
+
+def unexplained(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """What is left of the difference of two rules when its share of noise is taken out.
+
+    The mean square of the difference is that of the interpolation and the variance together.
+    """
+    return np.sqrt(np.maximum(difference**2 - variance, 0.0))
+
+
+def _stretches(grid: Grid, part: Part, arc: Arc) -> int:
+    """How many stretches an arc needs so that each stays within a part of a cell."""
+    count = max(65, 16 * arc.waves + 1)
+    points, _ = part.points(arc, np.linspace(0, 1, count))
+    steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
+    # Two for each cell that it crosses: one alone may hold the kink between two cells.
+    return max(4, math.ceil(2 * float(steps.sum(axis=1).max()) - SLACK), 4 * arc.waves)
+
+
+def _both(
+    field: Field,
+    part: Part,
+    arc: Arc,
+    count: int,
+    collected: tuple[_Weights, _Weights] | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The integral along one arc by a composite Gauss rule, and with another order.
+
+    The mean coframe is left out. collected: takes the weights of the nodes in the sum, and those in
+    the difference of both orders, where noise is known.
+    """
+    x, w = np.polynomial.legendre.leggauss(GAUSS)
+    s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
+    weights = np.tile(w / 2, count) / count
+    points, slopes = part.points(arc, s)
+    known = field.grid.known
+    places = field.grid.places(points, "loop")
+    blocks = known.blocks(places, field.order)
+    field.grid.refuse_holes(blocks.used, places, "loop")
+    if collected is None:
+        return _sum(field, places, blocks, slopes, weights), np.zeros(field.rows)
+    other = known.other(blocks, places, field.other_order)
+    if field.noise is not None:
+        for sign, chosen in ((1, blocks), (-1, other)):
+            for rows, nodes, weight in known.terms(chosen, places):
+                each = part.times * slopes[:, rows] * weights[rows] * weight
+                collected[1].add(nodes, sign * each)
+                if sign == 1:
+                    collected[0].add(nodes, each)
+    fine = _sum(field, places, blocks, slopes, weights)
+    return fine, _sum(field, places, other, slopes, weights)
+
+
+def _sum(
+    field: Field, places: np.ndarray, blocks: Blocks, slopes: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """The integral along one arc from values of blocks."""
+    n = field.grid.dimension
+    flat = field.values.reshape(field.rows * n, *field.grid.shape)
+    values = field.grid.known.interpolated(flat, blocks, places).reshape(field.rows, n, -1)
+    return np.einsum("imk,mk,k->i", values, slopes, weights)
+
+
+def edge_cochain(field: Field) -> Cochain:
+    """The integral along every edge of the grid; see SampledFrame.cochain."""
+    grid = field.grid
+    found, errors = [], []
+    for k, step in enumerate(grid.steps):
+        rule = grid.rule(field.order, k)
+        fine, other = (step * one(field.values[:, k], 1 + k) for one in (rule, rule.other))
+        constant = step * field.mean[:, k].reshape(-1, *(1,) * grid.dimension)
+        found.append((fine + constant).reshape(field.rows, -1).T)
+        difference = np.abs(fine - other).max(axis=0)
+        errors.append(np.hypot(difference, _sigma(field, k, step * rule.matrix)).ravel())
+    values = np.concatenate(found)
+    rounding = ROUNDING * np.abs(values).max(axis=1)
+    made = Complex.grid(grid.shape, periodic=grid.periodic)
+    return Cochain(made, values, np.concatenate(errors) + rounding)
+
+
+def _sigma(field: Field, axis: int, matrix: csr_array) -> np.ndarray:
+    """Standard deviation by noise of the noisiest component of edges along an axis, without holes.
+
+    matrix: values at the nodes of a line to integrals over its edges.
+    """
+    noise, shape = field.noise, field.grid.shape
+    if noise is None:
+        return np.zeros((1,) * len(shape))
+    squares = matrix.power(2)
+    every = [c for (i, j), c in noise.between((axis, axis)).items() if i == j]
+    variances = [along(squares, np.broadcast_to(c, shape), axis) for c in every]
+    return np.sqrt(np.max(variances, axis=0)) if variances else np.zeros((1,) * len(shape))
+
+
+def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
+    """The integrals of the interpolated coframe along edges; see SampledFrame.along_edges."""
+    grid = field.grid
+    steps = ends - starts
+    crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
+    # Two stretches for each cell that is crossed, as along a loop.
+    counts = np.maximum(1, np.ceil(2 * crossed - SLACK).astype(int))
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    nodes, weights = (nodes + 1) / 2, weights / 2
+    flat = field.values.reshape(-1, *grid.shape)
+
+    sums = [scipy.sparse.csr_array((len(starts), grid.holes.size)) for _ in grid.shape]
+
+    def weighted(blocks: Blocks, places: np.ndarray, edge: np.ndarray, weight: np.ndarray) -> None:
+        """Collect the weight of each node in each edge."""
+        for rows, nodes, share in grid.known.terms(blocks, places):
+            keys = np.ravel_multi_index(nodes, grid.shape)
+            for mu in range(grid.dimension):
+                each = share * weight[rows] * steps[edge[rows], mu]
+                sums[mu] = sums[mu] + scipy.sparse.csr_array(
+                    (each, (edge[rows], keys)), shape=sums[mu].shape
+                )
+
+    def summed(share: int, both: bool) -> list[np.ndarray]:
+        stretches = share * counts
+        owner = np.repeat(np.arange(len(starts)), stretches)
+        number = np.arange(len(owner)) - np.repeat(np.cumsum(stretches) - stretches, stretches)
+        s = ((number[:, None] + nodes) / stretches[owner][:, None]).ravel()
+        edge = np.repeat(owner, GAUSS)
+        weight = np.tile(weights, len(owner)) / stretches[edge]
+        places = grid.places((starts[edge] + s[:, None] * steps[edge]).T, "edge")
+        blocks = grid.known.blocks(places, field.order)
+        grid.refuse_holes(blocks.used, places, "edge")
+        chosen = [blocks]
+        if both and field.noise is not None:
+            weighted(blocks, places, edge, weight)
+        if both:
+            chosen.append(grid.known.other(blocks, places, field.other_order))
+        found = []
+        for one in chosen:
+            values = grid.known.interpolated(flat, one, places)
+            values = values.reshape(field.rows, grid.dimension, -1) + field.mean[:, :, None]
+            each = np.einsum("imk,km,k->ik", values, steps[edge], weight)
+            found.append(np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1))
+        return found
+
+    (fine, other), (coarse,) = summed(2, True), summed(1, False)
+    errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)
+    if field.noise is not None:
+        covariance = field.noise.in_a_row().of_sums(sums)
+        variances = np.diagonal(covariance, axis1=1, axis2=2).max(axis=1)
+        errors = np.hypot(errors, np.sqrt(variances))
+    rounding = ROUNDING * np.abs(fine).max(axis=1)
+    return EdgeIntegrals(fine, errors + rounding, 5 * int(counts.sum()) * GAUSS)

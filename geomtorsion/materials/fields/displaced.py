@@ -1,0 +1,233 @@
+"""Displaced: circuits and edges through a displacement: whole lattice vectors, nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geomtorsion.errors import GridError
+from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
+from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.fields.cells import Plaquettes, Rectangles
+from geomtorsion.materials.fields.circuits import Field, SampledBurgers, sampled_edges
+from geomtorsion.materials.fields.displacement import Displacement, differences
+from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.sides import on_grid, window_sums
+from geomtorsion.precision import CALCULATED
+
+# A path is followed in steps of at most so much of a cell: none passes over a cell.
+LONGEST = 1 / 2
+
+
+def displaced_burgers(
+    grid: Grid, displacement: Displacement, loop: Loop, unit: str = ""
+) -> SampledBurgers:
+    """Burgers vector of a loop: the jumps of the edges of the grid that it can be moved to."""
+    if loop.dimension != grid.dimension:
+        raise GridError(
+            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
+            "loop in the coordinates of the grid."
+        )
+    jumps = displacement.jumps
+    times, chances, gap = np.zeros(len(jumps.vectors)), np.zeros(len(jumps.vectors)), 0.0
+    points = 0
+    for part in loop.parts:
+        places, ends = _followed(grid, part)
+        points += places.shape[1]
+        nodes = _nodes(grid, places, "loop")
+        # Back to the first node, whole periods further on.
+        turns = np.rint(ends / (np.array(grid.steps) * grid.shape)).astype(int)
+        nodes = np.concatenate([nodes, nodes[:, :1] + (turns * grid.shape)[:, None]], axis=1)
+        here, moves = nodes[:, :-1], np.diff(nodes)
+        times += part.times * _along(grid, displacement.times, here, moves).sum(axis=1)
+        unsigned = _along(grid, displacement.chances, here, moves, signed=False)
+        chances += part.times**2 * unsigned.sum(axis=1)
+        gap = gap + part.times * ends
+    vector = 0.0 - jumps.sums(times)
+    if np.abs(gap).max() > CALCULATED * loop.size:
+        grid.check_periods(np.asarray(gap))
+        vector = vector + np.eye(len(vector), grid.dimension) @ gap
+    return SampledBurgers(
+        vector, float(jumps.errors(times)), ROUNDING * float(np.abs(vector).max()), 0, points,
+        jumps.covariance(times, chances), unit,
+    )  # fmt: skip
+
+
+def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
+    """Places along a path, so dense that none is passed over, (d, k), and its gap, (d,)."""
+    found, gap = [], np.zeros(grid.dimension)
+    for arc in part.arcs:
+        count = 64
+        while True:
+            points = part.points(arc, np.linspace(0.0, 1.0, count + 1))[0]
+            places = grid.places(points, "loop")
+            if np.abs(np.diff(places)).max() <= LONGEST:
+                break
+            count *= 2
+        found.append(places)
+        gap += points[:, -1] - points[:, 0]
+    return np.concatenate(found, axis=1), gap
+
+
+def _nodes(grid: Grid, places: np.ndarray, what: str) -> np.ndarray:
+    """The first node of the cell in which each place is; places in holes are refused."""
+    blocks = grid.known.blocks(places, 2)
+    grid.refuse_holes(blocks.used, places, what)
+    return blocks.first
+
+
+def _along(
+    grid: Grid,
+    tables: tuple[np.ndarray, ...],
+    nodes: np.ndarray,
+    moves: np.ndarray,
+    *,
+    signed: bool = True,
+) -> np.ndarray:
+    """What the edges from nodes to neighbouring nodes have, added up, shape (k, steps).
+
+    tables: one for each axis, (k, edges...). nodes, moves: shape (d, steps), at most one step along
+    each axis. Steps forwards come first: their edges belong to the cell that is left, those of
+    steps backwards to the cell that is entered.
+    """
+    here = nodes.copy()
+    found = np.zeros((len(tables[0]), here.shape[1]))
+    for sign in (1, -1):
+        for axis, table in enumerate(tables):
+            chosen = np.flatnonzero(moves[axis] == sign)
+            if sign < 0:
+                here[axis, chosen] -= 1
+            edges = here[:, chosen] % np.array(grid.shape)[:, None]
+            found[:, chosen] += (sign if signed else 1) * table[(slice(None), *edges)]
+            if sign > 0:
+                here[axis, chosen] += 1
+    return found
+
+
+def displaced_circuits(
+    grid: Grid,
+    displacement: Displacement,
+    plane: tuple[int, int],
+    size: tuple[int, int],
+    units: tuple[str, str] = ("", ""),
+) -> Plaquettes:
+    """All circuits of a size, as `cells.circuits`."""
+    lines, jumps = Rectangles(grid, plane, size), displacement.jumps
+
+    def sides(tables: tuple[np.ndarray, ...]) -> list[np.ndarray]:
+        return [
+            window_sums(tables[k], m, 1 + k, grid.periodic[k])
+            for k, m in zip(plane, size, strict=True)
+        ]
+
+    times = lines.rounds(*sides(displacement.times))
+    touched = tuple(_touched(grid, k)[None] for k in range(grid.dimension))
+    known = lines.sums(*sides(touched))[0] == 0
+    covariance = jumps.covariance(times, lines.sums(*sides(displacement.chances)))
+    vectors = np.where(known, 0.0 - jumps.sums(times), np.nan)
+    rows = len(vectors)
+    sigmas = np.sqrt(np.moveaxis(np.diagonal(covariance, axis1=-2, axis2=-1), -1, 0))
+    sigmas = np.where(known, sigmas, np.nan)
+    interpolation = jumps.errors(times) + ROUNDING * np.abs(vectors).max(axis=0)
+    shared = {
+        (i, j): covariance[..., i, j]
+        for i in range(rows)
+        for j in range(i + 1, rows)
+        if covariance[..., i, j].any()
+    }
+    errors = np.hypot(interpolation, sigmas.max(axis=0))
+    return Plaquettes(
+        vectors, errors, abs(lines.area), plane, sigmas, interpolation, known, size, units, shared
+    )
+
+
+def _touched(grid: Grid, axis: int) -> np.ndarray:
+    """Edges along an axis of which an end is not known, as numbers."""
+    touched = grid.holes | np.roll(grid.holes, -1, axis)
+    return (touched if grid.periodic[axis] else np.delete(touched, -1, axis)).astype(np.int32)
+
+
+def displaced_torsion(
+    grid: Grid, rows: int, order: int, plane: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Torsion at the nodes, its error and its sigma, as `cells.torsion`.
+
+    Zero, as second derivatives commute; NaN where there are not enough known nodes in a row.
+    """
+    found = np.zeros((rows, *grid.shape))
+    for axis in plane:
+        found[:, ~on_grid(grid.rule(order, axis, slopes=True).known, grid.shape, axis)] = np.nan
+    return found, np.zeros_like(found), np.where(np.isnan(found), np.nan, 0.0)
+
+
+def displaced_cochain(grid: Grid, displacement: Displacement) -> Cochain:
+    """The integral along every edge of the grid, without holes: a difference less the jump."""
+    values, errors = [], []
+    rows = len(displacement.values)
+    for k, times in enumerate(displacement.times):
+        steps = differences(displacement.values, 1 + k, grid.periodic[k])
+        steps = steps - displacement.jumps.sums(times)
+        unit = grid.steps[k] * np.eye(rows, grid.dimension)[:, k]
+        values.append(steps.reshape(rows, -1).T + unit)
+        noise = np.zeros(steps.shape)
+        if displacement.variances is not None:
+            noise = np.sqrt(_of_both_ends(displacement.variances, k, grid.periodic[k]))
+        errors.append(noise.max(axis=0).ravel())
+    found = np.concatenate(values)
+    rounding = ROUNDING * np.abs(found).max(axis=1)
+    made = Complex.grid(grid.shape, periodic=grid.periodic)
+    return Cochain(made, found, np.concatenate(errors) + rounding)
+
+
+def _of_both_ends(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
+    """Sums of the values at both ends of each edge along an axis, for values (rows, grid...)."""
+    both = values + np.roll(values, -1, 1 + axis)
+    return both if periodic else np.delete(both, -1, 1 + axis)
+
+
+def displaced_edges(
+    field: Field, displacement: Displacement, starts: np.ndarray, ends: np.ndarray
+) -> EdgeIntegrals:
+    """The integrals along straight edges, which add up to jumps alone round a closed circuit.
+
+    From each end to a node of its cell the coframe is interpolated; from node to node it is the
+    difference of the displacement less the jumps of the edges of the grid on the way.
+    """
+    grid, jumps = field.grid, displacement.jumps
+    count = len(starts)
+    both = np.concatenate([starts, ends])
+    places = grid.places(both.T, "edge")
+    nodes = _nodes(grid, places, "edge")
+    origin = np.array([axis[0] for axis in grid.axes])
+    corners = (origin[:, None] + np.array(grid.steps)[:, None] * nodes).T
+    stubs = sampled_edges(field, corners, both)
+    at = tuple(nodes % np.array(grid.shape)[:, None])
+    u = displacement.values[(slice(None), *at)].T
+    unit = np.eye(field.rows, grid.dimension)
+    here = stubs.vectors + u + corners @ unit.T
+    found = here[count:] - here[:count]
+    crossed = _crossed(grid, displacement.times, starts, ends)
+    found = found - jumps.sums(crossed).T
+    errors = stubs.errors[count:] + stubs.errors[:count] + jumps.errors(crossed)
+    if displacement.variances is not None:
+        variances = displacement.variances[(slice(None), *at)].max(axis=0)
+        errors = np.hypot(errors, np.sqrt(variances[count:] + variances[:count]))
+    rounding = ROUNDING * np.abs(found).max(axis=1)
+    return EdgeIntegrals(found, errors + rounding, stubs.evaluations)
+
+
+def _crossed(
+    grid: Grid, times: tuple[np.ndarray, ...], starts: np.ndarray, ends: np.ndarray
+) -> np.ndarray:
+    """Jumps of the edges of the grid along straight edges, shape (k, edges)."""
+    cells = np.abs((ends - starts) / np.array(grid.steps)).max(axis=1)
+    counts = 1 + np.ceil(cells / LONGEST).astype(int)
+    owner = np.repeat(np.arange(len(starts)), counts + 1)
+    first = np.cumsum(counts + 1) - (counts + 1)
+    share = (np.arange(len(owner)) - first[owner]) / counts[owner]
+    line = starts[owner] + share[:, None] * (ends - starts)[owner]
+    nodes = _nodes(grid, grid.places(line.T, "edge"), "edge")
+    moves = np.diff(nodes) * (owner[1:] == owner[:-1])
+    found = _along(grid, times, nodes[:, :-1], moves)
+    return np.array([np.bincount(owner[:-1], row, len(starts)) for row in found]).reshape(
+        len(found), len(starts)
+    )

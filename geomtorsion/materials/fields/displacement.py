@@ -1,0 +1,311 @@
+"""Displacement: what a field of displacements on a grid says, with jumps by lattice vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from geomtorsion.errors import GridError
+from geomtorsion.materials.fields.edge_noise import chances_of
+from geomtorsion.materials.fields.grid import Grid, numbers
+from geomtorsion.materials.fields.noise import along, spread
+from geomtorsion.materials.fields.sides import on_grid
+from geomtorsion.materials.fields.stencils import applied
+
+# An edge compares itself with the median of so many neighbours: two on each side.
+NEIGHBOURS = 5
+# Standard error of the median of normal numbers, in units of that of their mean.
+OF_MEDIAN = float(np.sqrt(np.pi / 2))
+# What asks for jumps to be looked for.
+FIND = "find"
+
+
+@dataclass(frozen=True, eq=False)
+class Jumps:
+    """Lattice vectors by which a displacement jumps.
+
+    vectors: shape (k, rows). scatter, bias: standard errors of vectors that were found in the
+    values, and their errors by smooth strain, of the same shape; zero where they were declared.
+    """
+
+    vectors: np.ndarray
+    scatter: np.ndarray
+    bias: np.ndarray
+
+    @classmethod
+    def declared(cls, vectors: np.ndarray) -> Jumps:
+        """Jumps that are known without an error."""
+        return cls(vectors, np.zeros_like(vectors), np.zeros_like(vectors))
+
+    def sums(self, times: np.ndarray) -> np.ndarray:
+        """Sums of so many of each vector, shape (rows, ...), for times of shape (k, ...)."""
+        return np.einsum("ki,k...->i...", self.vectors, times)
+
+    def covariance(self, times: np.ndarray, chances: np.ndarray) -> np.ndarray:
+        """Covariance of such sums, shape (..., rows, rows).
+
+        chances: that noise has changed a number, added up over all edges of a circuit, (k, ...).
+        """
+        wrong = np.einsum("k...,ki,kj->...ij", chances, self.vectors, self.vectors)
+        own = np.einsum("k...,ki->...i", times**2, self.scatter**2)
+        return wrong + own[..., None] * np.eye(self.vectors.shape[1])
+
+    def errors(self, times: np.ndarray) -> np.ndarray:
+        """Error of the largest component of such sums by smooth strain, shape (...)."""
+        return np.einsum("ki,k...->i...", self.bias, np.abs(times)).max(axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """A displacement at the nodes of a grid, and by how many lattice vectors each edge jumps.
+
+    The integral of the coframe along an edge is the difference of the displacement less the jump.
+    Round a circuit the differences cancel, and b is a sum of whole lattice vectors.
+
+    values: u^i at the nodes, shape (rows, grid...). branch: the jumps as they were declared.
+    coframe: 1 + d u without the jumps, at the nodes, NaN in holes. sigma: its standard deviation by
+    noise, of the same shape, or None.
+    times: by how many of the vectors each edge jumps, shape (k, edges...), one array for each axis.
+    chances: that noise has changed such a number, of the same shapes; zero without noise.
+    variances: of u by noise, shape (rows, grid...), or None.
+    source: what was found, in words.
+    """
+
+    values: np.ndarray
+    branch: object
+    coframe: np.ndarray
+    sigma: np.ndarray | None
+    jumps: Jumps
+    times: tuple[np.ndarray, ...]
+    chances: tuple[np.ndarray, ...]
+    variances: np.ndarray | None
+    source: str
+
+
+def displacement_of(
+    values: np.ndarray, grid: Grid, order: int, branch: object, variances: np.ndarray | None = None
+) -> Displacement:
+    """A displacement with its jumps and its derivatives without them.
+
+    Cells round which the jumps do not close hold a core, or a difference that noise has spoilt:
+    their corners become holes.
+
+    branch: the lattice vectors by which it may jump, shape (k, rows), or one length for all
+    directions; "find": they are looked for; None: it has one value at each place.
+    variances: of the values by noise, shape (rows, grid...).
+    """
+    rows, d = values.shape[0], grid.dimension
+    steps = [differences(values, 1 + k, grid.periodic[k]) for k in range(d)]
+    # Smooth fields may change by more than a lattice vector from node to node: jumps are what
+    # stands out from the neighbours along the line.
+    bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
+    if branch is None or (isinstance(branch, str) and branch == FIND):
+        jumps = _found(steps, bent, grid)
+        inverse = jumps.vectors / (jumps.vectors**2).sum(axis=1, keepdims=True)
+        times = [_nearest(rest, jumps.vectors) for rest in bent]
+    else:
+        jumps = Jumps.declared(lattice_vectors(branch, rows))
+        inverse = np.linalg.pinv(jumps.vectors.T)
+        shares = (np.einsum("ki,i...->k...", inverse, rest) for rest in bent)
+        times = [np.nan_to_num(np.rint(share)) for share in shares]
+    source = f"a displacement; jumps: {_listed(jumps.vectors, times) or 'none'}"
+    if branch is None and len(jumps.vectors):
+        seen = _listed(jumps.vectors[:1], [x[:1] for x in times])
+        source = (
+            f"a displacement; jumps: none declared. Steps of {seen} stand out: if they are jumps, "
+            "declare them as branch"
+        )
+        jumps, inverse = Jumps.declared(np.zeros((0, rows))), np.zeros((0, rows))
+        times = [x[:0] for x in times]
+    steps = [step - jumps.sums(number) for step, number in zip(steps, times, strict=True)]
+    holes = grid.holes.copy()
+    for _, corners in _open_cells(times, grid):
+        holes[tuple(corners.T)] = True
+    whole = Grid(grid.axes, grid.names, grid.periodic, holes)
+    coframe, sigma = _derived(steps, whole, order, variances)
+    chances = [np.zeros_like(x) for x in times]
+    if variances is not None and len(inverse):
+        for k, (rest, number) in enumerate(zip(bent, times, strict=True)):
+            both = variances + np.roll(variances, -1, 1 + k)
+            both = both if grid.periodic[k] else np.delete(both, -1, 1 + k)
+            width = np.sqrt(np.einsum("ki,i...->k...", inverse**2, both))
+            away = np.einsum("ki,i...->k...", inverse, rest) - number
+            chances[k] = np.nan_to_num(chances_of(away, width))
+    return Displacement(
+        values, branch, coframe, sigma, jumps, tuple(times), tuple(chances), variances, source
+    )
+
+
+def _listed(vectors: np.ndarray, times: list[np.ndarray]) -> str:
+    """Vectors with how many edges jump by them, in words."""
+    counts = sum(np.count_nonzero(x, axis=tuple(range(1, x.ndim))) for x in times)
+    pairs = zip(vectors.tolist(), np.asarray(counts).tolist(), strict=True)
+    return ", ".join(f"({', '.join(f'{x:.6g}' for x in b)}) on {n} edges" for b, n in pairs)
+
+
+def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.ndarray]]:
+    """In each plane how many cells there are round which jumps do not close, and their corners.
+
+    Cells with unknown corners do not count.
+    """
+    for a, b in combinations(range(grid.dimension), 2):
+        wraps = grid.periodic
+        one = differences(times[b], 1 + a, wraps[a])
+        two = differences(times[a], 1 + b, wraps[b])
+        cells = np.argwhere((one != two).any(axis=0))
+        corners = np.repeat(cells[None], 4, axis=0)
+        corners[1::2, :, a] += 1
+        corners[2:, :, b] += 1
+        corners %= np.array(grid.shape)
+        known = ~grid.holes[tuple(np.moveaxis(corners, -1, 0))].any(axis=0)
+        yield int(known.sum()), corners[:, known].reshape(-1, grid.dimension)
+
+
+def _derived(
+    steps: list[np.ndarray], grid: Grid, order: int, variances: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The coframe at the nodes from differences along the edges, and its standard deviations."""
+    rows, d = len(steps[0]), grid.dimension
+    coframe = np.empty((rows, d, *grid.shape))
+    sigma = None if variances is None else np.empty_like(coframe)
+    for k, step in enumerate(steps):
+        rule = grid.rule(order, k, slopes=True)
+        lines = rule.holes.shape[1]
+        found = applied(rule.matrix_of_steps, np.nan_to_num(step), 1 + k, lines) / grid.steps[k]
+        found[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
+        coframe[:, k] = found
+        if sigma is not None and variances is not None:
+            squares = (rule.matrix / grid.steps[k]).power(2)
+            sigma[:, k] = [np.sqrt(along(squares, row, k)) for row in variances]
+    return coframe + np.eye(rows, d).reshape(rows, d, *(1,) * d), sigma
+
+
+def differences(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
+    """From each node to the next one."""
+    return np.roll(values, -1, axis) - values if periodic else np.diff(values, axis=axis)
+
+
+def _window(steps: np.ndarray, axis: int) -> np.ndarray:
+    """Each step with its neighbours on the line, (5, rows, ..., line); NaN beyond the end."""
+    moved = np.moveaxis(steps, axis, -1)
+    wide = NEIGHBOURS // 2
+    padded = np.pad(moved, [(0, 0)] * (moved.ndim - 1) + [(wide, wide)], constant_values=np.nan)
+    return np.stack([padded[..., k : k + moved.shape[-1]] for k in range(NEIGHBOURS)])
+
+
+def _medians(steps: np.ndarray, axis: int) -> np.ndarray:
+    """The median of each step and its known neighbours along the line."""
+    rows = _window(steps, axis)
+    # Unknown ones sort to the end.
+    rows.sort(axis=0)
+    known = np.isfinite(rows).sum(axis=0)
+    pair = (np.maximum(known - 1, 0) // 2, np.minimum(known // 2, NEIGHBOURS - 1))
+    low, high = (np.take_along_axis(rows, k[None], axis=0)[0] for k in pair)
+    return np.moveaxis((low + high) / 2, -1, axis)
+
+
+def lattice_vectors(branch: object, rows: int) -> np.ndarray:
+    """Lattice vectors as rows, from one length, one vector or several."""
+    found = numbers(branch, "branch")
+    if found.ndim == 0:
+        found = float(found) * np.eye(rows)
+    elif found.ndim == 1:
+        found = found[None]
+    fits = found.ndim == 2 and found.shape[1] == rows and 0 < len(found) <= rows
+    if not fits or not np.isfinite(found).all() or np.linalg.matrix_rank(found) < len(found):
+        raise GridError(
+            f"branch: a length, or up to {rows} independent vectors of {rows} components, were "
+            f"needed, but {found.tolist()} came. Give the lattice vectors by which u jumps."
+        )
+    return found
+
+
+def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps:
+    """The vectors by which steps stand out from their neighbours, the largest first.
+
+    A step may be a jump if it stands out more than each of its neighbours does. A vector counts if
+    the jumps by it (within a quarter of it) make lines: fewer cells are left open than there are
+    jumps. What is less than half of something that does not count is not asked.
+    """
+    away = [np.sqrt((x**2).sum(axis=0)) for x in bent]
+    open_ = [
+        np.isfinite(size) & (size > _of_neighbours(step, 1 + k))
+        for k, (step, size) in enumerate(zip(steps, away, strict=True))
+    ]
+    smooth = [_of_near_and_far(step, 1 + k) for k, step in enumerate(steps)]
+    found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    least = 0.0
+    while any(x.any() for x in open_):
+        k = int(np.argmax([np.where(o, x, 0).max() for o, x in zip(open_, away, strict=True)]))
+        place = np.unravel_index(np.where(open_[k], away[k], 0).argmax(), away[k].shape)
+        seed = bent[k][(slice(None), *place)]
+        if away[k][place] <= least:
+            break
+        times = [_near(rest, seed) * o for rest, o in zip(bent, open_, strict=True)]
+        left_open = sum(count for count, _ in _open_cells([x[None] for x in times], grid))
+        # Without the cubic, and the line, through the neighbours.
+        sharp, blunt = (
+            np.concatenate(
+                [((s - p[n]) * x)[:, x != 0] for s, p, x in zip(steps, smooth, times, strict=True)],
+                axis=1,
+            )
+            for n in (0, 1)
+        )
+        known = np.isfinite(sharp).all(axis=0)
+        if left_open < sum(np.count_nonzero(x) for x in times) and known.any():
+            sharp, blunt = sharp[:, known], blunt[:, known]
+            vector = np.median(sharp, axis=1)
+            wide = [spread(row) for row in sharp - vector[:, None]]
+            scatter = OF_MEDIAN * np.array(wide) / np.sqrt(sharp.shape[1])
+            found.append((vector, scatter, np.abs(np.median(blunt, axis=1) - vector)))
+        else:
+            least = max(least, float(away[k][place]) / 2)
+        open_ = [o & (x == 0) for o, x in zip(open_, times, strict=True)]
+    table = np.array(found).reshape(-1, 3, len(bent[0]))
+    return Jumps(table[:, 0], table[:, 1], table[:, 2])
+
+
+def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
+    """How far the farthest of two neighbours on each side is from the median of all five."""
+    middle = np.moveaxis(_medians(steps, axis), axis, -1)
+    rows = _window(steps, axis) - middle
+    sizes = np.sqrt((np.delete(rows, NEIGHBOURS // 2, axis=0) ** 2).sum(axis=1))
+    return np.moveaxis(np.fmax.reduce(sizes, axis=0), -1, axis - 1)
+
+
+def _of_near_and_far(steps: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """What two neighbours on each side, and one on each side, say of a step; NaN without them."""
+    moved = np.moveaxis(steps, axis, -1)
+    found = []
+    left, right = moved[..., 1:-3] + moved[..., 3:-1], moved[..., :-4] + moved[..., 4:]
+    for inner in ((4 * left - right) / 6, left / 2):
+        whole = np.full_like(moved, np.nan)
+        whole[..., 2:-2] = inner
+        found.append(np.moveaxis(whole, -1, axis))
+    return found[0], found[1]
+
+
+def _near(rest: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """1 where steps are within a quarter of a vector, -1 for its opposite, 0 elsewhere."""
+    b = vector.reshape(-1, *(1,) * (rest.ndim - 1))
+    signs = np.where((rest * b).sum(axis=0) < 0, -1, 1)
+    away = ((signs * rest - b) ** 2).sum(axis=0)
+    return np.where(np.nan_to_num(away, nan=np.inf) < (vector**2).sum() / 16, signs, 0)
+
+
+def _nearest(rest: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Which vector (1), or opposite (-1), or none steps are nearest to, shape (k, edges...)."""
+    found = np.zeros((len(vectors), *rest.shape[1:]))
+    best = np.nan_to_num((rest**2).sum(axis=0), nan=-1.0)
+    for k, vector in enumerate(vectors):
+        b = vector.reshape(-1, *(1,) * (rest.ndim - 1))
+        for sign in (1, -1):
+            away = ((rest - sign * b) ** 2).sum(axis=0)
+            better = away < best
+            found[:, better] = 0
+            found[k, better] = sign
+            best = np.where(better, away, best)
+    return found

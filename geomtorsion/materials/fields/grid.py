@@ -1,0 +1,255 @@
+"""Grid: regular axes, which of them are periodic, and the nodes that are holes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError
+from geomtorsion.loops.arcs import shown
+from geomtorsion.materials.fields.stencils import SLACK, KnownNodes, Rule, plain_rule
+
+# Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
+REGULAR = 1e-4
+ORDERS = (2, 4, 6, 8)
+
+
+def numbers(values: object, where: str) -> np.ndarray:
+    """An array of real numbers."""
+    message = "{subject}: an array of real numbers was needed, but {value} came."
+    return checks.array(values, where, GridError, message=message, infinite=None)
+
+
+def check_order(order: object) -> None:
+    """Refuse an order for which there are no rules."""
+    if order not in ORDERS:
+        raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
+
+
+def other_order(order: int) -> int:
+    """The order against which errors of an order are measured."""
+    return order - 2 if order > 2 else 4
+
+
+def check_length(names: Sequence[str], shape: Sequence[int], order: int) -> None:
+    """Refuse axes that are too short for an order and that against which it is measured."""
+    needed = max(order, other_order(order)) + 1
+    for name, count in zip(names, shape, strict=True):
+        if count < needed:
+            raise GridError(
+                f"axis {name}: {needed} points or more are needed for order {order} with its "
+                f"error estimate, but there are {count}. Choose a lower order."
+            )
+
+
+def regular_axis(values: object, name: str) -> np.ndarray:
+    """A regular axis."""
+    axis = numbers(values, f"axis {name}")
+    if axis.ndim != 1 or len(axis) < 2:
+        raise GridError(f"axis {name}: a list of coordinates was needed, shape {axis.shape} came.")
+    if not np.isfinite(axis).all():
+        raise GridError(
+            f"axis {name}: finite numbers were needed; entry "
+            f"{int(np.flatnonzero(~np.isfinite(axis))[0])} is none."
+        )
+    step = (axis[-1] - axis[0]) / (len(axis) - 1)
+    worst = int(np.abs(np.diff(axis) - step).argmax())
+    if step == 0 or abs(axis[worst + 1] - axis[worst] - step) > REGULAR * abs(step):
+        raise GridError(
+            f"axis {name}: equal steps were needed, but step {worst} is "
+            f"{axis[worst + 1] - axis[worst]:.6g} where the mean is {step:.6g}. Resample the data."
+        )
+    return axis
+
+
+def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
+    """Refuse a grid with less than two axes, or without a name for each."""
+    if len(names) != len(axes) or len(axes) < 2:
+        raise GridError(
+            f"a grid needs two axes or more, and a name for each, but {len(axes)} axes "
+            f"and {len(names)} names came."
+        )
+
+
+def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
+    """Which axes are periodic, from one truth value for each, or from their names."""
+    if given is None or given is False:
+        return (False,) * len(names)
+    if given is True:
+        return (True,) * len(names)
+    found = [given] if isinstance(given, str) else checks.entries(given, "periodic", GridError)
+    if not found:
+        return (False,) * len(names)
+    if all(isinstance(entry, str) for entry in found):
+        for entry in found:
+            checks.known_name(entry, names, "periodic", GridError)
+        return tuple(name in found for name in names)
+    if len(found) != len(names) or not all(isinstance(x, bool | np.bool_) for x in found):
+        raise GridError(
+            f"periodic: True or False for each of {len(names)} axes, or names of axes, were "
+            f"needed, but {checks.shown(given)} came."
+        )
+    return tuple(bool(entry) for entry in found)
+
+
+def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
+    """Nodes where nothing is known, from truth values."""
+    if given is None:
+        return np.zeros(shape, dtype=bool)
+    try:
+        found = np.asarray(given)
+    except (TypeError, ValueError):
+        found = np.array(None)
+    if found.dtype.kind != "b" or found.shape != shape:
+        raise GridError(
+            f"mask: truth values of shape {shape} were needed, True where nothing is known, but "
+            f"{found.dtype} of shape {found.shape} came."
+        )
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """A regular grid with holes.
+
+    axes: coordinates, one array each; names: of the axes; periodic: whether the last node of an
+    axis is followed by the first. holes: True where nothing is known, shape (N_1, ..., N_d).
+    spacing: of the axes, where it is not to be computed from them: the same for all blocks of one.
+    """
+
+    axes: tuple[np.ndarray, ...]
+    names: tuple[str, ...]
+    periodic: tuple[bool, ...]
+    holes: np.ndarray
+    spacing: tuple[float, ...] | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of nodes along each axis."""
+        return tuple(len(axis) for axis in self.axes)
+
+    @cached_property
+    def steps(self) -> tuple[float, ...]:
+        """Spacing of each axis; negative where it decreases."""
+        if self.spacing is not None:
+            return self.spacing
+        return tuple(float(axis[-1] - axis[0]) / (len(axis) - 1) for axis in self.axes)
+
+    @property
+    def dimension(self) -> int:
+        """Number of axes."""
+        return len(self.axes)
+
+    @cached_property
+    def has_holes(self) -> bool:
+        """Whether there are any."""
+        return bool(self.holes.any())
+
+    @cached_property
+    def known(self) -> KnownNodes:
+        """Stencils for points between the nodes."""
+        return KnownNodes(self.shape, self.periodic, self.holes)
+
+    def rule(self, order: int, axis: int, slopes: bool = False) -> Rule:
+        """Integrals over the edges along an axis, or derivatives at the nodes (spacing 1)."""
+        points = self.shape[axis]
+        if not self.has_holes:
+            return plain_rule(order, points, self.periodic[axis], slopes)
+        lines = np.moveaxis(self.holes, axis, 0).reshape(points, -1)
+        return Rule.of(order, lines, self.periodic[axis], slopes)
+
+    def place_of(self, node: Sequence[int]) -> str:
+        """Coordinates of a node, for messages."""
+        return ", ".join(
+            f"{name} = {axis[k]:.6g}"
+            for name, axis, k in zip(self.names, self.axes, node, strict=True)
+        )
+
+    def pixels(self, nodes: np.ndarray) -> str:
+        """Nodes by their numbers, shape (k, d), for messages."""
+        rows = np.unique(nodes, axis=0)
+        return checks.cut(", ".join(str(tuple(row)) for row in rows.tolist()))
+
+    def places(self, points: np.ndarray, what: str) -> np.ndarray:
+        """Points of shape (d, k) in units of the spacing; those that leave the grid are refused."""
+        places = np.array(
+            [
+                (row - axis[0]) / step
+                for row, axis, step in zip(points, self.axes, self.steps, strict=True)
+            ]
+        )
+        last = np.array([len(axis) - 1 for axis in self.axes])[:, None]
+        free = np.array(self.periodic)[:, None]
+        outside = ~free & ((places < -SLACK) | (places > last + SLACK)) | ~np.isfinite(places)
+        if outside.any():
+            axis, k = (int(i) for i in np.argwhere(outside)[0])
+            low, high = sorted((float(self.axes[axis][0]), float(self.axes[axis][-1])))
+            raise GridError(
+                f"the {what} leaves the grid at {shown(points[:, k])}: axis {self.names[axis]} "
+                f"runs from {low:.6g} to {high:.6g}. Choose a smaller {what}; nothing is "
+                "extrapolated."
+            )
+        return np.where(free, places, np.clip(places, 0, last))
+
+    def check_periods(self, gap: np.ndarray) -> None:
+        """Refuse a loop that ends elsewhere than whole periods of the grid from its start."""
+        for k, name in enumerate(self.names):
+            period = abs(self.steps[k]) * self.shape[k]
+            turns = float(gap[k]) / period
+            if abs(turns - (round(turns) if self.periodic[k] else 0)) > REGULAR:
+                has = f"has the period {period:.6g}" if self.periodic[k] else "is not periodic"
+                raise GridError(
+                    f"the loop ends {gap[k]:.6g} from its start along {name}, but that axis {has}. "
+                    "Give the grid and the loop the same periods."
+                )
+
+    def refuse_holes(self, used: np.ndarray, places: np.ndarray, what: str) -> None:
+        """Refuse points that have no known nodes round them; the message names the nodes."""
+        bad = np.flatnonzero(used == 0)
+        if not len(bad):
+            return
+        cells = np.floor(places[:, bad[0]] + SLACK).astype(int)
+        thin = np.abs(places[:, bad[0]] - cells) < SLACK
+        ends = np.array(list(np.ndindex(*(2,) * self.dimension)))
+        corners = (ends * ~thin + cells) % np.array(self.shape)
+        nodes = corners[self.holes[tuple(corners.T)]]
+        point = [
+            float(axis[0] + step * place)
+            for axis, step, place in zip(self.axes, self.steps, places[:, bad[0]], strict=True)
+        ]
+        raise GridError(
+            f"the {what} touches a hole at {shown(point)}: nothing is known at node "
+            f"{self.pixels(nodes)}. Lead it round: .loop_around(hole) does, .holes lists them."
+        )
+
+
+def check_shape(values: np.ndarray, shape: tuple[int, ...]) -> None:
+    """Refuse values that do not fit the axes."""
+    d = len(shape)
+    columns = (d, 3) if d == 2 else (d,)
+    if values.shape[2:] != shape or not len(values) or values.shape[1] not in columns:
+        raise GridError(
+            f"coframe: shape (rows, {d}, {', '.join(map(str, shape))}) was needed "
+            f"(frame index, coordinate index, grid), but {values.shape} came."
+        )
+
+
+def check_values(values: np.ndarray, grid: Grid) -> None:
+    """Refuse infinite values, and grids of which nothing is known."""
+    bad = np.argwhere(np.isinf(values) & ~grid.holes)
+    if len(bad):
+        i, mu, *place = bad[0].tolist()
+        raise GridError(
+            f"coframe[{i}, {mu}] is not finite at {grid.place_of(place)} (and at {len(bad) - 1} "
+            "more entries). Mask those nodes (NaN is a hole) or fill them; a singular line must "
+            "lie between nodes."
+        )
+    if grid.holes.all():
+        raise GridError(
+            "coframe: nothing is known: every node is masked or has a NaN in it. Is the mask "
+            "the wrong way round? True means that nothing is known."
+        )

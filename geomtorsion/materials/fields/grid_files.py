@@ -1,0 +1,393 @@
+"""Grid files: sampled frames in NPZ, NetCDF, HDF5, CSV and VTK, each by the library that has it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion import checks
+from geomtorsion.checks import cut, shown, unmasked
+from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.materials.fields import tables
+from geomtorsion.materials.fields.contents import (
+    TEXTS,
+    Contents,
+    check_distinct,
+    check_room,
+    guarded,
+    key_of,
+    module,
+    periodic_names,
+)
+from geomtorsion.materials.fields.displacement import FIND
+from geomtorsion.npz import ArrayForm, read_npz, text_of
+
+FORMS = {
+    "names": ArrayForm((None,), "U", optional=True),
+    "axis_*": ArrayForm((None,)),
+    "coframe": ArrayForm((None, None, ...), optional=True),
+    "distortion": ArrayForm((None, None, ...), optional=True),
+    "displacement": ArrayForm((None, None, ...), optional=True),
+    "branch": ArrayForm((None, None), optional=True),
+    "sigma": ArrayForm((None, None, ...), optional=True),
+    "covariance": ArrayForm((None, None, None, None, ...), optional=True),
+    "mask": ArrayForm((None, None, ...), "biu", optional=True),
+    "periodic": ArrayForm((None,), "b", optional=True),
+    "unit": ArrayForm((), "U", optional=True),
+    "vector_unit": ArrayForm((), "U", optional=True),
+    "source": ArrayForm((), "U", optional=True),
+}
+HDF5 = b"\x89HDF"
+# What may say how the values scatter.
+NOISE = ("sigma", "covariance")
+# What says where nothing is known, beside NaN.
+MASK = "mask"
+# What says in NetCDF that numbers are packed, or which of them are none.
+PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value")
+
+
+def read_grid(path: Path) -> Contents:
+    """What a file holds, by the end of its name.
+
+    .npz: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
+    `axis_x`, `axis_y`, ... for each axis, in the order in which `names` lists them (or in which
+    they stand in the file). .h5, .hdf5: the same as data sets (extra `files`); an attribute `names`
+    lists the axes, which may be left out if they are x, y, ... .nc: a variable `coframe` or
+    `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for each
+    dimension of the grid. .npz may hold a `displacement` of shape (rows, N_1, ..., N_d) in its
+    place, and the vectors of its jumps, `branch` (NaN where they are looked for). .csv: see
+    `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). All may hold sigma,
+    units, periods and a source; .npz, .h5 and .nc a covariance in its place, and a mask, 1 at each
+    node where nothing is known.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, truncated or malformed, or lacks an array.
+    MissingExtraError
+        The library for the format is not installed.
+    """
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise FileFormatError(
+            f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
+            f"{path.suffix!r}. For arrays in memory use SampledFrame(axes, coframe)."
+        )
+    return FORMATS[kind][0](path)
+
+
+def save_grid(path: Path, contents: Contents) -> None:
+    """Write a file that `read_grid` reads, under the very name that is given.
+
+    Without an end of its name it becomes .npz.
+
+    Raises
+    ------
+    GridError
+        No format is known by the end of the name.
+    """
+    kind = path.suffix.lower() or ".npz"
+    if kind not in FORMATS:
+        raise GridError(
+            f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
+            f"{path.suffix!r}."
+        )
+    FORMATS[kind][1](path, contents)
+
+
+def holds_covariance(path: Path) -> bool:
+    """Whether the format that a name ends in has room for covariances: tables have none."""
+    return (path.suffix.lower() or ".npz") not in (".csv", ".vtk", ".vtu")
+
+
+def _npz(path: Path) -> Contents:
+    """A grid from an NPZ file."""
+    message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
+    arrays = read_npz(path, FORMS, message=message)
+    key = "displacement" if "displacement" in arrays else key_of(path, arrays)
+    if "names" in arrays:
+        names = tuple(str(name) for name in arrays["names"])
+    else:
+        names = tuple(name.removeprefix("axis_") for name in arrays if name.startswith("axis_"))
+    check_distinct(path, names)
+    axes = []
+    for name in names:
+        if f"axis_{name}" not in arrays:
+            raise FileFormatError(
+                f"{path}: the array axis_{cut(name)} is missing; names lists {shown(names)}."
+            )
+        axes.append(arrays[f"axis_{name}"])
+    if not axes:
+        raise FileFormatError(
+            f"{path}: no axes; arrays axis_x, axis_y, ... were needed, but the file has "
+            f"{cut(', '.join(sorted(arrays)))}."
+        )
+    options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
+    options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
+    if key == "displacement" and "branch" in arrays:
+        # A vector that is not known is looked for.
+        branch = arrays["branch"]
+        options["branch"] = FIND if np.isnan(branch).all() else branch
+    values = arrays[key]
+    return Contents(axes, values, names, key == "distortion", options, key == "displacement")
+
+
+def _write_npz(path: Path, contents: Contents) -> None:
+    """A grid as an NPZ file."""
+    key = "displacement" if contents.is_displacement else "coframe"
+    arrays: dict[str, Any] = {key: contents.values, "names": np.array(contents.names)}
+    for name, axis in zip(contents.names, contents.axes, strict=True):
+        arrays[f"axis_{name}"] = axis
+    arrays |= {key: np.asarray(value) for key, value in contents.options.items()}
+    with path.open("wb") as stream:
+        np.savez_compressed(stream, **arrays)
+
+
+def read_netcdf(path: Path) -> Contents:
+    """By xarray if it is installed; classic files by scipy otherwise."""
+    try:
+        xarray = import_module("xarray")
+    except ImportError:
+        return _classic(path)
+
+    def load() -> Any:
+        # Times stay the numbers that they are, as the other reader has them.
+        with xarray.open_dataset(path, decode_times=False) as data:
+            dimensions = {str(name): each.dims for name, each in data.variables.items()}
+            key, names = _axes(path, dimensions)
+            wanted = [name for name in (key, *names, *NOISE, MASK) if name in dimensions]
+            check_room(path, {name: data[name].shape for name in wanted})
+            # What is not wanted may be as large as it likes.
+            return key, names, {name: data[name].values for name in wanted}, dict(data.attrs)
+
+    if _is_hdf5(path):
+        check_hdf5(path, module("h5py", path))
+    return _contents(path, *guarded(path, load))
+
+
+def _is_hdf5(path: Path) -> bool:
+    """Whether a NetCDF file is of version 4."""
+    with path.open("rb") as stream:
+        return stream.read(len(HDF5)) == HDF5
+
+
+def _axes(path: Path, dimensions: Mapping[str, Sequence[Any]]) -> tuple[str, tuple[str, ...]]:
+    """Which variable holds the values, and the names of its axes: all others have that order."""
+    key = key_of(path, dimensions)
+    names = tuple(str(name) for name in dimensions[key][2:])
+    for name in names:
+        if name not in dimensions:
+            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+    for name in (key, *NOISE, MASK):
+        came = [str(each) for each in dimensions.get(name, ())]
+        along = [each for each in came if each in names]
+        if came[:2] == ["column", "row"] or along != [each for each in names if each in along]:
+            raise FileFormatError(
+                f"{path}: dimensions of {name} in the order row, column, {', '.join(names)} were "
+                f"needed, but {', '.join(came)} came. Transpose it."
+            )
+    return key, names
+
+
+def _contents(
+    path: Path,
+    key: str,
+    names: tuple[str, ...],
+    arrays: Mapping[str, np.ndarray],
+    said: Mapping[str, Any],
+) -> Contents:
+    """Contents from the arrays of a file and what it says in words."""
+    axes = [arrays[name] for name in names]
+    return Contents(axes, arrays[key], names, key == "distortion", _options(path, arrays, said))
+
+
+def _classic(path: Path) -> Contents:
+    """A classic file, by scipy."""
+    if _is_hdf5(path):
+        raise MissingExtraError(
+            f"{path}: this is NetCDF 4, which needs xarray with a backend. "
+            "Install them: pip install 'geomtorsion[files]'."
+        )
+
+    def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
+        # Values that mark what is missing, and scales, are those of the attributes, as in xarray.
+        with scipy.io.netcdf_file(path, mmap=False, maskandscale=True) as data:
+            for name, variable in data.variables.items():
+                # scipy compares with one mark only.
+                if np.size(getattr(variable, "missing_value", 0)) != 1:
+                    raise FileFormatError(
+                        f"{path}: missing_value of {name}: one number was needed. Mark what is "
+                        "missing by one, or install xarray: pip install 'geomtorsion[files]'."
+                    )
+            arrays = {
+                name: unmasked(variable[...]).copy() for name, variable in data.variables.items()
+            }
+            sizes = {name: variable.dimensions for name, variable in data.variables.items()}
+            texts = {
+                name: value.decode() if isinstance(value, bytes) else value
+                for name, value in data._attributes.items()
+            }
+            return arrays, sizes, texts
+
+    arrays, dimensions, texts = guarded(path, load)
+    key, names = _axes(path, dimensions)
+    return _contents(path, key, names, arrays, texts)
+
+
+def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
+    """Noise, holes, periods and texts."""
+    found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
+    found |= _known(path, arrays)
+    if "periodic" in texts:
+        found["periodic"] = periodic_names(texts["periodic"], path)
+    return found
+
+
+def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Noise, and where nothing is known: True, or 1 where a format has no truth values."""
+    found = {name: arrays[name] for name in NOISE if name in arrays}
+    if MASK in arrays:
+        if not np.isin(arrays[MASK], (0, 1)).all():
+            raise FileFormatError(
+                f"{path}: {MASK}: 1 where nothing is known and 0 elsewhere were needed, but other "
+                "numbers came."
+            )
+        found[MASK] = arrays[MASK] == 1
+    return found
+
+
+def write_netcdf(path: Path, contents: Contents) -> None:
+    """A classic file, which every library reads."""
+    with scipy.io.netcdf_file(path, "w") as data:
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            data.createDimension(name, len(axis))
+            data.createVariable(name, "d", (name,))[:] = axis
+        for name, length in zip(("row", "column"), contents.values.shape[:2], strict=True):
+            data.createDimension(name, length)
+        dims = ("row", "column", *contents.names)
+        data.createVariable("coframe", "d", dims)[:] = contents.values
+        for key in NOISE:
+            if key not in contents.options:
+                continue
+            values = contents.options[key]
+            inner = [f"{key}_axis_{k}" for k in range(values.ndim)]
+            for name, length in zip(inner, values.shape, strict=True):
+                data.createDimension(name, length)
+            data.createVariable(key, "d", inner)[:] = values
+        for name, text in _texts(contents).items():
+            setattr(data, name, text.encode())
+
+
+def _texts(contents: Contents) -> dict[str, str]:
+    """What is said in attributes."""
+    found = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        found["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    return found
+
+
+# -- HDF5 -----------------------------------------------------------------------------------------
+
+
+def read_hdf5(path: Path) -> Contents:
+    """Data sets coframe (or distortion), axis_x, ... and sigma; texts as attributes."""
+    h5py = module("h5py", path)
+
+    def load() -> Contents:
+        names = check_hdf5(path, h5py)
+        key = key_of(path, names)
+        with h5py.File(path, "r") as file:
+            said = {str(name): _text(value) for name, value in file.attrs.items()}
+            axes = [name.removeprefix("axis_") for name in names if name.startswith("axis_")]
+            if "names" in said:
+                axes = checks.text(said["names"], f"{path}: names", FileFormatError).split()
+            elif axes != list("xyz")[: len(axes)]:
+                # HDF5 lists what is in a file by the alphabet.
+                raise FileFormatError(
+                    f"{path}: names: the axes {', '.join(axes)} stand in no order. Say it in an "
+                    f"attribute of the file, such as names = {' '.join(axes)!r}."
+                )
+            check_distinct(path, axes)
+            for name in axes:
+                if f"axis_{name}" not in names:
+                    raise FileFormatError(f"{path}: the data set axis_{cut(name)} is missing.")
+            wanted = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
+            sets = {name: _data_set(h5py, file, name, path) for name in wanted if name in names}
+            check_room(path, {name: found.shape for name, found in sets.items()})
+            arrays = {name: found[...] for name, found in sets.items()}
+        options = _options(path, arrays, said)
+        lines = [arrays[f"axis_{name}"] for name in axes]
+        return Contents(lines, arrays[key], tuple(axes), key == "distortion", options)
+
+    return guarded(path, load)
+
+
+def _text(value: Any) -> Any:
+    """A text, which HDF5 may hold as bytes, or words in a list; all else as it came."""
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "OSU":
+        words = [_text(word) for word in value.tolist()]
+        return " ".join(words) if all(isinstance(word, str) for word in words) else value
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
+    """A data set of numbers as they are: no link, all of it written, nothing packed."""
+    link = file.get(name, getlink=True)
+    if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
+        raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
+    found = file[name]
+    if found.shape is None or found.dtype.kind not in "fiub":
+        raise FileFormatError(
+            f"{path}: {name}: real numbers were needed, but it holds "
+            f"{'nothing' if found.shape is None else found.dtype}."
+        )
+    # What was never written is read as zeros.
+    parts = math.prod(-(-n // m) for n, m in zip(found.shape, found.chunks or (), strict=False))
+    written = found.id.get_num_chunks() if found.chunks else bool(found.id.get_storage_size())
+    if written < parts and found.size:
+        raise FileFormatError(
+            f"{path}: {name}: only {int(written):,} of {parts:,} parts of it were written. Write "
+            "the file again."
+        )
+    packed = [key for key in PACKED if key in found.attrs and not np.isnan(found.attrs[key]).all()]
+    if packed:
+        raise FileFormatError(
+            f"{path}: {name}: it has {', '.join(packed)}, which means something in NetCDF alone. "
+            "Write its numbers as they are, with nan for what is missing, or save it as .nc."
+        )
+    return found
+
+
+def write_hdf5(path: Path, contents: Contents) -> None:
+    """The same names as in an NPZ file."""
+    h5py = module("h5py", path)
+    with h5py.File(path, "w") as file:
+        file["coframe"] = contents.values
+        for name, axis in zip(contents.names, contents.axes, strict=True):
+            file[f"axis_{name}"] = axis
+        for key in NOISE:
+            if key in contents.options:
+                file[key] = contents.options[key]
+        for name, text in {"names": " ".join(contents.names), **_texts(contents)}.items():
+            file.attrs[name] = text
+
+
+# How each format is read and written.
+FORMATS: dict[str, tuple[Callable[[Path], Contents], Callable[[Path, Contents], None]]] = {
+    ".npz": (_npz, _write_npz),
+    **dict.fromkeys((".nc", ".cdf", ".netcdf"), (read_netcdf, write_netcdf)),
+    **dict.fromkeys((".h5", ".hdf5"), (read_hdf5, write_hdf5)),
+    ".csv": (tables.read_csv, tables.write_csv),
+    **dict.fromkeys((".vtk", ".vtu"), (tables.read_vtk, tables.write_vtk)),
+}
+OTHERS = [end for end in FORMATS if end not in (".npz", ".nc", ".cdf", ".netcdf")]

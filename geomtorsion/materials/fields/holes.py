@@ -1,0 +1,139 @@
+"""Holes: connected nodes of which nothing is known, and circuits round them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError
+from geomtorsion.loops import Loop
+from geomtorsion.materials.fields.grid import Grid
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Hole:
+    """Neighbouring nodes (by sides, edges or corners) of which nothing is known.
+
+    number: in the list of holes. nodes: their numbers along the axes, shape (k, d); on a periodic
+    axis they go on beyond the last one where the hole does.
+    """
+
+    number: int
+    nodes: np.ndarray
+
+    @property
+    def low(self) -> tuple[int, ...]:
+        """The least number of a node along each axis."""
+        return tuple(self.nodes.min(axis=0).tolist())
+
+    @property
+    def high(self) -> tuple[int, ...]:
+        """The largest number of a node along each axis."""
+        return tuple(self.nodes.max(axis=0).tolist())
+
+    def __repr__(self) -> str:
+        return f"Hole({self.number}: {len(self.nodes)} nodes from {self.low} to {self.high})"
+
+
+def holes_of(grid: Grid) -> tuple[Hole, ...]:
+    """All holes, in the order of their first nodes."""
+    if not grid.has_holes:
+        return ()
+    # Round periodic axes one more node is laid on each side, so that neighbours are neighbours.
+    ends = [(int(wraps), int(wraps)) for wraps in grid.periodic]
+    padded = np.pad(grid.holes, ends, mode="wrap")
+    labels, _ = scipy.ndimage.label(padded, np.ones((3,) * grid.dimension))
+    nodes = np.argwhere(padded)
+    names = labels[tuple(nodes.T)]
+    nodes = (nodes - [low for low, _ in ends]) % np.array(grid.shape)
+    # A node that was laid twice joins the two labels that it has.
+    keys = np.ravel_multi_index(tuple(nodes.T), grid.shape)
+    unique, where = np.unique(keys, return_inverse=True)
+    size = len(unique) + labels.max() + 1
+    links = scipy.sparse.coo_array(
+        (np.ones(len(where)), (where, len(unique) + names)), shape=(size, size)
+    )
+    groups = scipy.sparse.csgraph.connected_components(links, directed=False)[1][: len(unique)]
+    _, first, which = np.unique(groups, return_index=True, return_inverse=True)
+    order = np.argsort(np.argsort(first))
+    found = []
+    for k in range(len(first)):
+        rows = unique[order[which] == k]
+        found.append(Hole(k, _unwrapped(np.array(np.unravel_index(rows, grid.shape)).T, grid)))
+    return tuple(found)
+
+
+def _unwrapped(nodes: np.ndarray, grid: Grid) -> np.ndarray:
+    """Nodes of a hole that goes over the end of a periodic axis, in one piece."""
+    found = nodes.copy()
+    for axis, (points, wraps) in enumerate(zip(grid.shape, grid.periodic, strict=True)):
+        there = np.unique(nodes[:, axis])
+        if wraps and there[0] == 0 and there[-1] == points - 1 and len(there) < points:
+            gap = int(np.setdiff1d(np.arange(points), there)[0])
+            found[:, axis] += points * (found[:, axis] < gap)
+    return found
+
+
+def chosen_hole(holes: Sequence[Hole], wanted: object) -> Hole:
+    """A hole by its number; the only one where there is one."""
+    if isinstance(wanted, Hole):
+        return wanted
+    if not holes:
+        raise GridError("the grid has no holes. Use .burgers(loop) with any loop.")
+    if wanted is None:
+        if len(holes) > 1:
+            raise GridError(
+                f"hole: which of {len(holes)} holes is meant? Give its number, from 0 to "
+                f"{len(holes) - 1}, or one of .holes."
+            )
+        return holes[0]
+    return holes[checks.count(wanted, "hole", GridError, 0, len(holes) - 1)]
+
+
+def loop_around(
+    grid: Grid, hole: Hole, margin: int, plane: tuple[int, int], at: Sequence[int]
+) -> Loop:
+    """The rectangle along lines of nodes that surrounds a hole by so many nodes."""
+    low, high = list(at), list(at)
+    for axis in plane:
+        low[axis], high[axis] = hole.low[axis] - margin, hole.high[axis] + margin
+        points = grid.shape[axis]
+        if not grid.periodic[axis] and (low[axis] < 0 or high[axis] >= points):
+            raise GridError(
+                f"{hole!r} reaches the edge of the grid: along {grid.names[axis]} a circuit would "
+                f"run from node {low[axis]} to {high[axis]}, but there are 0 to {points - 1}. "
+                "No closed circuit surrounds it; give one round more, or a smaller margin."
+            )
+        if high[axis] - low[axis] >= points:
+            raise GridError(
+                f"{hole!r} goes all the way round the periodic axis {grid.names[axis]}: no closed "
+                "circuit surrounds it. Give a loop of your own."
+            )
+    a, b = plane
+    rim = []
+    for k in range(low[a], high[a] + 1):
+        rim += [{a: k, b: low[b]}, {a: k, b: high[b]}]
+    for k in range(low[b], high[b] + 1):
+        rim += [{a: low[a], b: k}, {a: high[a], b: k}]
+    nodes = np.array([[one.get(k, low[k]) for k in range(grid.dimension)] for one in rim])
+    nodes %= np.array(grid.shape)
+    touched = nodes[grid.holes[tuple(nodes.T)]]
+    if len(touched):
+        raise GridError(
+            f"a circuit {margin} nodes round {hole!r} touches another hole at node "
+            f"{grid.pixels(touched)}. Give another margin, or a loop round both."
+        )
+    ends = [
+        [
+            float(axis[0] + step * k)
+            for axis, step, k in zip(grid.axes, grid.steps, row, strict=True)
+        ]
+        for row in (low, high)
+    ]
+    corner = [min(x, y) if k in plane else x for k, (x, y) in enumerate(zip(*ends, strict=True))]
+    sides = [abs(ends[1][k] - ends[0][k]) for k in plane]
+    return Loop.plaquette(corner, sides, plane, f"round {hole!r}")

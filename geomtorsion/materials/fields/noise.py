@@ -1,0 +1,339 @@
+"""Noise: (co)variances of values at nodes, given or estimated, and of weighted sums of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import comb, inf, sqrt
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError
+from geomtorsion.materials.fields.grid import ORDERS, REGULAR, Grid, numbers
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+# Two components of a coframe: row and column of the one, row and column of the other.
+Pair = tuple[int, int, int, int]
+# Differences of the sixth order leave nothing of a field that is smooth over seven nodes.
+SMOOTH = ORDERS[-2]
+# The median of |x| of a normal distribution of standard deviation 1.
+MEDIAN = NormalDist().inv_cdf(3 / 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Covariances of values at nodes that are independent of each other.
+
+    rows: frame indices. terms: {(i, mu, j, nu): covariance of e^i_mu and e^j_nu at each node, with
+    axes of length 1 where nothing varies}; those that are not there are zero.
+    """
+
+    rows: int
+    terms: Mapping[Pair, np.ndarray]
+
+    @classmethod
+    def of_sigma(cls, sigma: np.ndarray) -> Noise:
+        """Independent components, from standard deviations (rows or 1, columns or 1, grid...)."""
+        return cls(
+            len(sigma), {(i, k, i, k): sigma[i, k] ** 2 for i, k in np.ndindex(*sigma.shape[:2])}
+        )
+
+    @classmethod
+    def of_covariance(cls, given: np.ndarray) -> Noise:
+        """From covariances of shape (rows, columns, rows, columns, grid...)."""
+        rows, columns = given.shape[:2]
+        every = [pair for pair in np.ndindex(rows, columns, rows, columns) if given[pair].any()]
+        return cls(rows, {(i, k, j, m): given[i, k, j, m] for i, k, j, m in every})
+
+    def between(self, columns: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
+        """Covariance of e^i_mu with e^j_nu for these mu and nu, by (i, j)."""
+        return {(i, j): c for (i, k, j, m), c in self.terms.items() if (k, m) == columns}
+
+    @property
+    def joins_columns(self) -> bool:
+        """Whether different columns have anything to do with each other."""
+        return any(k != m for _, k, _, m in self.terms)
+
+    def at_nodes(self, row: int, column: int, shape: tuple[int, ...]) -> np.ndarray:
+        """Variance of one component at every node, shape of the grid."""
+        key = (row, column, row, column)
+        return np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
+
+    def in_a_row(self) -> Noise:
+        """The same for nodes by their numbers."""
+        return Noise(self.rows, {pair: c.ravel() for pair, c in self.terms.items()})
+
+    def of_sum(self, weights: np.ndarray) -> np.ndarray:
+        """Covariance of a sum over nodes with weights (columns, grid...), shape (rows, rows)."""
+        shape = weights.shape[1:]
+        nodes = np.flatnonzero(weights.any(axis=0))
+        flat = weights.reshape(len(weights), -1)[:, nodes]
+        found = np.zeros((self.rows, self.rows))
+        for (i, k, j, m), c in self.terms.items():
+            here = np.broadcast_to(c, shape).ravel()[nodes] if c.size > 1 else c.ravel()
+            found[i, j] += float((flat[k] * flat[m] * here).sum())
+        return found
+
+    def of_sums(self, weights: Sequence[csr_array]) -> np.ndarray:
+        """Covariances of many sums over nodes in a row, shape (sums, rows, rows).
+
+        weights: of the nodes, one matrix (sums, nodes) for each column.
+        """
+        count = weights[0].shape[0]
+        found = np.zeros((count, self.rows, self.rows))
+        columns = {(k, m) for _, k, _, m in self.terms}
+        shares = {
+            (k, m): weights[k].power(2) if k == m else weights[k] * weights[m] for k, m in columns
+        }
+        for (i, k, j, m), c in self.terms.items():
+            found[:, i, j] += shares[k, m] @ np.broadcast_to(c, weights[0].shape[1:])
+        return found
+
+
+def along(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
+    """A matrix for one line, or for all of them, along an axis of values on a grid."""
+    moved = np.moveaxis(values, axis, 0)
+    lines = matrix.shape[1] // len(moved)
+    flat = moved.ravel() if lines > 1 else moved.reshape(len(moved), -1)
+    return np.moveaxis((matrix @ flat).reshape(-1, *moved.shape[1:]), 0, axis)
+
+
+def significances(
+    vectors: np.ndarray, covariance: np.ndarray, other: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """sqrt(b C^-1 b), shape (...,), for b (..., n); infinite where there are no errors.
+
+    covariance: by noise, one for all or one for each; C has the square of the other errors (one for
+    all or one for each) added to each component.
+    """
+    values, axes = np.linalg.eigh(covariance)
+    parts = np.einsum("...i,...ij->...j", vectors, axes)
+    sizes = np.sqrt(np.maximum(values, 0) + np.asarray(other)[..., None] ** 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
+    return np.sqrt((shares**2).sum(axis=-1))
+
+
+def independent_significances(
+    vectors: np.ndarray, sigmas: np.ndarray, other: np.ndarray
+) -> np.ndarray:
+    """|b| in units of its errors, for components with independent noise, shape (places...).
+
+    vectors, sigmas: shape (rows, places...). other: the other error of each component, shape
+    (places...). NaN where b is unknown, infinite where b has no error.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(vectors == 0, 0.0, vectors / np.hypot(sigmas, other))
+    return np.sqrt((shares**2).sum(axis=0))
+
+
+def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
+    """Covariances of all components, checked, shape (rows, columns, rows, columns, grid or 1...).
+
+    given: without the grid (the same at every node) or with it; in (rows, columns, rows, columns)
+    or as square matrices of the components in order.
+    """
+    found = numbers(given, "covariance")
+    rows, columns = shape[:2]
+    n, inner = rows * columns, (1,) * grid.dimension
+    wide = (rows, columns, rows, columns)
+    shapes = {(n, n): inner, wide: inner, (n, n, *grid.shape): grid.shape}
+    shapes |= {(*wide, *grid.shape): grid.shape, (*wide, *inner): inner}
+    if found.shape not in shapes:
+        raise GridError(
+            f"covariance: shape {wide} or {(n, n)}, with or without the nodes {grid.shape} behind "
+            f"it, was needed, but {found.shape} came."
+        )
+    places = shapes[found.shape]
+    table = np.moveaxis(found.reshape(n, n, -1), -1, 0)
+    if places == grid.shape:
+        table = np.where(grid.holes.ravel()[:, None, None], 0.0, table)
+    if not np.isfinite(table).all():
+        raise GridError("covariance: finite numbers were needed. Mask what is not known.")
+    size = np.abs(table).max(axis=(1, 2), initial=0.0)
+    # As tables are rounded.
+    away = np.abs(table - table.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0)
+    least = np.linalg.eigvalsh(table)[:, 0]
+    bad = (away > REGULAR * size) | (least < -REGULAR * size)
+    if bad.any():
+        k = int(np.argmax(bad))
+        where = f" at node {tuple(map(int, np.unravel_index(k, places)))}" if len(bad) > 1 else ""
+        raise GridError(
+            "covariance: symmetric matrices without negative eigenvalues were needed, but"
+            f"{where} the least one is {least[k]:.6g}. Are these standard deviations? They are "
+            "given as sigma."
+        )
+    return np.moveaxis(table, 0, -1).reshape(*wide, *places)
+
+
+def noise_of(
+    sigma: object, covariance: object, values: np.ndarray, grid: Grid
+) -> tuple[np.ndarray | None, np.ndarray | Noise | None, Noise | None, str]:
+    """Standard deviations, covariances as given, the noise of both, and how it is known.
+
+    values: shape (rows, columns, grid...), columns along the axes of the grid alone.
+    """
+    shape, ones = values.shape, (1,) * grid.dimension
+    if covariance is None:
+        if sigma is None:
+            return None, None, None, ""
+        said = "given"
+        if isinstance(sigma, str):
+            checks.choice(sigma, ["estimate"], "sigma", GridError)
+            found, said = estimated(values, grid), "the median of sixth differences along the axes"
+        else:
+            found = sigma_of(sigma, shape, grid)
+        wide = ones if found.shape[2:] == ones else grid.shape
+        return found, None, Noise.of_sigma(np.broadcast_to(found, (*shape[:2], *wide))), said
+    said = "given"
+    kept: np.ndarray | Noise
+    if isinstance(covariance, Noise):
+        kept = noise = covariance
+    elif isinstance(covariance, str):
+        checks.choice(covariance, ["estimate"], "covariance", GridError)
+        kept = estimated_covariance(values, grid)
+        noise = Noise.of_covariance(kept)
+        said = "medians of sums and differences of sixth differences along the axes"
+    else:
+        kept = covariance_of(covariance, shape, grid)
+        noise = Noise.of_covariance(kept)
+    table = [noise.at_nodes(i, k, grid.shape) for i, k in np.ndindex(*shape[:2])]
+    found = np.sqrt(np.array(table)).reshape(shape)
+    if sigma is not None and not np.array_equal(np.asarray(sigma, dtype=object), found):
+        raise GridError("sigma and covariance were given: one of them says it all.")
+    return found, kept, noise, said
+
+
+def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
+    """Standard deviations with all axes of the coframe, of length 1 where nothing varies.
+
+    given: a number, or an array of the shape of the grid, of (rows, columns), or of the coframe.
+    """
+    found = numbers(given, "sigma")
+    inner = (1,) * grid.dimension
+    shapes = {(): (1, 1, *inner), grid.shape: (1, 1, *grid.shape), shape: shape}
+    shapes.setdefault(shape[:2], (*shape[:2], *inner))
+    shapes.setdefault((*shape[:2], *inner), (*shape[:2], *inner))
+    shapes.setdefault((1, 1, *inner), (1, 1, *inner))
+    shapes.setdefault((1, 1, *grid.shape), (1, 1, *grid.shape))
+    if found.shape not in shapes:
+        raise GridError(
+            f"sigma: a number, or shape {grid.shape} (nodes), {shape[:2]} (components) or {shape} "
+            f"(both) was needed, but {found.shape} came."
+        )
+    found = found.reshape(shapes[found.shape])
+    bad = ~(found >= 0) | np.isinf(found)
+    if found.shape[2:] == grid.shape:
+        # Nothing is asked about holes.
+        bad &= ~grid.holes
+        found = np.where(grid.holes, 0.0, found)
+    if bad.any():
+        place = tuple(np.argwhere(bad)[0].tolist())
+        where = f" at node {place[2:]}" if found.shape[2:] == grid.shape else ""
+        raise GridError(
+            f"sigma: standard deviations of 0 or more were needed, but {found[place]:.6g} came"
+            f"{where}. Mask what is not known."
+        )
+    return found
+
+
+def estimated(values: np.ndarray, grid: Grid) -> np.ndarray:
+    """Standard deviation of each component, from differences of sixth order.
+
+    values: shape (rows, columns, grid...). Returns shape (rows, columns, 1, ...).
+    """
+    return estimated_from_parts([(values, grid)])
+
+
+def estimated_from_parts(parts: Sequence[tuple[np.ndarray, Grid]]) -> np.ndarray:
+    """Standard deviation of each component, from differences of sixth order in parts of one field.
+
+    sigma = median |difference| / (0.6745 sqrt(sum of squared binomials)), the least along the axes:
+    what is smooth over seven nodes cancels, and the median knows nothing of cores and cuts.
+
+    parts: values of shape (rows, columns, grid...) with their grids. Returns shape
+    (rows, columns, 1, ...).
+    """
+    dimension = parts[0][1].dimension
+    best = np.full(parts[0][0].shape[:2], np.inf)
+    picks = [(values, _differences(grid)) for values, grid in parts]
+    for axis in range(dimension):
+        for i, k in np.ndindex(*best.shape):
+            numbers = np.concatenate([pick[axis](values[i, k]) for values, pick in picks])
+            best[i, k] = min(best[i, k], spread(numbers))
+    _check_estimate(best)
+    return best.reshape(*best.shape, *(1,) * dimension)
+
+
+def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
+    """Covariance of the components at a node, from differences of sixth order as `estimated`.
+
+    values: shape (rows, columns, grid...). Returns shape (rows, columns, rows, columns, 1, ...).
+    """
+    flat = values.reshape(-1, *grid.shape)
+    numbers = [[pick(one) for one in flat] for pick in _differences(grid)]
+    found = [robust_covariance(rows) for rows in numbers if rows[0].size]
+    best = min(found, key=np.trace, default=np.full((len(flat),) * 2, np.inf))
+    _check_estimate(best)
+    return best.reshape(*values.shape[:2] * 2, *(1,) * grid.dimension)
+
+
+def spread(numbers: np.ndarray) -> float:
+    """Standard deviation of numbers about 0, by the median of their sizes; infinite of none."""
+    if not numbers.size:
+        return inf
+    return float(np.median(np.abs(numbers))) / MEDIAN
+
+
+def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
+    """Covariance of normal numbers about 0, one row for each, by medians of sums and differences.
+
+    C_xy = (s(x + y)^2 - s(x - y)^2) / 4 (Gnanadesikan and Kettenring 1972): walls and cores, being
+    few, do not count. Both are put in units of their own spreads first.
+    """
+    sizes = np.array([spread(row) for row in rows])
+    found = np.eye(len(rows))
+    for a, b in combinations(range(len(rows)), 2):
+        if sizes[a] and sizes[b]:
+            one, two = rows[a] / sizes[a], rows[b] / sizes[b]
+            more, less = spread(one + two) ** 2, spread(one - two) ** 2
+            found[a, b] = found[b, a] = (more - less) / (more + less)
+    # Medians alone do not make sure that no direction has a negative variance.
+    values, vectors = np.linalg.eigh(found * np.outer(sizes, sizes))
+    return (vectors * np.maximum(values, 0)) @ vectors.T
+
+
+def _check_estimate(found: np.ndarray) -> None:
+    """Refuse an estimate for which there were no differences."""
+    if not np.isfinite(found).all():
+        raise GridError(
+            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
+            "but there are none. Give sigma as a number or an array."
+        )
+
+
+def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
+    """For each axis the known differences of sixth order, scaled to the variance of one node."""
+    found = []
+    for axis, points in enumerate(grid.shape):
+        order = min(SMOOTH, points - 1)
+        scale = sqrt(sum(comb(order, k) ** 2 for k in range(order + 1)))
+        holes = np.moveaxis(grid.holes, axis, -1)
+        known = np.ones((*holes.shape[:-1], points - order), dtype=bool)
+        for k in range(order + 1):
+            known &= ~holes[..., k : k + points - order]
+
+        def pick(
+            one: np.ndarray, axis: int = axis, order: int = order, scale: float = scale,
+            known: np.ndarray = known,
+        ) -> np.ndarray:  # fmt: skip
+            return np.diff(np.moveaxis(one, axis, -1), order, axis=-1)[known] / scale
+
+        found.append(pick)
+    return found

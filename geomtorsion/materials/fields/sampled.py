@@ -1,0 +1,299 @@
+"""Sampled: a coframe known on a regular grid, such as a measured distortion field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError
+from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
+from geomtorsion.materials.fields import cells, holes
+from geomtorsion.materials.fields.cells import Plaquettes
+from geomtorsion.materials.fields.circuits import (
+    SampledBurgers,
+    edge_cochain,
+    sampled_burgers,
+    sampled_edges,
+)
+from geomtorsion.materials.fields.displaced import (
+    displaced_burgers,
+    displaced_circuits,
+    displaced_cochain,
+    displaced_edges,
+    displaced_torsion,
+)
+from geomtorsion.materials.fields.holes import Hole
+from geomtorsion.materials.fields.samples import Samples
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledFrame(Samples):
+    """A coframe on a regular grid, with holes and noise, interpolated by local polynomials.
+
+    axes: coordinates of the grid, one increasing or decreasing array each, equally spaced.
+    coframe: e^i_mu at the nodes, shape (rows, d, N_1, ..., N_d): i, mu, then the grid. A plane map
+        (d = 2) may hold all three columns; the third one, across the map, enters no circuit.
+    order: order of interpolation, quadrature and differences in the spacing: 2, 4, 6 or 8. Every
+        error is measured against another order (the next lower one; for 2 the next higher one).
+    names: of the axes.
+    mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are holes as well.
+        Circuits may surround holes; what touches one is refused (arrays have NaN there). Near a
+        hole stencils are one-sided, as at the edge of the grid, or of lower order.
+    sigma: standard deviation of the noise of each value, independent from value to value: a number,
+        an array of the shape of the grid, of (rows, d) or of the coframe; or "estimate", from the
+        data: the median of differences of sixth order (`noise.estimated`). Every error then
+        contains the noise, propagated along the very circuit.
+    periodic: one truth value for each axis, or names of axes; the period is N steps, so that the
+        first node is not repeated at the end.
+    source, sigma_source: where the values and sigma come from, in words.
+    displacement: what the values were made of by `from_displacement`. Circuits are then sums of its
+        jumps, without interpolation.
+    unit, vector_unit: of the axes, and of what integrals of the coframe are (if not given, the
+        same); any text, shown with results.
+
+    Raises
+    ------
+    GridError
+        Shapes do not fit, an axis is not regular or too short, a value is infinite, nothing is
+        known, or sigma is negative.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> axes = [np.linspace(-1, 1, 9), np.linspace(-1, 1, 11)]
+    >>> x, y = np.meshgrid(*axes, indexing="ij")
+    >>> distortion = np.array([[-y, x]]) / 2      # e = dx^i + (x dy - y dx) / 2: torsion 1
+    >>> grid = SampledFrame(axes, distortion)
+    >>> grid.plaquettes().density.round(12).min(), grid.plaquettes().density.round(12).max()
+    (np.float64(1.0), np.float64(1.0))
+
+    A hole in the middle, and noise:
+
+    >>> hole = np.hypot(x, y) < 0.3
+    >>> grid = SampledFrame(axes, distortion, mask=hole, sigma=1e-3, unit="um")
+    >>> grid
+    SampledFrame(9 x 11 nodes, 1 rows, order 4, 1 hole of 5 nodes, sigma 0.001, in um)
+    >>> b = grid.burgers(grid.loop_around(grid.holes[0]))
+    >>> b.vector.round(9), round(b.noise, 6), b.unit
+    (array([0.8]), 0.000868, 'um')
+    """
+
+    def loop_around(
+        self,
+        hole: Hole | int | None = None,
+        margin: int = 1,
+        plane: tuple[int, int] = (0, 1),
+        at: Sequence[int] | None = None,
+    ) -> Loop:
+        """A rectangle along lines of nodes that surrounds a hole.
+
+        Parameters
+        ----------
+        hole
+            One of `holes`, or its number; not needed where there is one.
+        margin
+            Nodes between the hole and the rectangle, the rectangle counted.
+        plane
+            The two axes, turned from the first to the second.
+        at
+            Number of the node on each axis where the rectangle lies, for grids of three axes or
+            more; the entries of the plane do not count. Without it the middle of the hole.
+
+        Raises
+        ------
+        GridError
+            There is no such hole, or the rectangle leaves the grid or touches a hole; the message
+            names the nodes.
+        """
+        pair = self._plane(plane)
+        found = holes.chosen_hole(self.holes, hole)
+        checks.count(margin, "margin", GridError, 1)
+        if at is None:
+            at = [(a + b) // 2 for a, b in zip(found.low, found.high, strict=True)]
+        else:
+            rows = checks.numbers(at, self.dimension, "at", GridError)
+            at = [checks.count(x, f"at[{k}]", GridError) for k, x in enumerate(rows)]
+        return holes.loop_around(self._grid, found, margin, pair, at)
+
+    # -- closure ----------------------------------------------------------------------------------
+
+    def plaquettes(self, plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+        """Burgers vector of every cell in a coordinate plane, by integrals along its four edges.
+
+        Neighbouring cells share edges, so that the sum over a region is the loop round it.
+
+        Raises
+        ------
+        GridError
+            The plane does not name two different axes.
+        """
+        return self.burgers_map(1, plane)
+
+    def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+        """Burgers vectors of rectangular circuits of one size at every place, with their noise.
+
+        A circuit may surround a hole, but not touch one. The cost hardly grows with the size.
+
+        Parameters
+        ----------
+        size
+            Cells along the sides: one number for squares, or one for each axis of the plane.
+
+        Raises
+        ------
+        GridError
+            The size is no whole number, or larger than the grid.
+
+        Examples
+        --------
+        >>> axes = [np.arange(6.0)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> grid = SampledFrame(axes, np.array([[-y, x]]) / 2)
+        >>> found = grid.burgers_map(3)
+        >>> found.vectors.shape, found.vectors.round(12).max(), found.density.round(12).max()
+        ((1, 3, 3), np.float64(9.0), np.float64(1.0))
+        """
+        pair = self._plane(plane)
+        given = checks.rows(size)
+        sides = list(given) if isinstance(given, list | tuple) else [given] * 2
+        if len(sides) != 2:
+            raise GridError(f"size: one number or two were needed, but {checks.shown(size)} came.")
+        for k, side in zip(pair, sides, strict=True):
+            checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
+        units = (self.unit, self.vector_unit)
+        whole = int(sides[0]), int(sides[1])
+        if self.displacement is not None:
+            return displaced_circuits(self._grid, self.displacement, pair, whole, units)
+        return cells.circuits(self._field, pair, whole, units)
+
+    def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
+        """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
+
+        Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
+        differences of another order, with the noise where sigma is known. NaN at nodes that have
+        not three known nodes in a row.
+        """
+        curl, difference, sigmas = self._torsion(self._plane(plane))
+        return curl, np.hypot(difference, sigmas) if self.sigma is not None else difference
+
+    @cached_property
+    def nye(self) -> np.ndarray:
+        """Nye tensor alpha^{ik} = eps^{kab} d_a e^i_b, shape (rows, 3, N_1, N_2, N_3).
+
+        b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
+        k = 2 is known, and the shape is (rows, 1, N_1, N_2).
+        """
+        return np.stack([self.torsion(pair)[0] for pair in self._nye_planes], axis=1)
+
+    @cached_property
+    def nye_noise(self) -> np.ndarray:
+        """Standard deviation of the Nye tensor by noise, its floor; zero without sigma."""
+        found = [self._torsion(pair)[2] for pair in self._nye_planes]
+        return np.stack(found, axis=1)
+
+    def _torsion(self, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Torsion at the nodes, its distance from another order, and its sigma."""
+        if self.displacement is not None:
+            return displaced_torsion(self._grid, self.rows, self.order, plane)
+        return cells.torsion(self._field, plane)
+
+    @property
+    def _nye_planes(self) -> tuple[tuple[int, int], ...]:
+        """The planes of the components of the Nye tensor."""
+        if self.dimension == 2:
+            return ((0, 1),)
+        if self.dimension != 3:
+            raise GridError(
+                f"the Nye tensor belongs to two or three dimensions, the grid has {self.dimension}."
+                " Use .torsion(plane)."
+            )
+        return ((1, 2), (2, 0), (0, 1))
+
+    def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
+        """Density of geometrically necessary dislocations, and its noise floor.
+
+        rho = sqrt(sum alpha^{ik} alpha^{ik}) / b, a lower bound where only some components are
+        known; the floor is sqrt(sum sigma^2) / b, what noise alone makes of it in the root mean
+        square. Shape (N_1, ..., N_d) each, in lines per square of the unit of length.
+
+        Parameters
+        ----------
+        burgers
+            Length of the Burgers vector, in `vector_unit`.
+        """
+        b = checks.positive(burgers, "burgers", GridError)
+        both = (self.nye, self.nye_noise)
+        values, floor = (np.sqrt((x**2).sum(axis=(0, 1))) / b for x in both)
+        return values, floor
+
+    @cached_property
+    def cochain(self) -> Cochain:
+        """The integral of the coframe along every edge of the grid, on the complex of the grid.
+
+        Its coboundary holds the Burgers vectors of all cells in all planes. Edges run as the axes
+        are listed. Errors of edges hold one standard deviation of the noise; added up they are
+        more than what a circuit scatters by, which `burgers` and `burgers_map` tell.
+
+        Raises
+        ------
+        GridError
+            The grid has holes: some edges have no value.
+
+        Examples
+        --------
+        >>> axes = [np.linspace(0, 4, 5)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> grid = SampledFrame(axes, np.array([[-y, x]]) / 2, order=2)
+        >>> grid.cochain.coboundary().values.round(12).ravel().tolist() == [1.0] * 16
+        True
+        """
+        if self._grid.has_holes:
+            raise GridError(
+                "cochain: a value on every edge is needed, but the grid has holes. Use "
+                ".plaquettes() or .burgers(loop)."
+            )
+        if self.displacement is not None:
+            return displaced_cochain(self._grid, self.displacement)
+        return edge_cochain(self._field)
+
+    def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
+        """Integrals along straight edges through the grid, shape (edges, d) each, for networks.
+
+        Errors hold one standard deviation of the noise, as those of `cochain`.
+
+        Raises
+        ------
+        GridError
+            An edge leaves the grid or touches a hole; the message names the point.
+        """
+        if self.displacement is not None:
+            return displaced_edges(self._field, self.displacement, starts, ends)
+        return sampled_edges(self._field, starts, ends)
+
+    def burgers(self, loop: Loop) -> SampledBurgers:
+        """Burgers vector of a loop through the grid, with its errors: grid and noise.
+
+        Raises
+        ------
+        GridError
+            The loop leaves the grid, touches a hole, or has another dimension; the message names
+            the point and the nodes.
+        """
+        checks.instance(loop, Loop, "loop")
+        if self.displacement is not None:
+            return displaced_burgers(self._grid, self.displacement, loop, self.vector_unit)
+        return sampled_burgers(self._field, loop, self.vector_unit)
+
+    def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
+        """Two different axes."""
+        pair = tuple(plane) if hasattr(plane, "__len__") else ()
+        if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
+            raise GridError(
+                f"plane: two different axes from 0 to {self.dimension - 1} were needed, but "
+                f"{plane!r} came."
+            )
+        return pair[0], pair[1]

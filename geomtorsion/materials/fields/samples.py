@@ -1,0 +1,450 @@
+"""Samples: the values of a coframe on a grid, checked, and the makers that they come from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
+from geomtorsion.files import written
+from geomtorsion.loops import Parameters, forms
+from geomtorsion.materials.fields.circuits import Field
+from geomtorsion.materials.fields.contents import TEXTS, Contents
+from geomtorsion.materials.fields.displacement import Displacement, displacement_of
+from geomtorsion.materials.fields.grid import (
+    REGULAR,
+    Grid,
+    check_length,
+    check_names,
+    check_order,
+    check_shape,
+    check_values,
+    mask_of,
+    numbers,
+    other_order,
+    periodic_axes,
+    regular_axis,
+)
+from geomtorsion.materials.fields.grid_files import holds_covariance, read_grid, save_grid
+from geomtorsion.materials.fields.holes import Hole, holes_of
+from geomtorsion.materials.fields.noise import Noise, estimated, noise_of, sigma_of
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+
+
+# What a frame keeps is what came, checked.
+KEPT = "axes coframe names mask periodic vector_unit sigma covariance noise sigma_source".split()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Samples:
+    """Values on a grid with holes and noise; the fields are described in `SampledFrame`."""
+
+    axes: Sequence[np.ndarray]
+    coframe: np.ndarray
+    order: int = 4
+    names: Sequence[str] = ()
+    # These come in several kinds; kept are arrays, and one truth value for each axis.
+    mask: Any = field(default=None, kw_only=True)
+    sigma: Any = field(default=None, kw_only=True)
+    covariance: Any = field(default=None, kw_only=True)
+    periodic: Any = field(default=(), kw_only=True)
+    unit: str = field(default="", kw_only=True)
+    vector_unit: str = field(default="", kw_only=True)
+    source: str = field(default="", kw_only=True)
+    displacement: Displacement | None = field(default=None, kw_only=True)
+    noise: Noise | None = field(default=None, init=False)
+    sigma_source: str = field(default="", init=False)
+
+    def __post_init__(self) -> None:
+        """Check axes and values once."""
+        check_order(self.order)
+        names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
+        check_names(self.axes, names)
+        values = numbers(self.coframe, "coframe")
+        axes = tuple(regular_axis(x, name) for x, name in zip(self.axes, names, strict=True))
+        shape = tuple(len(axis) for axis in axes)
+        check_shape(values, shape)
+        wraps = periodic_axes(self.periodic, names)
+        inner = values[:, : len(axes)]
+        unknown = mask_of(self.mask, shape) | np.isnan(inner).any(axis=(0, 1))
+        grid = Grid(axes, names, wraps, unknown)
+        check_length(names, shape, self.order)
+        check_values(values, grid)
+        if grid.has_holes:
+            values = np.where(unknown, np.nan, values)
+        for key in ("unit", "vector_unit"):
+            checks.text(getattr(self, key), key, GridError, longest=LONGEST_SHOWN)
+        if self.displacement is not None:
+            known = ~unknown
+            if not np.array_equal(values[..., known], self.displacement.coframe[..., known]):
+                raise GridError(
+                    "coframe: expected that of the displacement, got another. Make the frame anew "
+                    "by from_displacement, or by SampledFrame(axes, coframe)."
+                )
+        given = noise_of(self.sigma, self.covariance, inner, grid)
+        unit = self.vector_unit or self.unit
+        found = (axes, values, names, unknown, wraps, unit, *given)
+        for key, value in zip(KEPT, found, strict=True):
+            object.__setattr__(self, key, value)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def from_distortion(
+        cls,
+        axes: Sequence[np.ndarray],
+        distortion: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        **options: Any,
+    ) -> Self:
+        """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
+
+        The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
+        when u points from the real to the ideal place. For displacements from ideal to real places
+        give -beta (small distortions), or the inverse of (1 + beta) minus 1.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+        """
+        values = numbers(distortion, "distortion")
+        if values.ndim < 3:
+            raise GridError(
+                f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
+            )
+        unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
+        return cls(axes, values + unit, order, names, **options)
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: Frame,
+        axes: Sequence[np.ndarray],
+        order: int = 4,
+        *,
+        parameters: Parameters | None = None,
+        **options: Any,
+    ) -> Self:
+        """Samples of an exact frame, one axis for each coordinate.
+
+        options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+
+        Raises
+        ------
+        SingularPointError
+            The frame has no finite value at a node.
+        """
+        lines = [numbers(axis, "axis") for axis in axes]
+        if len(lines) != frame.dimension:
+            raise GridError(
+                f"one axis for each of {frame.dimension} coordinates was needed, but "
+                f"{len(lines)} came."
+            )
+        number = math.prod(line.size for line in lines)
+        remedy = "Give shorter axes, or sample the region in parts."
+        checks.check_room(2 * number * frame.dimension**2, f"axes: {number:,} nodes", remedy)
+        coframe = forms(frame, parameters).coframe
+        nodes = np.meshgrid(*lines, indexing="ij")
+        found = coframe.at(np.array(nodes).reshape(len(nodes), -1))
+        values = np.zeros((frame.dimension, frame.dimension, *nodes[0].shape))
+        values[coframe.rows, coframe.columns] = found.reshape(-1, *nodes[0].shape)
+        names = tuple(symbol.name for symbol in frame.coordinates)
+        return cls(lines, values, order, names, **options)
+
+    @classmethod
+    def from_displacement(
+        cls,
+        axes: Sequence[np.ndarray],
+        displacement: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        *,
+        branch: np.ndarray
+        | Sequence[Sequence[float]]
+        | Sequence[float]
+        | float
+        | str
+        | None = None,
+        **options: Any,
+    ) -> Self:
+        """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
+
+        The coframe is e = 1 + d u, as for `from_distortion`. Its integral along an edge is the
+        difference of u, without interpolation. Where u has one value at each place, the
+        differences cancel round every circuit: b is zero, however steep u is and however noisy.
+
+        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are taken out
+        edge by edge, and b is a sum of whole lattice vectors.
+
+        Parameters
+        ----------
+        branch
+            Lattice vectors by which u may jump, shape (k, rows), one vector, or one length for all
+            axes. "find" looks for them: steps of one size that stand out from their neighbours
+            along the line, and make lines; the error of a vector that was found is in that of b.
+            Slip bands may look like that, and values alone do not tell one from the other. `source`
+            says what was found. Cells round which jumps do not close hold a core, or a value that
+            noise has spoilt: their corners become holes.
+        options
+            mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
+            one number, an array of the shape of the grid, or "estimate". Noise changes b only where
+            it carries a difference beyond half of a lattice vector.
+
+        Examples
+        --------
+        >>> from geomtorsion.loops import Loop
+        >>> from geomtorsion.materials.fields import SampledFrame
+        >>> axis = np.linspace(-3, 3, 40)
+        >>> x, y = np.meshgrid(axis, axis, indexing="ij")
+        >>> u = np.arctan2(y, x) / (2 * np.pi) * 0.286
+        >>> grid = SampledFrame.from_displacement([axis, axis], u[None], branch=0.286)
+        >>> grid.burgers(Loop.circle([0, 0], 2)).vector, grid.source
+        (array([0.286]), 'a displacement; jumps: (0.286) on 20 edges')
+        """
+        values = numbers(displacement, "displacement")
+        lines = [numbers(axis, "axis") for axis in axes]
+        shape = tuple(line.size for line in lines)
+        if values.shape[1:] != shape or not len(values):
+            raise GridError(
+                f"displacement: shape (rows, {', '.join(map(str, shape))}) was needed, but "
+                f"{values.shape} came."
+            )
+        check_order(order)
+        mask = mask_of(options.pop("mask", None), shape) | np.isnan(values).any(axis=0)
+        sigma = options.pop("sigma", None)
+        blank = cls(lines, np.zeros((1, len(lines), *shape)), order, names, mask=mask, **options)
+        variances = None
+        if sigma is not None:
+            given = _of_displacement(sigma, values, blank._grid)
+            variances = np.broadcast_to(given, values.shape) ** 2
+        known = np.where(mask, np.nan, values)
+        found = displacement_of(known, blank._grid, order, branch, variances)
+        options |= {"source": found.source, "displacement": found, "sigma": found.sigma}
+        return cls(lines, found.coframe, order, names, **options)
+
+    @classmethod
+    def from_strain_rotation(
+        cls,
+        axes: Sequence[np.ndarray],
+        strain: np.ndarray,
+        rotation: np.ndarray,
+        order: int = 4,
+        names: Sequence[str] = (),
+        **options: Any,
+    ) -> Self:
+        """From a strain and a rotation: e = 1 + beta, beta_ij = e_ij + w_ij [Cloete2022].
+
+        Parameters
+        ----------
+        strain
+            e_ij, shape (n, n, grid...), n = 2 or 3; a plane map may have n = 3.
+        rotation
+            w_ij = (d_j u_i - d_i u_j) / 2, shape (n, n, grid...); or the vector w of u = w x r,
+            shape (3, grid...), n = 3; or its angle about the third axis, shape (grid...), n = 2.
+        options
+            mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
+
+        Examples
+        --------
+        >>> from geomtorsion.materials.fields import SampledFrame
+        >>> axes = [np.arange(6.0)] * 2
+        >>> x, y = np.meshgrid(*axes, indexing="ij")
+        >>> bent = SampledFrame.from_strain_rotation(axes, np.zeros((2, 2, 6, 6)), 0.01 * x)
+        >>> bent.nye[:, 0].mean(axis=(1, 2)).round(9).tolist()
+        [-0.01, 0.0]
+        """
+        values = strain_and_rotation(strain, rotation)
+        return cls.from_distortion(axes, values, order, names, **options)
+
+    @classmethod
+    def read(cls, path: str | Path, order: int = 4) -> Self:
+        """From a file: .npz, .nc, .csv, .h5, .vtk or .vtu (contents: `grid_files.read_grid`).
+
+        Raises
+        ------
+        FileFormatError
+            The file is missing, truncated or malformed, lacks an array, or what it holds is no
+            regular grid of finite numbers.
+        GridError
+            The order is none.
+        """
+        check_order(order)
+        found = read_grid(checks.file_name(path))
+        make: Any = cls.from_distortion if found.is_distortion else cls
+        if found.is_displacement:
+            make = cls.from_displacement
+        try:
+            return make(found.axes, found.values, order, found.names, **found.options)
+        except GridError as error:
+            raise FileFormatError(f"{path}: {error}") from None
+
+    def save(self, path: str | Path) -> None:
+        """Write a file that `read` reads back, of the format that its name ends in.
+
+        Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
+        covariance sigma alone. Of a displacement .npz keeps the displacement itself; all others
+        keep the coframe, and circuits through what is read interpolate it.
+
+        Raises
+        ------
+        GridError
+            No format is known by that end.
+        MissingExtraError
+            The library for the format is not installed.
+        """
+        file = checks.file_name(path)
+        if file.name and not file.suffix:
+            file = file.with_suffix(".npz")
+        options: dict[str, Any] = {k: getattr(self, k) for k in TEXTS if getattr(self, k)}
+        if isinstance(self.covariance, np.ndarray) and holds_covariance(file):
+            options["covariance"] = self.covariance
+        elif isinstance(self.sigma, np.ndarray):
+            options["sigma"] = self.sigma
+        if any(self.periodic):
+            options["periodic"] = np.array(self.periodic)
+        contents = Contents(list(self.axes), self.coframe, tuple(self.names), False, options)
+        if self.displacement is not None and file.suffix.lower() == ".npz":
+            contents = self._as_displacement(self.displacement, options)
+        with written(file) as target:
+            save_grid(target, contents)
+
+    def _as_displacement(self, found: Displacement, options: dict[str, Any]) -> Contents:
+        """The displacement as a file keeps it: with its own noise, and its jumps as declared."""
+        kept = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
+        if found.variances is not None:
+            kept["sigma"] = np.sqrt(found.variances)[:, None]
+        if isinstance(found.branch, str):
+            kept["branch"] = np.full((1, self.rows), np.nan)
+        elif found.branch is not None:
+            kept["branch"] = found.jumps.vectors
+        return Contents(list(self.axes), found.values, tuple(self.names), False, kept, True)
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @cached_property
+    def _grid(self) -> Grid:
+        """Axes and holes."""
+        return Grid(tuple(self.axes), tuple(self.names), self.periodic, self.mask)
+
+    @cached_property
+    def _field(self) -> Field:
+        """The values as integrals use them."""
+        d, grid = self.dimension, self._grid
+        inner = tuple(range(2, 2 + d))
+        values = self.coframe[:, :d]
+        if grid.has_holes:
+            mean = values.mean(axis=inner, keepdims=True, where=~grid.holes)
+            bent = np.where(grid.holes, 0.0, values - mean)
+        else:
+            mean = values.mean(axis=inner, keepdims=True)
+            bent = values - mean
+        flat = mean.reshape(mean.shape[:2])
+        return Field(grid, bent, flat, self.noise, self.order, self.other_order)
+
+    @property
+    def dimension(self) -> int:
+        """Number of axes."""
+        return len(self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of frame indices."""
+        return len(self.coframe)
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        """Spacing of each axis; negative where it decreases."""
+        return self._grid.steps
+
+    @property
+    def other_order(self) -> int:
+        """The order against which errors are measured."""
+        return other_order(self.order)
+
+    @cached_property
+    def holes(self) -> tuple[Hole, ...]:
+        """Connected nodes of which nothing is known, in the order of their first nodes."""
+        return holes_of(self._grid)
+
+    def __repr__(self) -> str:
+        parts = [f"{' x '.join(map(str, self._grid.shape))} nodes", f"{self.rows} rows"]
+        parts.append(f"order {self.order}")
+        if any(self.periodic):
+            wraps = [n for n, wraps in zip(self.names, self.periodic, strict=True) if wraps]
+            parts.append(f"periodic in {', '.join(wraps)}")
+        if self.holes:
+            count, nodes = len(self.holes), int(np.count_nonzero(self.mask))
+            parts.append(f"{count} hole{'s' * (count > 1)} of {nodes} node{'s' * (nodes > 1)}")
+        if isinstance(self.sigma, np.ndarray):
+            low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
+            parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
+        if self.unit:
+            other = self.vector_unit != self.unit
+            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
+        return f"SampledFrame({', '.join(parts)})"
+
+
+def _of_displacement(sigma: object, displacement: np.ndarray, grid: Grid) -> np.ndarray:
+    """Standard deviations of a displacement, shape (rows, grid or 1...)."""
+    if isinstance(sigma, str):
+        checks.choice(sigma, ["estimate"], "sigma", GridError)
+        return estimated(displacement[:, None], grid)[:, 0]
+    found = sigma_of(sigma, (len(displacement), 1, *grid.shape), grid)[:, 0]
+    return np.broadcast_to(found, (len(displacement), *found.shape[1:]))
+
+
+def strain_and_rotation(strain: object, rotation: object) -> np.ndarray:
+    """beta = strain + rotation, d_j u_i = e_ij + w_ij, shape (n, n, grid...)."""
+    e = numbers(strain, "strain")
+    if e.ndim < 3 or e.shape[0] != e.shape[1] or e.shape[0] not in (2, 3):
+        raise GridError(
+            f"strain: shape (2, 2, grid...) or (3, 3, grid...) was needed, but {e.shape} came."
+        )
+    _check_turned(e, 1, "strain", "symmetric")
+    return e + skew(rotation, len(e), e.shape[2:])
+
+
+def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
+    """A rotation as w_ij = (d_j u_i - d_i u_j) / 2, from that, from its vector or its angle.
+
+    The vector w turns as u = w x r does: w_ij = - eps_ijk w_k; an angle is w_3.
+    """
+    w = numbers(rotation, "rotation")
+    if w.shape == (n, n, *shape):
+        _check_turned(w, -1, "rotation", "antisymmetric")
+        return w
+    found = np.zeros((n, n, *shape))
+    if n == 2 and w.shape == shape:
+        found[1, 0], found[0, 1] = w, -w
+        return found
+    if n == 3 and w.shape == (3, *shape):
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            found[j, i], found[i, j] = w[k], -w[k]
+        return found
+    other = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
+    raise GridError(
+        f"rotation: shape {(n, n, *shape)} (matrix) or {other} was needed, but {w.shape} came."
+    )
+
+
+def _check_turned(values: np.ndarray, sign: int, name: str, word: str) -> None:
+    """Refuse a matrix that is not symmetric, or not antisymmetric."""
+    with np.errstate(invalid="ignore"):
+        # Tables are rounded as axes are.
+        away = np.abs(values - sign * np.swapaxes(values, 0, 1))
+        bad = np.argwhere(away > REGULAR * np.nanmax(np.abs(values), initial=0.0))
+    if len(bad):
+        i, j, *node = bad[0].tolist()
+        raise GridError(
+            f"{name}: {word} matrices were needed, but at node {tuple(node)} [{i}, {j}] is "
+            f"{values[(i, j, *node)]:.6g} and [{j}, {i}] is {values[(j, i, *node)]:.6g}. "
+            "For a distortion use from_distortion."
+        )

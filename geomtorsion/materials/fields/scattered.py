@@ -1,0 +1,486 @@
+"""Scattered: a coframe or a displacement known at scattered points, such as tracked particles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion import checks
+from geomtorsion.errors import LONGEST_SHOWN, GridError
+from geomtorsion.loops import Cochain, Loop
+from geomtorsion.loops.quadrature import ROUNDING
+from geomtorsion.materials.fields.circuits import SampledBurgers, unexplained
+from geomtorsion.materials.fields.displacement import lattice_vectors
+from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
+from geomtorsion.materials.fields.grid import Grid, mask_of, numbers
+from geomtorsion.materials.fields.noise import noise_of, robust_covariance, spread
+from geomtorsion.materials.fields.samples import strain_and_rotation
+from geomtorsion.materials.fields.scattered_map import ScatteredMap
+from geomtorsion.materials.fields.triangulation import Triangulation, checked_polygons
+
+# A circuit along edges: {number of the edge: how often it is run through}.
+Chain = Mapping[int, int]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ScatteredFrame:
+    """A coframe between scattered points in the plane or in space, joined by Delaunay's edges.
+
+    Make one of `from_coframe`, `from_distortion`, `from_strain_rotation` (values at the points) or
+    `from_displacement`. Circuits run along edges; what is integrated is a cochain, whose coboundary
+    is the Burgers vector of every triangle.
+
+    mesh: points and triangles. cochain: integral of the coframe along each edge, with the error of
+    the interpolation. difference: of the integrals from those of another rule, shape (edges, rows).
+    noise: of the integrals, or None. sigma_source: how it is known. order: 2 for trapezoids, 4 with
+    slopes at the points, 0 where nothing is interpolated.
+    unit, vector_unit: of points, and of b (if not given, the same).
+
+    Options of all makers: mask, True at points where nothing is known (NaN says the same); longest,
+    the length beyond which an edge joins nothing; boundary, polygons (plane points alone) of which
+    the region is what lies in an odd number; sigma and covariance, the noise of each value,
+    independent from point to point, or "estimate"; unit, vector_unit, source.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from geomtorsion.loops import Loop
+    >>> x, y = points = np.random.default_rng(0).uniform(-1, 1, (2, 500))
+    >>> twist = np.array([[-y, x]]) / 2            # e = (x dy - y dx) / 2: torsion 1
+    >>> frame = ScatteredFrame.from_coframe(points.T, twist, mask=np.hypot(x, y) < 0.3, sigma=1e-3)
+    >>> frame
+    ScatteredFrame(500 points, 873 triangles, 1 rows, 1 hole)
+    >>> b = frame.burgers(frame.loop_around())
+    >>> 0.28 < b.vector[0] < 0.6, round(b.noise, 4)
+    (np.True_, 0.0005)
+    >>> frame.burgers_map().density.round(9).min()
+    np.float64(1.0)
+    """
+
+    mesh: Triangulation
+    cochain: Cochain
+    difference: np.ndarray
+    noise: EdgeNoise | None
+    order: int
+    unit: str = ""
+    vector_unit: str = ""
+    source: str = ""
+    sigma_source: str = ""
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def from_coframe(
+        cls,
+        points: np.ndarray,
+        coframe: np.ndarray,
+        *,
+        order: int = 4,
+        sigma: Any = None,
+        covariance: Any = None,
+        **options: Any,
+    ) -> Self:
+        """From e^i_mu at the points.
+
+        Parameters
+        ----------
+        points
+            Coordinates, shape (N, d), d = 2 or 3.
+        coframe
+            Shape (rows, d, N); plane points may have all three columns.
+        order
+            4: trapezoids, corrected by the slopes of planes through neighbours; the error is the
+            correction. 2: trapezoids alone.
+        options
+            mask, longest, boundary, unit, vector_unit, source.
+
+        Raises
+        ------
+        GridError
+            Shapes do not fit, points lie on a line or coincide, nothing is left, or noise is none.
+        """
+        places, values = _points(points), numbers(coframe, "coframe")
+        count, d = places.shape
+        columns = (d, 3) if d == 2 else (d,)
+        if values.ndim != 3 or values.shape[1] not in columns or values.shape[2] != count:
+            raise GridError(
+                f"coframe: shape (rows, {d}, {count}) was needed (frame index, coordinate index, "
+                f"point), but {values.shape} came."
+            )
+        if order not in (2, 4):
+            raise GridError(f"order: 2 or 4 was needed, but {checks.shown(order)} came.")
+        values = values[:, :d]
+        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
+        _check_finite(values, "coframe", mesh)
+        mean, steps = values[:, :, mesh.inner].mean(axis=-1), mesh.steps
+        base = _rules(mesh)
+        bent = np.where(np.isnan(values), 0.0, values - mean[:, :, None])
+        chosen, other = base if order == 2 else base[::-1]
+
+        def along(rule: scipy.sparse.csr_array) -> np.ndarray:
+            found = (rule @ bent.reshape(-1, count).T).reshape(-1, *mean.shape)
+            return np.einsum("em,eim->ei", steps, found)
+
+        fine, less = along(chosen), along((chosen - other).tocsr())
+        grid = _as_grid(~np.isin(np.arange(count), mesh.inner))
+        if "estimate" in (str(sigma), str(covariance)):
+            sigma, covariance, said = _estimated(mesh, values, sigma, covariance)
+            noise = noise_of(sigma, covariance, values, grid)[2]
+        else:
+            *_, noise, said = noise_of(sigma, covariance, values, grid)
+        edge_noise = None if noise is None else NodeNoise(noise, steps, chosen, chosen - other)
+        found = fine + steps @ mean.T
+        errors = np.abs(less).max(axis=1) + ROUNDING * np.abs(found).max(axis=1, initial=0.0)
+        cochain = Cochain(mesh.complex, found, errors)
+        return cls(mesh, cochain, less, edge_noise, order, **texts, sigma_source=said)
+
+    @classmethod
+    def from_distortion(cls, points: np.ndarray, distortion: np.ndarray, **options: Any) -> Self:
+        """From a distortion beta^i_mu = d_mu u^i, shape (rows, d, N): e = 1 + beta.
+
+        The sense of u is that of `SampledFrame.from_distortion`; options as for `from_coframe`.
+        """
+        values = numbers(distortion, "distortion")
+        if values.ndim != 3:
+            raise GridError(
+                f"distortion: shape (rows, columns, points) was needed, but {values.shape} came."
+            )
+        return cls.from_coframe(points, values + np.eye(*values.shape[:2])[..., None], **options)
+
+    @classmethod
+    def from_strain_rotation(
+        cls, points: np.ndarray, strain: np.ndarray, rotation: np.ndarray, **options: Any
+    ) -> Self:
+        """From strains (n, n, N) and rotations, as for `SampledFrame.from_strain_rotation`."""
+        return cls.from_distortion(points, strain_and_rotation(strain, rotation), **options)
+
+    @classmethod
+    def from_displacement(
+        cls,
+        points: np.ndarray,
+        displacement: np.ndarray,
+        *,
+        branch: Any = None,
+        sigma: Any = None,
+        **options: Any,
+    ) -> Self:
+        """From displacements u^i at the points, shape (rows, N), which jump by lattice vectors.
+
+        Integrals along edges are differences, less the lattice vector that is nearest to them:
+        neighbours must not be displaced against each other by more than half of one. Nothing is
+        interpolated, and b is a sum of whole lattice vectors.
+
+        Parameters
+        ----------
+        branch
+            Lattice vectors, shape (k, rows), one vector, or one length for all axes.
+        sigma
+            Of u at each point, one number, shape (N,), or "estimate". Noise changes b only where it
+            carries a difference beyond half of a lattice vector: `noise` is what chances of that
+            make, somewhat too much, since wrong jumps on both sides of a point cancel.
+        options
+            mask, longest, boundary, unit, vector_unit, source.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from geomtorsion.loops import Loop
+        >>> x, y = points = np.random.default_rng(0).uniform(-3, 3, (2, 400))
+        >>> u = np.arctan2(y, x)[None] / (2 * np.pi) * 0.286
+        >>> frame = ScatteredFrame.from_displacement(points.T, u, branch=0.286, unit="nm")
+        >>> b = frame.burgers(Loop.circle([0, 0], 2))
+        >>> b.vector.round(12).tolist(), b.unit, b.error < 1e-12
+        ([0.286], 'nm', True)
+        """
+        places, values = _points(points), numbers(displacement, "displacement")
+        if values.ndim != 2 or values.shape[1] != len(places):
+            raise GridError(
+                f"displacement: shape (rows, {len(places)}) was needed, but {values.shape} came."
+            )
+        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=0)), options)
+        _check_finite(values[:, None], "displacement", mesh)
+        a, b = mesh.complex.pairs.T
+        steps = (values[:, b] - values[:, a]).T
+        rows, d = len(values), mesh.dimension
+        noise, said = None, ""
+        if branch is not None:
+            vectors = lattice_vectors(branch, rows)
+            inverse = np.linalg.pinv(vectors)
+            times = np.rint(steps @ inverse)
+            rest = steps @ inverse - times
+            steps = steps - times @ vectors
+            if sigma is not None:
+                grid = _as_grid(~np.isin(np.arange(len(places)), mesh.inner))
+                how = ""
+                if isinstance(sigma, str) and sigma == "estimate":
+                    # Points beside a cut are far from any plane, but few: medians pass over them.
+                    sigma, _, how = _estimated(mesh, values[:, None], sigma, None)
+                *_, found, said = noise_of(sigma, None, values[:, None], grid)
+                said = how or said
+                assert found is not None
+                variances = np.array([found.at_nodes(i, 0, grid.shape) for i in range(rows)])
+                width = np.sqrt((variances[:, a] + variances[:, b]).T @ inverse**2)
+                noise = JumpNoise(chances_of(rest, width), vectors)
+        steps = steps + mesh.steps @ np.eye(rows, d).T
+        errors = ROUNDING * np.abs(steps).max(axis=1, initial=0.0)
+        cochain = Cochain(mesh.complex, steps, errors)
+        return cls(mesh, cochain, np.zeros_like(steps), noise, 0, **texts, sigma_source=said)
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @property
+    def points(self) -> np.ndarray:
+        """Coordinates, shape (N, d)."""
+        return self.mesh.points
+
+    @property
+    def rows(self) -> int:
+        """Number of frame indices."""
+        return self.cochain.values.shape[1]
+
+    @cached_property
+    def holes(self) -> tuple[np.ndarray, ...]:
+        """Numbers of the points round each hole, plane points alone.
+
+        Raises
+        ------
+        GridError
+            The points are in space.
+        """
+        self._plane("a hole")
+        pairs = self.mesh.complex.pairs
+        return tuple(np.unique(pairs[rim != 0]) for rim in self.mesh.rims)
+
+    # -- circuits ---------------------------------------------------------------------------------
+
+    def loop_around(self, hole: int | None = None, margin: int = 1) -> dict[int, int]:
+        """The circuit round a hole, {edge: how often}; see `burgers`.
+
+        Parameters
+        ----------
+        hole
+            Its number in `holes`; not needed where there is one.
+        margin
+            1 for the rim of the hole; each more leaves a ring of triangles inside.
+
+        Raises
+        ------
+        GridError
+            There is no such hole, or the points are in space.
+        """
+        self._plane("a hole")
+        rims, count = self.mesh.rims, len(self.mesh.rims)
+        if not rims:
+            raise GridError("there are no holes. Use .burgers(loop) with any loop.")
+        if hole is None and count > 1:
+            raise GridError(
+                f"hole: which of {count} holes is meant? Give its number, from 0 to {count - 1}."
+            )
+        number = 0 if hole is None else checks.count(hole, "hole", GridError, 0, count - 1)
+        chain = self.mesh.around(rims[number], checks.count(margin, "margin", GridError, 1))
+        return {int(k): int(chain[k]) for k in np.flatnonzero(chain)}
+
+    def burgers(self, circuit: Loop | Chain | Sequence[int]) -> SampledBurgers:
+        """Burgers vector of a circuit, with its errors: interpolation and noise.
+
+        Parameters
+        ----------
+        circuit
+            A loop, which is followed from point to nearest point; numbers of points, each joined to
+            the next; or {edge: how often}, as `loop_around` gives it.
+
+        Raises
+        ------
+        GridError
+            It touches a hole or leaves the points; the message names them.
+        NetworkError
+            Points are not joined, or an edge is not there.
+        """
+        if isinstance(circuit, Mapping):
+            table = self._chains(circuit)
+            if np.any(table @ self.mesh.complex.boundary(0)):
+                raise GridError("circuit: the edges do not close. Give a closed chain of them.")
+        else:
+            nodes = circuit
+            if isinstance(circuit, Loop):
+                nodes = self.mesh.walk(circuit)
+            found = checks.entries(nodes, "circuit", GridError)
+            at = np.array([self.mesh.complex.number(node) for node in found], dtype=np.int64)
+            if len(at) < 3:
+                raise GridError(f"circuit: three points or more were needed, but {found} came.")
+            ends = np.roll(at, -1)
+            edges, senses = self.mesh.complex.steps(at[at != ends], ends[at != ends])
+            table = np.zeros((1, len(self.difference)), dtype=np.int64)
+            np.add.at(table[0], edges, senses)
+        one = self._along(scipy.sparse.csr_array(table))
+        rounding = ROUNDING * float((np.abs(table) @ np.abs(self.cochain.values)).max())
+        return SampledBurgers(
+            one.vectors[:, 0], float(one.interpolation[0]), rounding, self.order,
+            int(np.abs(table).sum()), one.covariance[0], self.vector_unit or self.unit,
+        )  # fmt: skip
+
+    def burgers_map(self, rings: int = 0) -> ScatteredMap:
+        """Burgers vectors of all triangles, or of so many rings of them round every point.
+
+        In space triangles are the faces of the tetrahedra; each turns about the normal that its
+        corners have in `mesh.complex`.
+
+        Raises
+        ------
+        GridError
+            The number of rings is none, or the points are in space and it is not 0.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> points = np.random.default_rng(0).uniform(-1, 1, (300, 2))
+        >>> twist = np.array([[-points[:, 1], points[:, 0]]]) / 2
+        >>> found = ScatteredFrame.from_coframe(points, twist).burgers_map(rings=2)
+        >>> found, found.density.round(9).max()
+        (ScatteredMap(300 circuits), np.float64(1.0))
+        """
+        faces = self.mesh.complex.boundary(1)
+        if checks.count(rings, "rings", GridError) == 0:
+            found = self._along(faces)
+            places = self.points[self.mesh.corners].mean(axis=1)
+            areas = self.mesh.areas
+        else:
+            self._plane("a ring")
+            stars = self.mesh.stars(rings)
+            found = self._along((stars @ faces).tocsr())
+            places, areas = self.points[self.mesh.inner], stars @ self.mesh.areas
+        units = (self.unit, self.vector_unit or self.unit)
+        return ScatteredMap(
+            found.vectors, places.T, found.covariance, found.interpolation, areas, units
+        )
+
+    def _along(self, chains: scipy.sparse.csr_array) -> ScatteredMap:
+        """Sums along chains, shape (k, edges), with their errors; without places."""
+        vectors, less = chains @ self.cochain.values, np.abs(chains @ self.difference)
+        covariance = np.zeros((len(vectors), self.rows, self.rows))
+        if self.noise is not None:
+            covariance = self.noise.covariance(chains)
+            less = unexplained(less, self.noise.difference(chains))
+        # Edges lie anyhow: that their errors cancel in a sum is luck, which the error leaves out.
+        alone = np.maximum(chains.power(2) @ self._squares, 0.0)
+        less = np.sqrt(np.maximum(less**2, alone))
+        safety = 4 / 3 if self.order == 2 else 1.0
+        none = np.zeros(0)
+        return ScatteredMap(vectors.T, none, covariance, safety * less.max(axis=1), none)
+
+    @cached_property
+    def _squares(self) -> np.ndarray:
+        """Squares of the differences of single edges, less what noise explains, (edges, rows)."""
+        if self.noise is None:
+            return self.difference**2
+        single = scipy.sparse.eye_array(len(self.difference), format="csr", dtype=np.int64)
+        return self.difference**2 - self.noise.difference(single)
+
+    def _chains(self, chain: Chain) -> np.ndarray:
+        """A chain as multiples of all edges, shape (1, edges)."""
+        table = np.zeros((1, len(self.difference)), dtype=np.int64)
+        for edge, times in chain.items():
+            number = checks.count(edge, "edge", GridError, 0, table.shape[1] - 1)
+            sign = 1 if checks.number(times, f"circuit[{edge}]", GridError) >= 0 else -1
+            table[0, number] = sign * checks.count(abs(times), f"circuit[{edge}]", GridError)
+        return table
+
+    def _plane(self, what: str) -> None:
+        """Refuse points in space."""
+        if self.mesh.dimension != 2:
+            raise GridError(
+                f"{what} has one circuit round it among points of a plane only, but these are in "
+                "space. Give .burgers a loop, or numbers of points."
+            )
+
+    def __repr__(self) -> str:
+        count, mesh = len(self.points), self.mesh
+        cells = int(mesh.kept.sum())
+        kind = "triangles" if mesh.dimension == 2 else "tetrahedra"
+        parts = [f"{count} points", f"{cells} {kind}", f"{self.rows} rows"]
+        if mesh.dimension == 2 and mesh.rims:
+            parts.append(f"{len(mesh.rims)} hole{'s' * (len(mesh.rims) > 1)}")
+        if self.unit:
+            other = self.vector_unit or self.unit
+            parts.append(f"in {self.unit}" + (f", b in {other}" if other != self.unit else ""))
+        return f"ScatteredFrame({', '.join(parts)})"
+
+
+def _points(given: object) -> np.ndarray:
+    """Coordinates of points, in the plane or in space."""
+    found = checks.array(given, "points", GridError, shape=(None, None))
+    if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
+        raise GridError(
+            f"points: shape (N, 2) or (N, 3), one point in each row, was needed, but {found.shape} "
+            "came."
+        )
+    return found
+
+
+def _mesh(
+    places: np.ndarray, unknown: np.ndarray, options: dict[str, Any]
+) -> tuple[Triangulation, dict[str, str]]:
+    """The triangulation and the texts, from the options that all makers have in common."""
+    known = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
+    for name in options:
+        checks.known_name(name, sorted(known), "option", GridError)
+    texts = {k: options[k] for k in ("unit", "vector_unit", "source") if k in options}
+    for key, text in texts.items():
+        checks.text(text, key, GridError, longest=LONGEST_SHOWN)
+    longest = options.get("longest")
+    if longest is not None:
+        longest = checks.positive(longest, "longest", GridError)
+    boundary = checked_polygons(options.get("boundary"))
+    if boundary and places.shape[1] != 2:
+        raise GridError("boundary: polygons bound points of a plane, but these are in space.")
+    mask = mask_of(options.get("mask"), (len(places),)) | unknown
+    return Triangulation.of(places, mask, longest, boundary), texts
+
+
+def _check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
+    """Refuse infinite values at points that count."""
+    bad = np.argwhere(np.isinf(values[..., mesh.inner]))
+    if len(bad):
+        raise GridError(
+            f"{name}: finite values were needed, but one is infinite at point "
+            f"{mesh.inner[bad[0, -1]]}. Mask it (NaN is a hole)."
+        )
+
+
+def _rules(mesh: Triangulation) -> tuple[Any, Any]:
+    """Values at points to their means along edges, (edges, points): by trapezoids, and corrected.
+
+    The integral of f(t) from 0 to 1 is (f(0) + f(1)) / 2 - (f'(1) - f'(0)) / 12 + ...
+    """
+    a, b = mesh.complex.pairs.T
+    edges, shape = np.arange(len(a)), (len(a), len(mesh.points))
+    one, two = (scipy.sparse.csr_array((np.ones(len(a)), (edges, k)), shape=shape) for k in (a, b))
+    plain = (one + two) / 2
+    bend = sum(
+        scipy.sparse.diags_array(step) @ ((two - one) @ slope)
+        for step, slope in zip(mesh.steps.T, mesh.slopes, strict=True)
+    )
+    return plain.tocsr(), (plain - bend / 12).tocsr()
+
+
+def _as_grid(holes: np.ndarray) -> Grid:
+    """Points in a row, so that noise is given and checked as on grids."""
+    return Grid((np.arange(float(len(holes))),), ("point",), (False,), holes)
+
+
+def _estimated(
+    mesh: Triangulation, values: np.ndarray, sigma: Any, covariance: Any
+) -> tuple[np.ndarray | None, np.ndarray | None, str]:
+    """Standard deviations, or covariances, from what departs from planes through neighbours."""
+    table, inside = mesh.departures
+    flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
+    rows = list((table @ flat.T).T)
+    said = f"the median of departures from planes through the neighbours of {len(inside)} points"
+    if covariance is None:
+        return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
+    return sigma, robust_covariance(rows), said

@@ -1,0 +1,211 @@
+"""Sides: integrals along straight rows of edges, from every node, with the variance of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.materials.fields.circuits import Field
+from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.noise import Noise
+from geomtorsion.materials.fields.stencils import Rule, applied, plain_rule
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """What noise makes of integrals along sides.
+
+    covariance: {(i, j): of components i and j, shape (sides...)}; starts, ends: weights of the
+    nodes where a side begins and ends, by which two sides that meet there have noise in common,
+    shape (sides...), with axes of length 1 where they do not vary.
+    """
+
+    covariance: dict[tuple[int, int], np.ndarray]
+    starts: np.ndarray
+    ends: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Integrals along sides of so many edges, one from every node where there is room.
+
+    values, difference (from another order): shape (rows, sides...); known: where no edge touches
+    a hole, shape (sides...), with axes of length 1 where there are no holes; noise: of the values,
+    and of the difference, or None.
+    """
+
+    values: np.ndarray
+    difference: np.ndarray
+    known: np.ndarray
+    noise: tuple[Spread, Spread] | None
+
+
+def sides(field: Field, axis: int, edges: int) -> Sides:
+    """Sides of so many edges along an axis."""
+    grid = field.grid
+    step, periodic = grid.steps[axis], grid.periodic[axis]
+    fine = grid.rule(field.order, axis)
+    other = fine.other
+    values = field.values[:, axis]
+    here, there = (step * rule(values, 1 + axis) for rule in (fine, other))
+    known = np.ones((1,) * grid.dimension, dtype=bool)
+    if grid.has_holes:
+        touched = (~on_grid(fine.known, grid.shape, axis)).astype(np.int32)
+        known = window_sums(touched, edges, axis, periodic) == 0
+    noise = None
+    if field.noise is not None:
+        rules = _Rules(grid, axis, edges, fine, other, field.order, field.noise)
+        noise = rules.spread(less_other=False), rules.spread(less_other=True)
+    return Sides(
+        window_sums(here, edges, 1 + axis, periodic),
+        window_sums(here - there, edges, 1 + axis, periodic),
+        known,
+        noise,
+    )
+
+
+def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:
+    """A table of shape (edges, lines), or (edges, 1) for all lines, on the grid."""
+    rest = (*shape[:axis], *shape[axis + 1 :])
+    lines = rest if table.shape[1] > 1 else (1,) * len(rest)
+    found = np.broadcast_to(table.reshape(len(table), *lines), (len(table), *rest))
+    return np.moveaxis(found, 0, axis)
+
+
+def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = False) -> np.ndarray:
+    """Sums of so many neighbours along an axis, by doubling: the same bits wherever it begins."""
+    moved = np.moveaxis(values, axis, -1)
+    if periodic:
+        moved = np.concatenate([moved, moved[..., : count - 1]], axis=-1)
+    room = moved.shape[-1] - count + 1
+    block, width, first = moved, 1, 0
+    total: np.ndarray | None = None
+    while True:
+        if count & width:
+            here = block[..., first : first + room]
+            total = here if total is None else total + here
+            first += width
+        if total is not None and 2 * width > count:
+            return np.moveaxis(total, -1, axis)
+        block = block[..., :-width] + block[..., width:]
+        width *= 2
+
+
+@dataclass(frozen=True, eq=False)
+class _Rules:
+    """The rules along an axis, with holes and without, and the sums of edges that are wanted."""
+
+    grid: Grid
+    axis: int
+    edges: int
+    fine: Rule
+    other: Rule
+    order: int
+    noise: Noise
+
+    def spread(self, less_other: bool) -> Spread:
+        """Covariance of sums of edges (less those of the other rule) for independent nodes.
+
+        Each node counts with the square of all that the sum has of it.
+        """
+        points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
+        plain = plain_rule(self.order, points, periodic)
+        matrix = plain.matrix - plain.other.matrix if less_other else plain.matrix
+        matrix = self.grid.steps[self.axis] * matrix
+        count = len(plain.used) - (0 if periodic else self.edges - 1)
+        rows = _windows(np.arange(count), 1, len(plain.used), self.edges, periodic) @ matrix
+        special = self._beside_holes(plain, less_other) if self.grid.has_holes else None
+        squares = rows.power(2)
+        covariance = {}
+        for pair, c in self.noise.between((self.axis, self.axis)).items():
+            if c.shape[self.axis] == 1:
+                profile = np.asarray(squares.sum(axis=1))
+                found = c * profile.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+            else:
+                found = self._summed(squares, matrix, c)
+            if special is not None:
+                places, table = special
+                every = np.broadcast_to(c, self.grid.shape)
+                flat = np.moveaxis(every, self.axis, 0).ravel()
+                found = self._with(found, places, table.power(2) @ flat)
+            covariance[pair] = found
+        if not self.noise.joins_columns:
+            return Spread(covariance, np.zeros(1), np.zeros(1))
+        place = np.arange(count)
+        ends = []
+        for shift in (0, self.edges):
+            found = np.asarray(rows[place, (place + shift) % points]).ravel()
+            found = found.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+            found = found.reshape(*(1,) * self.axis, *found.shape)
+            if special is not None:
+                places, table = special
+                lines = self.fine.holes.shape[1]
+                first, line = np.divmod(places, lines)
+                node = (first + shift) % points * lines + line
+                own = np.asarray(table[np.arange(len(places)), node]).ravel()
+                found = self._with(found, places, own)
+            ends.append(found)
+        return Spread(covariance, *ends)
+
+    def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
+        """The squares of all weights times variances; the inner ones are one sum over a window."""
+        along = self.axis
+        # Nodes that an edge beyond the end of a sum reaches, and where rules are one-sided.
+        margin = self.order + 2
+        points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
+        inner = self.edges - 2 * margin + 1
+        if inner < 1 or (periodic and self.edges > points - 2 * margin):
+            return applied(squares, variances[None], 1 + along)[0]
+        ends = squares.tocoo()
+        row, column = ends.coords
+        depth = (column - row) % points
+        kept = (depth < margin) | (depth > self.edges - margin)
+        ends = type(ends)((ends.data[kept], (row[kept], column[kept])), shape=ends.shape).tocsr()
+        # Nodes within have the whole of their weights in the sum.
+        whole = np.asarray(matrix.sum(axis=0)).ravel() ** 2
+        weighted = variances * whole.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
+        sums = window_sums(weighted, inner, along, periodic)
+        places = np.arange(squares.shape[0]) + margin
+        middle = np.take(sums, places % points if periodic else places, axis=along)
+        return applied(ends, variances[None], 1 + along)[0] + middle
+
+    def _beside_holes(self, plain: Rule, less_other: bool) -> tuple[np.ndarray, csr_array]:
+        """Sums of edges that have other stencils near holes: which, and their weights one by one.
+
+        Numbers in a table (sides, lines), and a matrix (numbers, nodes of all lines).
+        """
+        rule = self.fine
+        odd = (rule.used != plain.used) | (rule.shift != plain.shift)
+        matrix = rule.matrix - self.other.matrix if less_other else rule.matrix
+        step = self.grid.steps[self.axis]
+        periodic, lines = rule.periodic, rule.holes.shape[1]
+        places = np.flatnonzero(window_sums(odd.astype(np.int32), self.edges, 0, periodic))
+        found = _windows(places, lines, len(rule.used), self.edges, periodic) @ (step * matrix)
+        return places, found.tocsr()
+
+    def _with(self, found: np.ndarray, places: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """What is the same along lines, on all sides, with some of its own."""
+        grid = self.grid
+        count = len(self.fine.used) - (0 if self.fine.periodic else self.edges - 1)
+        shape = (*grid.shape[: self.axis], count, *grid.shape[self.axis + 1 :])
+        inner = np.moveaxis(np.broadcast_to(found, shape), self.axis, 0).copy()
+        inner.reshape(-1)[places] = own
+        return np.moveaxis(inner, 0, self.axis)
+
+
+def _windows(places: np.ndarray, lines: int, count: int, edges: int, periodic: bool) -> csr_array:
+    """Sums of edges that begin at places of a table (edges, lines), as a sparse matrix."""
+    first, line = np.divmod(places, lines)
+    columns = first[:, None] + np.arange(edges)
+    columns = (columns % count if periodic else columns) * lines + line[:, None]
+    indptr = np.arange(0, columns.size + 1, edges)
+    ones = np.ones(columns.size)
+    return scipy.sparse.csr_array(
+        (ones, columns.ravel(), indptr), shape=(len(places), count * lines)
+    )

@@ -1,0 +1,324 @@
+"""Tables: sampled frames node by node, as CSV with a header, or as points of a VTK file."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.checks import cut
+from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError, LimitError
+from geomtorsion.files import read_text
+from geomtorsion.materials.fields.contents import (
+    TEXTS,
+    Contents,
+    guarded,
+    module,
+    periodic_names,
+)
+from geomtorsion.materials.fields.grid import regular_axis
+from geomtorsion.materials.fields.vtu_blocks import check_vtu
+from geomtorsion.npz import LARGEST_ARRAYS, most_unpacked
+from geomtorsion.outgoing import one_line
+
+_COLUMN = re.compile(r"(e|beta|sigma)_([0-9])_([0-9])")
+_EMPTY = re.compile(r"(?m)(?:^|(?<=,))[ \t]*(?=,|$)")
+_SAID = re.compile(r"#\s*(unit|vector_unit|source|periodic)\s*:\s*(.*)")
+_DIMENSIONS = re.compile(rb"(?im)^[ \t]*DIMENSIONS[ \t]+([-+0-9_ \t]+)")
+_AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
+
+
+def read_csv(path: Path) -> Contents:
+    """Columns x, y, ... and e_0_0, e_0_1, ... (or beta_0_0, ...), sigma_0_0, ...; one node a line.
+
+    Lines with # say unit, vector_unit, source and periodic. Nodes without a line, and values
+    without a number, are holes.
+    """
+    lines = read_text(path, LARGEST_ARRAYS).splitlines()
+    said: dict[str, str] = {}
+    first = 0
+    while first < len(lines) and (not lines[first].strip() or lines[first].startswith("#")):
+        found = _SAID.match(lines[first])
+        if found:
+            said[found[1]] = found[2].strip()
+        first += 1
+    if first >= len(lines):
+        raise FileFormatError(f"{path}: a header such as x,y,e_0_0,e_0_1 was needed; it is empty.")
+    header = [name.strip() for name in lines[first].split(",")]
+    axes, values = _header(path, header, first + 1)
+    kept = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
+    for k in kept:
+        if lines[k].count(",") != len(header) - 1:
+            raise FileFormatError(
+                f"{path}: line {k + 1}: {len(header)} numbers were needed, as the header has "
+                f"columns, but {lines[k].count(',') + 1} came. Is the file complete?"
+            )
+    if not kept:
+        raise FileFormatError(f"{path}: there are no nodes below the header.")
+    body = "\n".join(lines[k] for k in kept)
+    try:
+        table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
+    except ValueError as error:
+        row = _AT_ROW.search(str(error))
+        number = int(row[1] or row[2]) if row else 0
+        line = kept[min(number, len(kept) - 1)] + 1
+        raise FileFormatError(
+            f"{path}: line {line}: numbers were needed, but {cut(lines[line - 1], 80)!r} came."
+        ) from None
+    columns = dict(zip(header, table.T, strict=True))
+    options: dict[str, Any] = {key: said[key] for key in TEXTS if key in said}
+    if "periodic" in said:
+        options["periodic"] = periodic_names(said["periodic"], path)
+    where = [f"line {k + 1}" for k in kept]
+    return _gridded(path, {name: columns[name] for name in axes}, columns, values, options, where)
+
+
+def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], str]:
+    """Names of the axes, and what the values are called: e or beta."""
+    kinds = {found[1] for name in header if (found := _COLUMN.fullmatch(name))}
+    axes = [name for name in header if not _COLUMN.fullmatch(name)]
+    if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
+        raise FileFormatError(
+            f"{path}: line {line}: a header of different names was needed, at first the axes, then "
+            f"e_0_0, e_0_1, ... or beta_0_0, ...; but {cut(', '.join(header))} came."
+        )
+    return axes, "e" if "e" in kinds else "beta"
+
+
+def _gridded(
+    path: Path,
+    places: Mapping[str, np.ndarray],
+    columns: Mapping[str, np.ndarray],
+    kind: str,
+    options: dict[str, Any],
+    where: Sequence[str],
+) -> Contents:
+    """Nodes in any order on the grid that their coordinates make."""
+    axes, index = [], []
+    for name, column in places.items():
+        bad = np.flatnonzero(~np.isfinite(column))
+        if len(bad):
+            raise FileFormatError(f"{path}: {where[bad[0]]}: a coordinate {name} was needed.")
+        axis, inverse = np.unique(column, return_inverse=True)
+        try:
+            axes.append(regular_axis(axis, name))
+        except GridError as error:
+            raise FileFormatError(
+                f"{path}: the nodes make no regular grid: {error} Scattered points must be "
+                "resampled first."
+            ) from None
+        index.append(inverse)
+    shape = tuple(len(axis) for axis in axes)
+    flat: np.ndarray = np.asarray(np.ravel_multi_index(tuple(index), shape))
+    order: np.ndarray = np.argsort(flat, kind="stable")
+    twice = np.flatnonzero(np.diff(flat[order]) == 0)
+    if len(twice):
+        one, two = order[twice[0] : twice[0] + 2].tolist()
+        raise FileFormatError(
+            f"{path}: {where[one]} and {where[two]} are of the same node. Keep one of them."
+        )
+    found = {
+        name: _array(path, columns, name, flat, shape)
+        for name in (kind, "sigma")
+        if any(column.startswith(f"{name}_") for column in columns)
+    }
+    if "sigma" in found:
+        options["sigma"] = found["sigma"]
+    return Contents(axes, found[kind], tuple(places), kind == "beta", options)
+
+
+def _array(
+    path: Path,
+    columns: Mapping[str, np.ndarray],
+    kind: str,
+    flat: np.ndarray,
+    shape: tuple[int, ...],
+) -> np.ndarray:
+    """All columns of a kind as an array (rows, columns, grid...)."""
+    keys = {
+        (int(found[2]), int(found[3])): name
+        for name in columns
+        if (found := _COLUMN.fullmatch(name)) and found[1] == kind
+    }
+    rows, width = (max(key[k] for key in keys) + 1 for k in (0, 1))
+    missing = [key for key in product(range(rows), range(width)) if key not in keys]
+    if missing:
+        i, mu = missing[0]
+        raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
+    # Few nodes far apart make a large grid that is empty.
+    size, most = 8 * rows * width * math.prod(shape), most_unpacked(path.stat().st_size)
+    if size > most:
+        raise LimitError(
+            f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
+            f"{' x '.join(map(str, shape))} nodes, most of them missing, of {size:,} bytes. Give "
+            "the part in which values are known, or save it as .npz."
+        )
+    found = np.full((rows, width, int(np.prod(shape))), np.nan)
+    for (i, mu), name in keys.items():
+        found[i, mu, flat] = columns[name]
+    return found.reshape(rows, width, *shape)
+
+
+def _columns(contents: Contents) -> dict[str, np.ndarray]:
+    """Everything node by node, the last axis fastest."""
+    mesh = np.meshgrid(*contents.axes, indexing="ij")
+    found = {name: axis.ravel() for name, axis in zip(contents.names, mesh, strict=True)}
+    arrays = {"e": contents.values}
+    if "sigma" in contents.options:
+        d = len(contents.axes)
+        shape = (len(contents.values), d, *contents.values.shape[2:])
+        arrays["sigma"] = np.broadcast_to(contents.options["sigma"], shape)
+    for kind, values in arrays.items():
+        for i, mu in np.ndindex(*values.shape[:2]):
+            found[f"{kind}_{i}_{mu}"] = values[i, mu].ravel()
+    return found
+
+
+def write_csv(path: Path, contents: Contents) -> None:
+    """One line for each node; the numbers come back as they were."""
+    columns = _columns(contents)
+    said = [
+        f"# {key}: {one_line(contents.options[key])}" for key in TEXTS if contents.options.get(key)
+    ]
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        said.append("# periodic: " + " ".join(name for name, wraps in pairs if wraps))
+    with path.open("w", encoding="utf-8") as stream:
+        stream.writelines(f"{line}\n" for line in [*said, ",".join(columns)])
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+            stream.write(",".join("" if x != x else repr(x) for x in row) + "\n")
+
+
+# -- VTK ------------------------------------------------------------------------------------------
+
+
+def read_vtk(path: Path) -> Contents:
+    """Points on a grid, with point data e_0_0, e_0_1, ... (or beta_0_0, ...); by meshio.
+
+    A coordinate that all points share is no axis. Field data unit, vector_unit, source, periodic
+    and names are texts, as codes of their letters (UTF-8), which is what meshio reads.
+    """
+    meshio = module("meshio", path)
+    xml = path.suffix.lower() == ".vtu"
+    reader = meshio.vtu if xml else meshio.vtk
+
+    def load() -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, str]]:
+        check_vtu(path) if xml else _check_dimensions(path)
+        try:
+            mesh = reader.read(path)
+        except meshio.ReadError as error:
+            raise ValueError(str(error)) from None
+        codes = mesh.field_data if xml else _legacy_field(path)
+        said = {
+            key: np.asarray(codes[key]).astype(np.uint8).tobytes().decode()
+            for key in (*TEXTS, "periodic", "names")
+            if key in codes and np.size(codes[key]) <= LONGEST_SHOWN
+        }
+        return np.asarray(mesh.points, float), {
+            str(name): np.asarray(values, float)
+            for name, values in mesh.point_data.items()
+            if np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
+        }, said  # fmt: skip
+
+    points, data, said = guarded(path, load)
+    columns = {name: values.ravel() for name, values in data.items()}
+    wide = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0] if len(points) else []
+    names = said.pop("names", "").split()
+    if len(names) != len(wide):
+        names = ["xyz"[k] for k in wide]
+    chosen = {name: column for name, column in columns.items() if _COLUMN.fullmatch(name)}
+    _, kind = _header(path, [*names, *chosen], 1)
+    where = [f"point {k}" for k in range(len(points))]
+    places = {name: points[:, k] for name, k in zip(names, wide, strict=True)}
+    options: dict[str, Any] = dict(said)
+    if "periodic" in said:
+        options["periodic"] = periodic_names(said["periodic"], path)
+    return _gridded(path, places, chosen, kind, options, where)
+
+
+def write_vtk(path: Path, contents: Contents) -> None:
+    """Points, cells, point data and field data, for ParaView and its like; holes are NaN."""
+    meshio = module("meshio", path)
+    d, shape = len(contents.axes), contents.values.shape[2:]
+    if d not in (2, 3):
+        raise GridError(f"{path}: VTK holds two or three axes, but the grid has {d}. Use .npz.")
+    columns = _columns(contents)
+    points = np.zeros((int(np.prod(shape)), 3))
+    for k, name in enumerate(contents.names):
+        points[:, k] = columns.pop(name)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    if d == 3:
+        corners = [(*corner, k) for k in (0, 1) for corner in corners]
+    numbers = np.arange(len(points)).reshape(shape)
+    inner = [
+        numbers[tuple(slice(c, n - 1 + c) for c, n in zip(corner, shape, strict=True))].ravel()
+        for corner in corners
+    ]
+    kind = "quad" if d == 2 else "hexahedron"
+    mesh = meshio.Mesh(points, [(kind, np.stack(inner, axis=1))], point_data=columns)
+    xml = path.suffix.lower() == ".vtu"
+    (meshio.vtu if xml else meshio.vtk).write(path, mesh)
+    said = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
+    if "periodic" in contents.options:
+        pairs = zip(contents.names, contents.options["periodic"], strict=True)
+        said["periodic"] = " ".join(name for name, wraps in pairs if wraps)
+    said["names"] = " ".join(contents.names)
+    _add_field(path, said, xml)
+
+
+def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
+    """Put field data into a file that meshio has written, which it does not write itself."""
+    content = path.read_bytes()
+    codes = {key: text.encode() for key, text in said.items()}
+    if xml:
+        mark, rows = b"<UnstructuredGrid>", [b"<FieldData>"]
+        for key, text in codes.items():
+            numbers = " ".join(map(str, text)).encode()
+            rows.append(
+                b'<DataArray type="UInt8" Name="%b" NumberOfTuples="%d" format="ascii">%b'
+                b"</DataArray>" % (key.encode(), len(text), numbers)
+            )
+        rows.append(b"</FieldData>")
+    else:
+        mark, rows = b"DATASET UNSTRUCTURED_GRID", [b"", b"FIELD FieldData %d" % len(codes)]
+        for key, text in codes.items():
+            rows += [b"%b 1 %d vtktypeuint8" % (key.encode(), len(text)), text]
+    head, found, rest = content.partition(mark)
+    path.write_bytes(head + found + b"\n".join(rows) + rest)
+
+
+def _check_dimensions(path: Path) -> None:
+    """Refuse a grid of more points than the file has bytes: each has a value in it."""
+    content = path.read_bytes()
+    for found in _DIMENSIONS.finditer(content):
+        sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in found[1].split()]
+        points = math.prod(sizes)
+        if points > len(content):
+            raise LimitError(
+                f"{path}: expected DIMENSIONS of at most {len(content):,} points, as many as the "
+                f"file has bytes, got {cut(found[1].decode())}. Is the file complete?"
+            )
+
+
+def _legacy_field(path: Path) -> dict[str, np.ndarray]:
+    """Field data of letters at the head of a legacy file, which meshio passes over."""
+    found: dict[str, np.ndarray] = {}
+    with path.open("rb") as stream:
+        lines = [stream.readline(LONGEST_SHOWN) for _ in range(5)]
+        words = lines[-1].split()
+        if words[:1] != [b"FIELD"]:
+            return found
+        for _ in range(int(words[2])):
+            name, width, count, kind = stream.readline(LONGEST_SHOWN).split()
+            size = int(width) * int(count)
+            if kind not in (b"vtktypeuint8", b"unsigned_char") or not 0 <= size <= LONGEST_SHOWN:
+                break
+            found[name.decode()] = np.frombuffer(stream.read(size), np.uint8)
+            stream.readline()
+    return found

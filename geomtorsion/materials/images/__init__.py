@@ -1,0 +1,8 @@
+"""Images: Burgers vectors of lattice images, by geometric phase analysis."""
+
+from geomtorsion.materials.images.circuits import LatticeBurgers
+from geomtorsion.materials.images.lattice_image import LatticeImage
+from geomtorsion.materials.images.phases import LatticeCircuits, LatticePhases
+from geomtorsion.materials.images.spots import Spots
+
+__all__ = ["LatticeBurgers", "LatticeCircuits", "LatticeImage", "LatticePhases", "Spots"]

@@ -1,0 +1,224 @@
+"""LatticeImage: a picture of a crystal lattice, with the size of its pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import ImageError
+from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
+from geomtorsion.materials.images.phases import LatticePhases, lattice_phases
+from geomtorsion.materials.images.spots import Spectrum, Spots, find_spots, measured
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LatticeImage:
+    """An image of a lattice, such as a micrograph that resolves columns of atoms.
+
+    values: grey values, shape (rows, columns), the first row on top, as image files hold it.
+    step: size of a pixel. unit: in which it is given; it is kept and shown.
+
+    Coordinates are x to the right and y upwards, counted from the middle of the lower left pixel,
+    in units of `unit`: a right-handed circuit runs anticlockwise on the screen.
+
+    Raises
+    ------
+    ImageError
+        It is no array with two axes, too small, constant, or a value is not finite.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[95:-1:-1, 0:96]
+    >>> fringes = np.cos(2 * np.pi * x / 8) + np.cos(2 * np.pi * y / 6)
+    >>> image = LatticeImage(fringes, step=0.05, unit="nm")
+    >>> abs(image.spots.vectors).round(3)
+    array([[0.125, 0.   ],
+           [0.   , 0.167]])
+    >>> abs(image.phases().lattice).round(2)
+    array([[0.4, 0. ],
+           [0. , 0.3]])
+    """
+
+    values: np.ndarray
+    step: float = 1.0
+    unit: str = "px"
+    # Rows and columns of the smallest image: a lattice of five pixels has its six periods there.
+    least: ClassVar[int] = 32
+
+    def __post_init__(self) -> None:
+        """Check the array once."""
+        if np.ma.is_masked(self.values):
+            raise ImageError(
+                "image: values at all pixels were needed, but some are masked. Fill them with the "
+                "mean, .filled(array.mean()): a place without lattice is a hole."
+            )
+        values = checks.array(
+            self.values, "image", ImageError, shape=(None, None),
+            message="{subject}: an array of grey values was needed, but {value} came. Give one "
+            "channel: colour[..., 0], or its mean.",
+        )  # fmt: skip
+        if min(values.shape) < self.least:
+            raise ImageError(
+                f"image: {self.least} rows and columns or more were needed, but {values.shape} "
+                "came. Give a larger part."
+            )
+        check_size("image", values.shape)
+        # Products of four of them have to be finite, and not zero.
+        most = float(np.abs(values).max())
+        if most and not 1e-70 < most < 1e70:
+            raise ImageError(
+                f"image: grey values of ordinary size were needed, but {most:.3g} came. Give them "
+                "in other units."
+            )
+        # The mean of equal floats differs from them by rounding, and that is no lattice.
+        if np.ptp(values) <= 1e-12 * np.abs(values).max():
+            raise ImageError(
+                "the image has no lattice: all its values are equal. Give another channel or page."
+            )
+        object.__setattr__(self, "values", values)
+        step = checks.positive(self.step, "step", ImageError)
+        if not 1e-70 < step < 1e70:
+            raise ImageError(
+                f"step: a length of ordinary size was needed, but {step:.3g} came. Give it in "
+                "other units."
+            )
+        object.__setattr__(self, "step", step)
+        checks.text(self.unit, "unit", ImageError)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def read(
+        cls, path: str | Path, step: float = 1.0, unit: str = "px", *, page: int = 0
+    ) -> LatticeImage:
+        """From a TIFF, PNG or NPY file; colours become grey.
+
+        Parameters
+        ----------
+        step, unit
+            Size of a pixel: what microscopes write into files differs too much to be trusted.
+        page
+            Which one, of a TIFF with several or an array of shape (pages, rows, columns).
+
+        Raises
+        ------
+        FileFormatError
+            The file is missing, damaged, too large, or of another kind.
+        MissingExtraError
+            The extra `images` is not installed.
+        """
+        path = checks.file_name(path, error=ImageError)
+        values = read_pixels(path, page)
+        try:
+            return cls(values, step, unit)
+        except ImageError as error:
+            # What is wrong with the pixels is wrong with the file.
+            named = f"{path.name}: {error}"
+            raise ImageError(named if "image" in str(error)[:10] else str(error)) from None
+
+    @classmethod
+    def of_signal(cls, signal: Any) -> LatticeImage:
+        """From a two-dimensional hyperspy signal, with its scale and unit.
+
+        As of files, x goes along the rows of its data and y from the last one to the first.
+
+        Raises
+        ------
+        ImageError
+            It is no such signal, its pixels are not square, or an axis decreases.
+        """
+        return cls(*pixels_of_signal(signal))
+
+    # -- what it shows ----------------------------------------------------------------------------
+
+    @cached_property
+    def field(self) -> np.ndarray:
+        """The values by coordinates, field[x, y], shape (columns, rows)."""
+        return np.ascontiguousarray(self.values[::-1].T)
+
+    @property
+    def axes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates x and y of the pixels."""
+        columns, rows = self.field.shape
+        return self.step * np.arange(columns), self.step * np.arange(rows)
+
+    @cached_property
+    def spots(self) -> Spots:
+        """Two Bragg spots that span the reciprocal lattice, found by themselves.
+
+        Raises
+        ------
+        ImageError
+            The image shows no lattice.
+        """
+        return find_spots(self.field)
+
+    def phases(
+        self,
+        spots: Sequence[Sequence[float]] | np.ndarray | None = None,
+        resolution: float | None = None,
+    ) -> LatticePhases:
+        """Geometric phases of two Bragg spots: how far each place is along the lattice.
+
+        Parameters
+        ----------
+        spots
+            g_1 and g_2 in cycles per unit, rows, shape (2, 2); found if not given. Two that span
+            only part of the reciprocal lattice give only part of the Burgers vector.
+        resolution
+            Standard deviation of the Gaussian over which the phases are averaged, in units. If
+            not given: one lattice spacing, more where the noise asks for it.
+
+        Raises
+        ------
+        ImageError
+            The image shows no lattice, a spot lies beyond the pixels, or both are collinear.
+        """
+        found = self.spots if spots is None else self._given(spots)
+        blur = None if resolution is None else self._resolution(resolution)
+        return lattice_phases(self.field, self.step, self.unit, found, blur)
+
+    def _given(self, spots: object) -> Spots:
+        """Spots from a user, with the amplitude and the noise that the image has there."""
+        pair = self.step * checks.array(spots, "spots", ImageError, shape=(2, 2))
+        if np.abs(pair).max() > 0.5:
+            raise ImageError(
+                f"spots: frequencies of at most {0.5 / self.step:.6g} per {self.unit} were needed, "
+                f"half a cycle per pixel, but {np.abs(pair).max() / self.step:.6g} came."
+            )
+        lengths = np.hypot(*pair.T)
+        periods = lengths.min() * min(self.values.shape)
+        if periods < Spectrum.periods:
+            raise ImageError(
+                f"spots: {Spectrum.periods} periods across the image or more were needed, but a "
+                f"spot has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger "
+                "part."
+            )
+        if abs(np.linalg.det(pair)) < 1e-6 * lengths.prod():
+            raise ImageError(
+                "spots: two in different directions were needed, but both lie on one line."
+            )
+        return measured(Spectrum.of(self.field), pair)
+
+    def _resolution(self, value: object) -> float:
+        """A resolution from a user, in pixels."""
+        blur = checks.positive(value, "resolution", ImageError) / self.step
+        if not 0.5 <= blur <= min(self.values.shape) / 4:
+            raise ImageError(
+                f"resolution: between half a pixel and a quarter of the image was needed, "
+                f"{0.5 * self.step:.6g} to {min(self.values.shape) / 4 * self.step:.6g} "
+                f"{self.unit}, but {blur * self.step:.6g} came."
+            )
+        return blur
+
+    def __repr__(self) -> str:
+        rows, columns = self.values.shape
+        return f"LatticeImage({columns} x {rows} pixels of {self.step:.6g} {self.unit})"

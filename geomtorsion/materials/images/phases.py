@@ -1,0 +1,447 @@
+"""Phases: geometric phase analysis, from two Bragg spots to coframe, strain and whole numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion import checks
+from geomtorsion.errors import GridError, ImageError
+from geomtorsion.loops import Cochain, Complex, Loop
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
+from geomtorsion.materials.images.spots import Spots
+
+# What is divided by is at least this: a power may vanish.
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LatticePhases:
+    """Geometric phases of two Bragg spots of an image.
+
+    Equation
+    --------
+    H_i(r) exp(2 pi i g_i r) = image filtered round g_i; the phase of H_i is -2 pi g_i u(r)
+    [Hytch, Snoeck and Kilaas, Ultramicroscopy 74 (1998) 131], and
+    e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with beta = grad u: lattice coordinates grow
+    by e along a step. Its integral along a right-handed circuit is a whole number for each i, minus
+    g_i b_0, where b_0 = integral of du.
+
+    step, unit: size of a pixel. found: the spots, with their noise, in cycles per pixel.
+    blur: standard deviation of the Gaussian over which they were averaged, in pixels.
+    waves: H_i of each spot, complex, waves[i, x, y].
+    borders: share of the Gaussian that lies within the image, by x and by y.
+    low: share of the median amplitude below which a place is a hole: a core, a void.
+    """
+
+    step: float
+    unit: str
+    found: Spots
+    blur: float
+    waves: np.ndarray
+    borders: tuple[np.ndarray, np.ndarray]
+    low: float = 0.2
+
+    # -- the lattice ------------------------------------------------------------------------------
+
+    @property
+    def spots(self) -> np.ndarray:
+        """g_1 and g_2 in cycles per unit, rows, shape (2, 2)."""
+        return self.found.vectors / self.step
+
+    @property
+    def lattice(self) -> np.ndarray:
+        """Lattice vectors a_1 and a_2 in units, rows, shape (2, 2): a_i g_j = delta_ij."""
+        return np.linalg.inv(self.spots).T
+
+    @property
+    def resolution(self) -> float:
+        """Standard deviation of the Gaussian over which the phases were averaged, in units."""
+        return self.blur * self.step
+
+    @property
+    def doubt(self) -> float:
+        """Relative error of lattice vectors: a third of a pixel of the transform over |g|."""
+        return 1 / (3 * min(self.waves.shape[1:]) * float(np.hypot(*self.found.vectors.T).min()))
+
+    # -- what is seen where -----------------------------------------------------------------------
+
+    @cached_property
+    def amplitude(self) -> np.ndarray:
+        """How strong each wave is, amplitude[i, x, y]; where it is low there is no phase."""
+        return np.abs(self.waves)
+
+    @cached_property
+    def phase(self) -> np.ndarray:
+        """The geometric phases -2 pi g_i u, between -pi and pi, phase[i, x, y]."""
+        return np.angle(self.waves)
+
+    @cached_property
+    def noise(self) -> np.ndarray:
+        """Root mean square of the noise in each wave, noise[i, x, y]; larger towards the border.
+
+        From what lies round each spot in the power spectrum: it holds for noise that is equally
+        strong all over the image.
+        """
+        # Of white noise of variance one a Gaussian leaves 1 / (4 pi blur^2).
+        narrow = [_inside(n, self.blur / np.sqrt(2)) for n in self.waves.shape[1:]]
+        shares = [np.sqrt(s) / b for s, b in zip(narrow, self.borders, strict=True)]
+        one = np.multiply.outer(*shares) / (np.sqrt(4 * np.pi) * self.blur)
+        return self.found.noise[:, None, None] * one
+
+    @cached_property
+    def ratio(self) -> np.ndarray:
+        """Amplitudes in units of their noise, ratio[i, x, y]."""
+        return self.amplitude / np.maximum(self.noise, TINY)
+
+    @cached_property
+    def levels(self) -> np.ndarray:
+        """Median amplitude of each wave, shape (2,)."""
+        return np.median(self.amplitude, axis=(1, 2))
+
+    @cached_property
+    def holes(self) -> np.ndarray:
+        """Where an amplitude is low, so that nothing is known: holes[x, y]."""
+        low = self.amplitude < self.low * self.levels[:, None, None]
+        return low[0] | low[1]
+
+    # -- fields -----------------------------------------------------------------------------------
+
+    @cached_property
+    def coframe(self) -> np.ndarray:
+        """e^i_mu in lattice units per unit of length, coframe[i, mu, x, y], without unwrapping.
+
+        NaN in holes.
+        """
+        slopes = np.empty((2, *self.waves.shape))
+        power = np.maximum(self.amplitude, TINY) ** 2
+        for k, wave in enumerate(self.waves):
+            # The share inside the image is real: it changes no phase, but has a slope of its own.
+            full = wave * np.multiply.outer(*self.borders)
+            scale = power[k] * np.multiply.outer(*self.borders)
+            for mu, slope in enumerate(np.gradient(full, edge_order=2)):
+                slopes[k, mu] = (wave.conj() * slope).imag / scale
+        found = (self.found.vectors[:, :, None, None] + slopes / (2 * np.pi)) / self.step
+        found[:, :, self.holes] = np.nan
+        return found
+
+    @cached_property
+    def spread(self) -> np.ndarray:
+        """Standard deviation of the coframe by noise, along x or y, spread[i, x, y].
+
+        Equation
+        --------
+        A share s / (sqrt(2) A) of the noise s of a wave of amplitude A turns its phase, and a
+        Gaussian of deviation r makes the slope of that 1 / (sqrt(2) r) times as large.
+        """
+        slope = 1 / (2 * self.blur * np.maximum(self.ratio, TINY))
+        return slope / (2 * np.pi * self.step)
+
+    @cached_property
+    def distortion(self) -> np.ndarray:
+        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the mean lattice.
+
+        NaN in holes. `strain` is its symmetric part, `rotation` the rest.
+        """
+        unit = np.eye(2)[:, :, None, None]
+        return unit - np.einsum("ia,imxy->amxy", self.lattice, self.coframe)
+
+    @property
+    def strain(self) -> np.ndarray:
+        """Symmetric part of the distortion, strain[a, mu, x, y]."""
+        return (self.distortion + self.distortion.swapaxes(0, 1)) / 2
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """Angle by which the lattice is turned to the left, in radians, rotation[x, y]."""
+        return (self.distortion[1, 0] - self.distortion[0, 1]) / 2
+
+    @property
+    def margin(self) -> int:
+        """Pixels at each border whose averages reach beyond it, which `sampled` leaves out."""
+        # A middle that is nearer to the border than half the reach has lost more than 2 % there.
+        return int(np.ceil(_reach(self.blur) / 2))
+
+    def sampled(self, order: int = 4, *, lengths: bool = False) -> SampledFrame:
+        """The coframe as a sampled frame without the margin: maps, loops, Nye tensor.
+
+        Its holes are those of the phases, its sigma is their noise. Noise of neighbours is the same
+        over the resolution here, and that of a gradient, which closes: of single values and of
+        strains sigma holds, of circuits it is a bound far above the scatter.
+
+        Parameters
+        ----------
+        lengths
+            1 - beta, in units of length along x and y, in the place of lattice coordinates.
+
+        Raises
+        ------
+        GridError
+            The margins leave nothing.
+        """
+        checks.count(order, "order", GridError, 2)
+        sizes = self.waves.shape[1:]
+        if 2 * self.margin + order >= min(sizes):
+            raise GridError(
+                f"the margins of {self.margin} pixels on both sides leave nothing of {sizes[0]} x "
+                f"{sizes[1]}. Choose a finer resolution than {self.resolution:.3g} {self.unit}."
+            )
+        keep = slice(self.margin, -self.margin)
+        values = np.eye(2)[:, :, None, None] - self.distortion if lengths else self.coframe
+        axes = [self.step * np.arange(n)[keep] for n in sizes]
+        sigma = np.where(self.holes, 0.0, self.spread)
+        if lengths:
+            parts = np.einsum("ia,ixy->axy", self.lattice**2, sigma**2)
+            sigma = np.sqrt(parts)
+        sigma = np.broadcast_to(sigma[:, None], values.shape)
+        made = f"phases of an image, averaged over {self.resolution:.3g} {self.unit}"
+        return SampledFrame(
+            axes, values[:, :, keep, keep], order, unit=self.unit, sigma=sigma[..., keep, keep],
+            vector_unit=self.unit if lengths else "lattice vectors", source=made,
+        )  # fmt: skip
+
+    # -- whole numbers ----------------------------------------------------------------------------
+
+    def burgers(self, loop: Loop, risk: float = 0.05) -> LatticeBurgers:
+        """Burgers vector of a circuit: how often each phase turns along it, a whole number.
+
+        Parameters
+        ----------
+        loop
+            In x and y of the image, in its units.
+        risk
+            A result is refused where the chance that noise has changed it is larger. That chance
+            is told too large rather than too small.
+
+        Raises
+        ------
+        ImageError
+            The circuit leaves the image, crosses a hole, or the noise is too strong; the message
+            names the place.
+        """
+        limit = checks.positive(risk, "risk", ImageError)
+        path = pixel_path(loop, self.step, self.waves.shape[1:], self.unit)
+        x, y = path.T
+        crossed = np.flatnonzero(self.holes[x, y])
+        if len(crossed):
+            raise ImageError(
+                f"the circuit crosses a hole at {self._place(path[crossed[0]])}, where the lattice "
+                f"cannot be seen ({len(crossed)} of {len(path)} pixels). Lead it round."
+            )
+        whole, steps = wound(self.phase[:, x, y])
+        ratio = self.ratio[:, x, y]
+        chance = min(1.0, float(expected_clicks(ratio, steps, self.blur, 1).sum()))
+        weakest = path[int(ratio.min(axis=0).argmin())]
+        if chance > limit:
+            raise ImageError(
+                f"the noise is too strong for this circuit: the chance of a wrong whole number is "
+                f"{chance:.2g}, more than the risk of {limit:.2g}; the lattice is weakest at "
+                f"{self._place(weakest)}. Lead the circuit elsewhere, make it shorter, or give a "
+                f"larger resolution than {self.resolution:.3g}."
+            )
+        error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
+        low = (self.step * weakest).tolist()
+        return LatticeBurgers(
+            whole, chance, self.lattice, self.unit, error, path, (low[0], low[1])
+        )  # fmt: skip
+
+    def burgers_map(self, size: int, risk: float = 0.05) -> LatticeCircuits:
+        """Burgers vectors of the square circuits of size x size pixels at every place.
+
+        Whole numbers, the same as `burgers` gives for each of them. The cost does not grow with
+        the size. risk: as for `burgers`; where the chance of a wrong number is larger, nothing is
+        known.
+
+        Raises
+        ------
+        ImageError
+            The size is not from 2 to what the image holds.
+        """
+        n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
+        limit = checks.positive(risk, "risk", ImageError)
+        found = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
+        return LatticeCircuits(n, *found, limit, self.lattice, self.step, self.unit)
+
+    def _place(self, pixel: np.ndarray) -> str:
+        """A pixel as a place in messages."""
+        x, y = (self.step * pixel).tolist()
+        return f"({x:.6g}, {y:.6g}) {self.unit}"
+
+    @cached_property
+    def cochain(self) -> Cochain:
+        """Whole turns of both phases along every step from pixel to pixel, as a cochain.
+
+        Its coboundary is the discrete torsion: not zero on the faces in which a core lies.
+        """
+        values = np.concatenate([-turns(self.phase, axis).reshape(2, -1).T for axis in (1, 2)])
+        return Cochain(Complex.grid(self.phase.shape[1:]), values)
+
+    @cached_property
+    def residues(self) -> np.ndarray:
+        """Burgers vector of every square of four pixels, whole numbers, residues[i, x, y]."""
+        along_x, along_y = (-turns(self.phase, axis) for axis in (1, 2))
+        return np.diff(along_y, axis=1) - np.diff(along_x, axis=2)
+
+    def __repr__(self) -> str:
+        lengths = ", ".join(f"{x:.4g}" for x in np.hypot(*self.lattice.T))
+        return (
+            f"LatticePhases(lattice vectors of {lengths} {self.unit}, resolution "
+            f"{self.resolution:.3g} {self.unit})"
+        )
+
+
+def turns(phase: np.ndarray, axis: int) -> np.ndarray:
+    """How many whole turns have to be taken off each step of a phase to make it the shortest."""
+    return np.rint(np.diff(phase, axis=axis) / (2 * np.pi)).astype(np.int64)
+
+
+def lattice_phases(
+    field: np.ndarray, step: float, unit: str, spots: Spots, blur: float | None
+) -> LatticePhases:
+    """Filter an image round two spots; see LatticeImage.phases."""
+    if blur is None:
+        blur = _resolution(spots, min(field.shape))
+    # Zeros behind the border keep opposite sides apart.
+    padded = [scipy.fft.next_fast_len(n + int(_reach(blur))) for n in field.shape]
+    spectrum = scipy.fft.fft2(field - field.mean(), padded)
+    borders = [_inside(n, blur) for n in field.shape]
+    lines = [scipy.fft.fftfreq(n) for n in padded]
+    waves = np.empty((2, *field.shape), dtype=complex)
+    for wave, vector in zip(waves, spots.vectors, strict=True):
+        masks = []
+        for k, g in zip(lines, vector, strict=True):
+            # Frequencies beyond the end of an axis are those at its other end.
+            away = (k - g + 0.5) % 1.0 - 0.5
+            masks.append(np.exp(-2 * (np.pi * blur * away) ** 2))
+        found = scipy.fft.ifft2(spectrum * np.multiply.outer(*masks), overwrite_x=True)
+        ramps = [
+            np.exp(-2j * np.pi * g * np.arange(n)) / share
+            for g, n, share in zip(vector, field.shape, borders, strict=True)
+        ]
+        wave[:] = found[: field.shape[0], : field.shape[1]] * np.multiply.outer(*ramps)
+    if not np.abs(waves).max(axis=(1, 2)).all():
+        raise ImageError(
+            "the image has no power at a spot that was given. Give the spots of its lattice."
+        )
+    return LatticePhases(step, unit, spots, blur, waves, (borders[0], borders[1]))
+
+
+def _reach(blur: float, deviations: float = 4.0) -> float:
+    """Where a Gaussian has ended."""
+    return deviations * blur
+
+
+def _inside(count: int, blur: float) -> np.ndarray:
+    """Share of a Gaussian about each of so many pixels that lies within them."""
+    reach = int(np.ceil(_reach(blur)))
+    weights = np.exp(-((np.arange(-reach, reach + 1) / blur) ** 2) / 2)
+    every = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
+    place = np.arange(count)
+    above = every[np.minimum(reach + count - place, 2 * reach + 1)]
+    return above - every[np.maximum(reach - place, 0)]
+
+
+def _resolution(spots: Spots, size: int, clear: float = 5.0, coarsest: float = 1 / 12) -> float:
+    """One lattice spacing; more where amplitudes would not be clear of the noise.
+
+    clear: amplitude over noise from which on noise turns no phase round (less than once in a
+    million resolutions). coarsest: share of the image beyond which it is not averaged: circuits
+    need room.
+    """
+    spacing = 1.0 / float(np.hypot(*spots.vectors.T).min())
+    # A spot without any power asks for more than there is.
+    weakest = np.maximum(spots.amplitudes, spots.noise / size)
+    ratio = float((spots.noise / np.maximum(weakest, TINY)).max())
+    needed = clear * ratio / np.sqrt(4 * np.pi)
+    return min(max(spacing, needed), max(spacing, size * coarsest))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LatticeCircuits:
+    """Burgers vectors of all square circuits of one size in a lattice image.
+
+    size: pixels along a side. whole: in lattice vectors, whole numbers, whole[i, x, y] for the
+        circuit whose lower left corner is pixel (x, y), run anticlockwise.
+    clear: whether the circuit touches no hole, clear[x, y].
+    chances: that noise has changed each number, chances[i, x, y]. risk: the largest accepted.
+    lattice: the lattice vectors, rows, shape (2, 2), in `unit`. step: size of a pixel.
+    """
+
+    size: int
+    whole: np.ndarray
+    clear: np.ndarray
+    chances: np.ndarray
+    risk: float
+    lattice: np.ndarray
+    step: float
+    unit: str
+
+    @property
+    def chance(self) -> np.ndarray:
+        """That noise has changed one of the numbers of a circuit, chance[x, y]."""
+        return np.minimum(self.chances.sum(axis=0), 1.0)
+
+    @property
+    def known(self) -> np.ndarray:
+        """Where the numbers are to be trusted, known[x, y]."""
+        return self.clear & (self.chance <= self.risk)
+
+    @property
+    def vectors(self) -> np.ndarray:
+        """b along x and y, in `unit`, vectors[a, x, y]."""
+        return np.einsum("ia,ixy->axy", self.lattice, self.whole)
+
+    @property
+    def area(self) -> float:
+        """Of each circuit, unit squared."""
+        return (self.size * self.step) ** 2
+
+    def __repr__(self) -> str:
+        return (
+            f"LatticeCircuits({int(self.clear.sum())} of {self.clear.size} circuits of {self.size} "
+            f"x {self.size} pixels touch no hole)"
+        )
+
+
+def squares_of(
+    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, size: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Windings of phases round all squares, which touch no hole, and expected clicks of noise.
+
+    phase, ratio: phase[i, x, y], and the amplitude in units of its noise. Sums from the first pixel
+    of each line make any size as cheap as a pixel.
+    """
+    sides = [_along(phase, ratio, holes, blur, axis, size) for axis in (1, 2)]
+    (whole, clicks, crossed), (up, more, met) = sides
+    n = size
+    # Right along the lower side, up the right one, back along the upper one, down the left one.
+    wound = whole[:, :, :-n] + up[:, n:] - whole[:, :, n:] - up[:, :-n]
+    total = clicks[:, :, :-n] + more[:, n:] + clicks[:, :, n:] + more[:, :-n]
+    touched = crossed[:, :-n] + met[n:] + crossed[:, n:] + met[:-n]
+    return wound, touched == 0, np.minimum(total, 1.0)
+
+
+def _along(
+    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, axis: int, size: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Along all sides of one direction: whole turns, expected clicks, pixels in holes."""
+    steps = np.diff(phase, axis=axis)
+    turns = np.rint(steps / (2 * np.pi)).astype(np.int64)
+    clicks = expected_clicks(ratio, steps - 2 * np.pi * turns, blur, axis)
+    spoilt = np.cumsum(np.insert(holes.astype(np.int64), 0, 0, axis - 1), axis=axis - 1)
+    n, last = size, holes.shape[axis - 1]
+    held = np.take(spoilt, range(n + 1, last + 1), axis - 1) - np.take(
+        spoilt, range(last - n), axis - 1
+    )
+    return _runs(-turns, axis, n), _runs(clicks, axis, n), held
+
+
+def _runs(steps: np.ndarray, axis: int, size: int) -> np.ndarray:
+    """Sums over so many steps that follow each other."""
+    sums = np.cumsum(np.insert(steps, 0, 0, axis), axis=axis)
+    count = sums.shape[axis]
+    return np.take(sums, range(size, count), axis) - np.take(sums, range(count - size), axis)

@@ -1,0 +1,498 @@
+"""Crystal Analysis files: dislocation lines as OVITO writes and reads them (.ca)."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from os import PathLike
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import shown
+from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
+from geomtorsion.files import finite_number, read_text
+from geomtorsion.materials.lines.box import Box
+from geomtorsion.materials.lines.line_arrays import DislocationLine, LineArrays
+from geomtorsion.materials.lines.polylines import Polyline
+from geomtorsion.materials.lines.reactions import CONSTRAINTS
+
+# One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.
+AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
+
+# Lattice -> its number and full name in OVITO, and its families: name, prototype, colour.
+Family = tuple[str, str, str]
+_THIRD, _SIXTH, _HALF = "0.333333333333", "0.166666666667", "0.5"
+_HEXAGONAL: tuple[Family, ...] = (
+    ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
+    ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
+    ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
+    ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
+    ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
+)
+STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
+    "fcc": (
+        1,
+        "FCC",
+        (
+            ("1/2<110> (Perfect)", f"{_HALF} {_HALF} 0", "0.2 0.2 1"),
+            ("1/6<112> (Shockley)", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
+            ("1/6<110> (Stair-rod)", f"{_SIXTH} {_SIXTH} 0", "1 0 1"),
+            ("1/3<100> (Hirth)", f"{_THIRD} 0 0", "1 1 0"),
+            ("1/3<111> (Frank)", f"{_THIRD} {_THIRD} {_THIRD}", "0 1 1"),
+        ),
+    ),
+    "hcp": (2, "HCP", _HEXAGONAL),
+    "bcc": (
+        3,
+        "BCC",
+        (
+            ("1/2<111>", f"{_HALF} {_HALF} {_HALF}", "0 1 0"),
+            ("<100>", "1 0 0", "1 0.3 0.8"),
+            ("<110>", "1 1 0", "0.2 0.5 1"),
+        ),
+    ),
+    "diamond": (
+        4,
+        "Cubic diamond",
+        (
+            ("1/2<110>", f"{_HALF} {_HALF} 0", "0.2 0.2 1"),
+            ("1/6<112>", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
+        ),
+    ),
+    # OVITO finds no lines in it; their families are those of hcp.
+    "hexagonal diamond": (6, "Hexagonal diamond", _HEXAGONAL),
+    # A network that knows no crystal: OVITO shows its lines in one colour.
+    "": (5, "unknown", ()),
+}
+
+
+# -- writing --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Cluster:
+    """A grain, as OVITO has it.
+
+    lattice: a key of `STRUCTURES`, by whose families OVITO names and colours lines.
+    matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
+        the orientation of the cluster. The file has b in units of the lattice.
+    atoms: how many.
+    """
+
+    lattice: str = ""
+    matrix: np.ndarray = field(default_factory=lambda: np.eye(3))
+    atoms: int = 0
+
+    def __post_init__(self) -> None:
+        """Look at what came."""
+        checks.choice(self.lattice, tuple(STRUCTURES), "lattice", NetworkError)
+        matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
+        if np.linalg.matrix_rank(matrix) < 3:
+            raise NetworkError("matrix: its columns lie in one plane. Give three independent ones.")
+        object.__setattr__(self, "matrix", matrix)
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """Takes a vector in space to one in units of the lattice."""
+        return np.linalg.inv(self.matrix)
+
+
+# Grains, in which of them each curve lies, and pairs of grains that touch.
+Clusters = tuple[Sequence[Cluster], Sequence[int], Sequence[tuple[int, int]]]
+
+
+def clusters_of(
+    known: Mapping[str, Any],
+    lines: Sequence[DislocationLine],
+    owners: Sequence[int],
+    curves: Sequence[Polyline],
+) -> Clusters:
+    """The grains of a network, that of each polyline, and which of them touch.
+
+    known: clusters by number of the grain, and walls, pairs of these, where there are any. owners:
+    number of the line to which each straight piece belongs.
+    """
+    clusters: Mapping[int | None, Cluster] = known.get("clusters") or {None: Cluster()}
+    if None not in clusters:
+        # Numbers of clusters are those of grains: one that is there no more has no atoms.
+        gone = Cluster(next(iter(clusters.values())).lattice)
+        numbers = [number for number in clusters if number is not None]
+        clusters = {number: clusters.get(number, gone) for number in range(max(numbers) + 1)}
+    place = {number: k for k, number in enumerate(clusters)}
+    mine = [place.get(lines[owners[curve.numbers[0]]].grain, 0) for curve in curves]
+    walls = [(place[one], place[other]) for one, other in known.get("walls", ())]
+    return list(clusters.values()), mine, walls
+
+
+def crystal_analysis_text(
+    lines: LineArrays,
+    curves: Sequence[Polyline],
+    clusters: Sequence[Cluster] = (),
+    owners: Sequence[int] | None = None,
+    walls: Sequence[tuple[int, int]] = (),
+) -> str:
+    """Lines as the text of a Crystal Analysis file, every number to the last digit.
+
+    Parameters
+    ----------
+    curves
+        The polylines of the lines; their b in the coordinates of the nodes.
+    clusters, owners
+        Grains, and in which of them each curve lies, counted from 0; all in the first if not given,
+        and that of no lattice if none is.
+    walls
+        Pairs of clusters that touch. The transition from one to the other takes a vector in units
+        of the lattice of the first to the same vector in space in those of the second.
+
+    Raises
+    ------
+    NetworkError
+        There is no box, or b has not three components.
+    """
+    if lines.box is None:
+        raise NetworkError(
+            "a Crystal Analysis file needs the cell of the simulation, but the network has no "
+            "box. Give one: DislocationNetwork(graph, box=Box(vectors))."
+        )
+    if lines.burgers.shape[1] != 3:
+        raise NetworkError(
+            f"a Crystal Analysis file needs three components of b, but {lines.burgers.shape[1]} "
+            "came."
+        )
+    clusters = clusters or (Cluster(),)
+    lattices = list(dict.fromkeys(cluster.lattice for cluster in clusters))
+    head = [
+        "CA_FILE_VERSION 6", "CA_LIB_VERSION 0.0.0", f"STRUCTURE_TYPES {len(lattices)}",
+        *(row for lattice in lattices for row in _structure(lattice)),
+    ]  # fmt: skip
+    vectors, origin = np.asarray(lines.box.vectors), np.asarray(lines.box.origin)
+    head += [
+        f"SIMULATION_CELL_ORIGIN {_row(origin)}", "SIMULATION_CELL_MATRIX",
+        *map(_row, vectors.T),
+        f"PBC_FLAGS {' '.join(str(int(flag)) for flag in lines.box.periodic)}",
+        f"CLUSTERS {len(clusters)}",
+    ]  # fmt: skip
+    for k, cluster in enumerate(clusters, 1):
+        head += [
+            f"CLUSTER {k}", f"CLUSTER_STRUCTURE {STRUCTURES[cluster.lattice][0]}",
+            "CLUSTER_ORIENTATION", *map(_row, cluster.matrix), "CLUSTER_COLOR 1 1 1",
+            f"CLUSTER_SIZE {cluster.atoms}", "END_CLUSTER",
+        ]  # fmt: skip
+    head.append(f"CLUSTER_TRANSITIONS {len(walls)}")
+    for one, other in walls:
+        between = clusters[other].inverse @ clusters[one].matrix
+        head += [f"TRANSITION {one} {other}", _row(between.ravel())]
+    head.append(f"DISLOCATIONS {len(curves)}")
+    for k, curve in enumerate(curves):
+        mine = 0 if owners is None else owners[k]
+        local = _row(clusters[mine].inverse @ np.array([float(x) for x in curve.burgers]))
+        head += [str(k), local, str(1 + mine), str(len(curve.points)), *map(_row, curve.points)]
+    return "\n".join([*head, "DISLOCATION_JUNCTIONS", *_rings(curves)]) + "\n"
+
+
+def _structure(lattice: str) -> Iterator[str]:
+    """A lattice with its families."""
+    number, title, families = STRUCTURES[lattice]
+    yield from (
+        f"STRUCTURE_TYPE {number}", f"NAME {lattice or 'unknown'}", f"FULL_NAME {title}",
+        "COLOR 0.4 0.4 1", "TYPE LATTICE", f"BURGERS_VECTOR_FAMILIES {1 + len(families)}",
+        "BURGERS_VECTOR_FAMILY ID 0", "Other", "0 0 0", "0.9 0.2 0.2",
+    )  # fmt: skip
+    for k, family in enumerate(families, 1):
+        yield from (f"BURGERS_VECTOR_FAMILY ID {k}", *family)
+    yield "END_STRUCTURE_TYPE"
+
+
+def _row(values: np.ndarray) -> str:
+    """Numbers with all their digits; minus zero is zero."""
+    return " ".join(repr(float(x) + 0.0) for x in values)
+
+
+def _rings(curves: Sequence[Polyline]) -> Iterator[str]:
+    """For the end and the start of each line the next one in the ring about their node."""
+    arms: dict[object, list[tuple[int, int]]] = {}
+    for k, curve in enumerate(curves):
+        arms.setdefault(curve.nodes[-1], []).append((1, k))
+        arms.setdefault(curve.nodes[0], []).append((0, k))
+    after = {
+        arm: ring[(place + 1) % len(ring)]
+        for ring in arms.values()
+        for place, arm in enumerate(ring)
+    }
+    for k in range(len(curves)):
+        for end in (1, 0):
+            other, line = after[end, k]
+            yield f"{other} {line}"
+
+
+# -- reading --------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Rows:
+    """The rows of a file, one after another."""
+
+    name: str
+    rows: list[str]
+    line: int = 0
+
+    def next(self, what: str) -> list[str]:
+        """The words of the next row."""
+        if self.line >= len(self.rows):
+            self.fail(f"{what} was needed, but the file ends. Is the file complete?")
+        self.line += 1
+        return self.rows[self.line - 1].split()
+
+    def fail(self, message: str) -> NoReturn:
+        """Refuse the row that was read last."""
+        raise FileFormatError(f"{self.name}: line {self.line}: {message}")
+
+    def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
+        """So many finite numbers; OVITO may write the size of the core behind a point."""
+        if len(words) < count:
+            self.fail(f"{what}: {count} numbers were needed, but {len(words)} came.")
+        found = [x for x in map(finite_number, words[:count]) if x is not None]
+        if len(found) < count:
+            self.fail(f"{what}: finite numbers were needed, but {shown(' '.join(words))} came.")
+        return found
+
+    def whole(self, words: Sequence[str], what: str, most: int) -> int:
+        """The whole number that ends a row, from 0 to below `most`."""
+        word = words[-1] if words else ""
+        if not re.fullmatch("[0-9]{1,18}", word) or int(word) >= most:
+            self.fail(
+                f"{what}: a whole number below {most:,} was needed, but {shown(word)} came. "
+                "Is the file complete?"
+            )
+        return int(word)
+
+    def matrix(self, what: str) -> np.ndarray:
+        """Three rows of three numbers."""
+        return np.array([self.numbers(self.next(what), 3, what) for _ in range(3)])
+
+
+def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
+    """Read the dislocation lines of a Crystal Analysis file; b in space, each line once.
+
+    Of several clusters each is a grain, numbered from 0 in their order. Lines that end where no
+    other begins (at a surface, a grain boundary) are marked so.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, truncated or malformed; the message names the line of the file.
+    """
+    text = read_text(path, checks.LARGEST_ARRAYS)
+    rows = _Rows(Path(path).name, text.splitlines())
+    first = rows.next("CA_FILE_VERSION")
+    if first[:1] != ["CA_FILE_VERSION"]:
+        rows.fail(f"CA_FILE_VERSION was needed, but {shown(' '.join(first))} came.")
+    if rows.whole(first, "the version of the format", 7) < 5:
+        rows.fail(
+            f"version 5 or 6 was needed, but {shown(first[-1])} came. Write it anew by OVITO."
+        )
+    made = _Contents()
+    while rows.line < len(rows.rows):
+        words = rows.next("a keyword")
+        if words and words[0] in made.parts:
+            made.parts[words[0]](rows, words)
+    for key, found in (("DISLOCATIONS", made.listed), ("DISLOCATION_JUNCTIONS", made.joined)):
+        if not found:
+            rows.fail(f"{key} was needed, but the file ends. Is the file complete?")
+    try:
+        return made.lines()
+    except GeomtorsionError as error:
+        raise FileFormatError(f"{rows.name}: {error}") from None
+
+
+class _Contents:
+    """What stands in the file, part by part."""
+
+    def __init__(self) -> None:
+        self.origin = np.zeros(3)
+        self.vectors: np.ndarray | None = None
+        self.periodic: list[bool] = []
+        self.cluster = self.structure = 0
+        self.names: dict[int, str] = {}
+        self.lattices: dict[int, int] = {}
+        self.sizes: dict[int, int] = {}
+        self.walls: list[tuple[int, int]] = []
+        self.owners: list[int] = []
+        self.matrices: dict[int, np.ndarray] = {}
+        self.curves: list[np.ndarray] = []
+        self.burgers: list[np.ndarray] = []
+        self.rings: list[tuple[int, int]] = []
+        self.listed = self.joined = False
+        self.parts: Mapping[str, Callable[[_Rows, list[str]], None]] = {
+            "SIMULATION_CELL_ORIGIN": self._origin,
+            "SIMULATION_CELL_MATRIX": self._cell,
+            "PBC_FLAGS": self._flags,
+            "STRUCTURE_TYPE": self._structure,
+            "NAME": self._name,
+            "CLUSTER": self._cluster,
+            "CLUSTER_STRUCTURE": self._lattice,
+            "CLUSTER_SIZE": self._size,
+            "TRANSITION": self._transition,
+            "CLUSTER_ORIENTATION": self._orientation,
+            "DISLOCATIONS": self._dislocations,
+            "DISLOCATION_JUNCTIONS": self._junctions,
+        }
+
+    def _origin(self, rows: _Rows, words: list[str]) -> None:
+        self.origin = np.array(rows.numbers(words[1:], 3, words[0]))
+
+    def _cell(self, rows: _Rows, words: list[str]) -> None:
+        # Columns are the edges.
+        self.vectors = rows.matrix(words[0]).T
+
+    def _flags(self, rows: _Rows, words: list[str]) -> None:
+        if len(words) != 4 or not {"0", "1"}.issuperset(words[1:]):
+            rows.fail(f"{words[0]}: 0 or 1 for each edge was needed, but {shown(words[1:])} came.")
+        self.periodic = [word == "1" for word in words[1:]]
+
+    def _structure(self, rows: _Rows, words: list[str]) -> None:
+        self.structure = rows.whole(words, words[0], 10**18)
+
+    def _name(self, rows: _Rows, words: list[str]) -> None:
+        self.names[self.structure] = " ".join(words[1:])
+
+    def _lattice(self, rows: _Rows, words: list[str]) -> None:
+        self.lattices[self.cluster] = rows.whole(words, words[0], 10**18)
+
+    def _size(self, rows: _Rows, words: list[str]) -> None:
+        self.sizes[self.cluster] = rows.whole(words, words[0], 10**18)
+
+    def _transition(self, rows: _Rows, words: list[str]) -> None:
+        # They are counted from 0.
+        one, other = (rows.whole(words[: k + 1], words[0], len(self.matrices)) for k in (1, 2))
+        self.walls.append((one, other))
+
+    def _cluster(self, rows: _Rows, words: list[str]) -> None:
+        self.cluster = rows.whole(words, words[0], 10**18)
+
+    def _orientation(self, rows: _Rows, words: list[str]) -> None:
+        self.matrices[self.cluster] = rows.matrix(words[0])
+
+    def _dislocations(self, rows: _Rows, words: list[str]) -> None:
+        for k in range(rows.whole(words, words[0], len(rows.rows))):
+            what = f"dislocation {k}"
+            if rows.whole(rows.next(what), what, 10**18) != k:
+                rows.fail(f"{what} was needed. Is a row missing, or one too many?")
+            local = rows.numbers(rows.next(what), 3, f"b of {what}")
+            cluster = rows.whole(rows.next(what), f"cluster of {what}", 10**18)
+            if cluster not in self.matrices:
+                rows.fail(f"{what} lies in cluster {cluster}, which the file does not have.")
+            count = rows.whole(rows.next(what), f"points of {what}", len(rows.rows))
+            if count < 2:
+                rows.fail(f"{what}: two points or more were needed, but {count} came.")
+            points = [rows.numbers(rows.next(what), 3, f"a point of {what}") for _ in range(count)]
+            self.curves.append(np.array(points))
+            self.burgers.append(self.matrices[cluster] @ local)
+            self.owners.append(cluster)
+        rest = rows.rows[rows.line].split() if rows.line < len(rows.rows) else []
+        if rest and finite_number(rest[0]) is not None:
+            rows.next("a keyword")
+            rows.fail(
+                f"a keyword was needed behind {len(self.curves)} dislocations, but "
+                f"{shown(' '.join(rest))} came. Is a row of them one too many?"
+            )
+        self.listed = True
+
+    def _junctions(self, rows: _Rows, words: list[str]) -> None:
+        for k in range(2 * len(self.curves)):
+            what = f"junction of dislocation {k // 2}"
+            pair = rows.next(what)
+            if len(pair) != 2 or pair[0] not in ("0", "1"):
+                rows.fail(f"{what}: 0 or 1 and a dislocation were needed, but {shown(pair)} came.")
+            self.rings.append((rows.whole(pair, what, len(self.curves)), int(pair[0])))
+        self.joined = True
+
+    def lines(self) -> LineArrays:
+        """All of it: ends that belong to one ring are one node."""
+        if self.vectors is None:
+            raise FileFormatError("SIMULATION_CELL_MATRIX is missing. Is the file complete?")
+        if not self.periodic:
+            advice = "Write PBC_FLAGS and 1 (it repeats) or 0 for each edge below the cell."
+            raise FileFormatError(f"PBC_FLAGS is missing: does the cell repeat? {advice}")
+        box = Box(self.vectors, self.origin, self.periodic)
+        places: list[np.ndarray] = []
+        pairs: list[tuple[int, int]] = []
+        vectors: list[np.ndarray] = []
+        steps: list[np.ndarray] = []
+        grains: list[int | None] = []
+        known = self._known()
+        number_of = {cluster: k for k, cluster in enumerate(self.matrices)}
+        ends, sizes = self._ends()
+        made: dict[int, int] = {}
+        constraints: list[int] = []
+
+        def node(place: np.ndarray, constraint: int = 0) -> int:
+            places.append(place)
+            constraints.append(constraint)
+            return len(places) - 1
+
+        for k, (points, b) in enumerate(zip(self.curves, self.burgers, strict=True)):
+            for end, place in ((0, points[0]), (1, points[-1])):
+                ring = ends[k, end]
+                if ring not in made:
+                    made[ring] = node(place, AT_SURFACE if sizes[ring] == 1 else 0)
+            inner = [node(place) for place in points[1:-1]]
+            chain = [made[ends[k, 0]], *inner, made[ends[k, 1]]]
+            pairs += pairwise(chain)
+            vectors += [b] * (len(chain) - 1)
+            grain = None if None in known["clusters"] else number_of[self.owners[k]]
+            grains += [grain] * (len(chain) - 1)
+            steps += list(np.diff(points, axis=0))
+        positions = np.array(places).reshape(-1, 3)
+        numbers = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+        gaps = positions[numbers[:, 1]] - positions[numbers[:, 0]]
+        # By how many periods the node is meant farther: what the step has more than the places.
+        images = -box.images(np.array(steps).reshape(-1, 3) - gaps)
+        table = np.array(vectors).reshape(-1, 3)
+        return LineArrays(
+            positions, numbers, table, box, images, constraints=constraints, grains=grains,
+            known=known,
+        )  # fmt: skip
+
+    def _known(self) -> dict[str, Any]:
+        """Clusters by number of the grain, None where there is one alone, and those that touch."""
+        found = []
+        for cluster, matrix in self.matrices.items():
+            name = self.names.get(self.lattices.get(cluster, -1), "")
+            # A cluster without lines may have no orientation.
+            whole = matrix if np.linalg.matrix_rank(matrix) == 3 else np.eye(3)
+            lattice = name if name in STRUCTURES else ""
+            found.append(Cluster(lattice, whole, self.sizes.get(cluster, 0)))
+        if len(found) < 2:
+            return {"clusters": {None: (found or [Cluster()])[0]}}
+        return {"clusters": dict(enumerate(found)), "walls": self.walls}
+
+    def _ends(self) -> tuple[dict[tuple[int, int], int], dict[int, int]]:
+        """The ring to which each end of a line belongs, and how many ends each ring has.
+
+        Rows of the file stand for the end (1) and then for the start (0) of each line.
+        """
+        after = {(k // 2, 1 - k % 2): (line, int(end)) for k, (line, end) in enumerate(self.rings)}
+        found: dict[tuple[int, int], int] = {}
+        sizes: dict[int, int] = {}
+        for arm in after:
+            if arm in found:
+                continue
+            ring = len(sizes)
+            sizes[ring] = 0
+            while arm not in found:
+                found[arm] = ring
+                sizes[ring] += 1
+                arm = after[arm]
+            if found[arm] != ring:
+                raise FileFormatError(
+                    f"the junctions of dislocation {arm[0]} form no ring. Is the file complete?"
+                )
+        return found, sizes

@@ -1,0 +1,324 @@
+"""Line arrays: dislocation lines as numbers, one by one and as straight pieces, with their box."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geomtorsion import checks
+from geomtorsion.errors import NetworkError
+from geomtorsion.loops import Cochain, Complex
+from geomtorsion.loops.validation import listed, whole
+from geomtorsion.materials.lines.box import Box
+from geomtorsion.materials.lines.reactions import Vector
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class LineArrays:
+    """Straight dislocation lines between nodes in three dimensions, each described once.
+
+    positions: of the nodes, shape (nodes, 3).
+    pairs: first and second node of each line, along its sense, shape (lines, 2).
+    burgers: b of each line, shape (lines, n).
+    box: the cell of the simulation; without one nothing repeats.
+    images: how many periods further the second node is meant, shape (lines, 3); the nearest image
+        if not given.
+    labels: names of the nodes; their numbers if not given.
+    constraints: the number that a simulation gives each node, shape (nodes,); zero if not given.
+    planes: normal of the glide plane of each line, shape (lines, 3), if known.
+    grains: number of the grain in which each line lies, None where it is not known; () of none.
+    known: what a file says of these grains: `clusters` by number, and `walls` between them.
+
+    Raises
+    ------
+    NetworkError
+        Shapes do not fit, a node is not there, or a number is not finite.
+    """
+
+    positions: np.ndarray
+    pairs: np.ndarray
+    burgers: np.ndarray
+    box: Box | None
+    images: np.ndarray
+    labels: Sequence[Hashable]
+    constraints: np.ndarray
+    planes: np.ndarray | None
+    grains: Sequence[int | None]
+    known: Mapping[str, Any]
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        pairs: ArrayLike,
+        burgers: ArrayLike,
+        box: Box | None = None,
+        images: ArrayLike | None = None,
+        labels: Sequence[Hashable] = (),
+        constraints: ArrayLike | None = None,
+        planes: ArrayLike | None = None,
+        grains: Sequence[int | None] = (),
+        known: Mapping[str, Any] | None = None,
+    ) -> None:
+        def put(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
+        put("positions", checks.array(positions, "positions", NetworkError, shape=(None, 3)))
+        count = len(self.positions)
+        put("pairs", whole(pairs, "pairs", 2))
+        put("burgers", checks.array(burgers, "burgers", NetworkError, shape=(None, None)))
+        if len(self.burgers) != len(self.pairs):
+            raise NetworkError(
+                f"burgers: one row for each of {len(self.pairs)} lines was needed, but "
+                f"{len(self.burgers)} came."
+            )
+        put("box", None if box is None else checks.instance(box, Box, "box", NetworkError))
+        put("labels", listed(labels, "labels") or range(count))
+        given = np.zeros(count, np.int64) if constraints is None else constraints
+        column = [[x] for x in checks.entries(checks.rows(given), "constraints", NetworkError)]
+        put("constraints", whole(column, "constraints", 1).ravel())
+        if len(self.constraints) != count:
+            raise NetworkError(
+                f"constraints: one for each of {count} nodes was needed, but "
+                f"{len(self.constraints)} came."
+            )
+        put("planes", None)
+        if planes is not None:
+            shape = (len(self.pairs), 3)
+            put("planes", checks.array(planes, "planes", NetworkError, shape=shape))
+        put("grains", checks.entries(grains, "grains", NetworkError))
+        if len(self.grains) not in (0, len(self.pairs)):
+            raise NetworkError(
+                f"grains: one for each of {len(self.pairs)} lines was needed, but "
+                f"{len(self.grains)} came."
+            )
+        put("known", dict(known or {}))
+        Complex(count, self.pairs, np.zeros((len(self.pairs), 0), np.int64), labels=self.labels)
+        put("images", self._found_images(images))
+        with np.errstate(over="ignore", invalid="ignore"):
+            extent = float(self.lengths.sum()) * float(np.abs(self.burgers).max(initial=0.0))
+        if not extent < np.inf:
+            raise NetworkError(
+                "lengths of lines leave the range of floats. Give positions in other units."
+            )
+
+    def _found_images(self, given: ArrayLike | None) -> np.ndarray:
+        """Images as given, or the nearest."""
+        if self.box is None:
+            if given is not None and np.size(given):
+                raise NetworkError("images: lines have periodic images, but no box came. Give it.")
+            return np.zeros((len(self.pairs), 0), dtype=np.int64)
+        if given is not None:
+            found = whole(given, "images", 3)
+            if found[:, ~np.asarray(self.box.periodic)].any():
+                raise NetworkError(
+                    "images: a line leaves the box along an edge that is not periodic. "
+                    "Give 0 there."
+                )
+            return found
+        first, second = self.pairs.T
+        return self.box.images(self.positions[second] - self.positions[first])
+
+    @cached_property
+    def cochain(self) -> Cochain:
+        """b on the lines, as a cochain with periodic images: sums along any chain of lines."""
+        made = Complex(len(self.positions), self.pairs, self.images, labels=self.labels)
+        return Cochain(made, self.burgers)
+
+    @property
+    def image_list(self) -> list[list[int]]:
+        """Images as Python lists."""
+        return self.images.tolist()
+
+    @property
+    def constraint_list(self) -> list[int]:
+        """Constraints as a Python list."""
+        return self.constraints.tolist()
+
+    @cached_property
+    def steps(self) -> np.ndarray:
+        """From the first node of each line to the second, in its image, shape (lines, 3)."""
+        periods = None if self.box is None else self.box.vectors
+        return Cochain.between(self.cochain.complex, self.positions, periods).values
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Length of each line, shape (lines,)."""
+        return np.linalg.norm(self.steps, axis=1)
+
+    @cached_property
+    def excess(self) -> np.ndarray:
+        """b out minus b in at each node, shape (nodes, n): the boundary of the chain of lines."""
+        return -(self.cochain.complex.boundary(0).T @ self.burgers)
+
+    @cached_property
+    def screw_shares(self) -> np.ndarray:
+        """Share of b^2 along each line, cos^2 of the angle between the two, shape (lines,)."""
+        sizes = np.linalg.norm(self.burgers, axis=1) * self.lengths
+        along = (self.burgers * self.steps).sum(axis=1)
+        return np.where(sizes > 0, along / np.where(sizes > 0, sizes, 1.0), 0.0) ** 2
+
+
+class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
+    """A line of a network: the tuple (start, end, key, b), and what else is known of it.
+
+    Examples
+    --------
+    >>> from geomtorsion import DislocationNetwork
+    >>> net = DislocationNetwork.of_lines(
+    ...     [("a", "b", (1, 0))], surface="ab", positions={"a": (0, 0, 0), "b": (3, 4, 0)}
+    ... )
+    >>> start, end, key, b = net.lines[0]
+    >>> start, end, net.lines[0].length, net.lines[0].kind
+    ('a', 'b', 5.0, 'surface')
+    """
+
+    data: Mapping[str, Any]
+    ends: tuple[Mapping[str, Any], Mapping[str, Any]]
+    box: Box | None
+
+    @classmethod
+    def of(
+        cls,
+        graph: nx.MultiDiGraph[Hashable],
+        edge: tuple[Hashable, Hashable, Hashable],
+        data: Mapping[str, Any],
+        box: Box | None,
+    ) -> DislocationLine:
+        """An edge of a graph."""
+        start, end, key = edge
+        found = cls((start, end, key, data["burgers"]))
+        found.data, found.box = data, box
+        found.ends = (graph.nodes[start], graph.nodes[end])
+        return found
+
+    @property
+    def burgers(self) -> Vector:
+        """b along the sense of the line, in the coordinates of the network, shape (n,)."""
+        return self[3]
+
+    @property
+    def burgers_lattice(self) -> Vector:
+        """b along the axes of the crystal in lattice constants, exact; () if it is not known."""
+        return self.data.get("burgers_lattice", ())
+
+    @property
+    def family(self) -> str | None:
+        """The family of b in the crystal, such as 1/2<1 1 1>, if it is known."""
+        return self.data.get("family")
+
+    @property
+    def grain(self) -> int | None:
+        """The grain in which it lies, along whose axes b is meant; None: it is not known."""
+        return self.data.get("grain")
+
+    @property
+    def image(self) -> tuple[int, ...]:
+        """How many periods further the end is meant, shape (3,); (): it is not given."""
+        return self.data.get("image", ())
+
+    @cached_property
+    def path(self) -> np.ndarray:
+        """Points along the line, unwrapped, shape (k, 3); the last is its end, in its image.
+
+        Raises
+        ------
+        NetworkError
+            A node has no position.
+        """
+        if "path" in self.data:
+            return self.data["path"]
+        ends = [node.get("position") for node in self.ends]
+        if None in ends:
+            raise NetworkError(
+                f"line {self[0]!r} -> {self[1]!r}: its nodes have no positions. Give all of them: "
+                "of_lines(..., positions={node: (x, y, z)})."
+            )
+        found = checks.array(ends, "positions", NetworkError, shape=(2, None))
+        if self.box is not None:
+            image = self.image or self.box.images(found[1:] - found[:1])[0]
+            found[1] += np.array(image) @ np.asarray(self.box.vectors)
+        return found
+
+    @property
+    def length(self) -> float:
+        """Length along its points, in the coordinates of the network."""
+        return float(np.linalg.norm(np.diff(self.path, axis=0), axis=1).sum())
+
+    @property
+    def area(self) -> np.ndarray:
+        """Vector area of a closed line, shape (3,): b . area is the volume of what was put in."""
+        spokes = self.path - self.path[0]
+        return np.cross(spokes[:-1], spokes[1:]).sum(axis=0) / 2
+
+    @property
+    def kind(self) -> str:
+        """ "closed": ends where it begins; "periodic": ends there in another image; "wall": an end
+        lies in a wall between grains; "surface": on a surface; "joined": both ends are
+        junctions."""
+        if self[0] == self[1]:
+            return "periodic" if any(self.image) else "closed"
+        if any(node.get("wall") for node in self.ends):
+            return "wall"
+        return "surface" if any(node.get("surface") for node in self.ends) else "joined"
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it ends where it begins, not in another image."""
+        return self.kind == "closed"
+
+
+def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[LineArrays, list[int]]:
+    """Straight pieces of all lines of a graph, and to which line each belongs.
+
+    Raises
+    ------
+    NetworkError
+        A node has no position in three dimensions, or there are images, but no box.
+    """
+    nodes = graph.nodes(data=True)
+    for node, data in nodes:
+        if data.get("position") is None:
+            raise NetworkError(
+                f"node {checks.shown(node)} has no position. Give all of them: "
+                "of_lines(..., positions={node: (x, y, z)})."
+            )
+    numbers = {node: k for k, node in enumerate(graph)}
+    edges = list(graph.edges(data=True))
+    known = ["image" in data for *_, data in edges]
+    if any(known) and not all(known):
+        a, b, _ = edges[known.index(False)]
+        raise NetworkError(f"line {a!r} -> {b!r} has no image. Give all lines one, or none.")
+    positions: list[Any] = [data["position"] for _, data in nodes]
+    pairs, owner, images = [], [], []
+    for k, (a, b, data) in enumerate(edges):
+        inner = data["path"][1:-1].tolist() if "path" in data else []
+        chain = [numbers[a], *range(len(positions), len(positions) + len(inner)), numbers[b]]
+        positions += inner
+        pairs += list(pairwise(chain))
+        owner += [k] * (len(chain) - 1)
+        if any(known):
+            # Inner points are unwrapped: the last piece alone leads into another image.
+            images += [(0, 0, 0)] * len(inner) + [data["image"]]
+    planes = [edges[k][2].get("plane") for k in owner]
+    constraints = [data.get("constraint", 0) for _, data in nodes]
+    more = len(positions) - len(numbers)
+    names = list(graph)
+    labels = names if not more else [*names, *(("point", k) for k in range(more))]
+    columns: dict[str, Any] = {
+        "positions": positions or np.zeros((0, 3)),
+        "pairs": np.array(pairs, dtype=np.int64).reshape(-1, 2),
+        "burgers": [[float(x) for x in edges[k][2]["burgers"]] for k in owner] or np.zeros((0, 3)),
+        "images": images or None,
+        "constraints": constraints + [0] * more,
+        "planes": None if None in planes or not planes else planes,
+    }
+    return LineArrays(box=box, labels=labels, **columns), owner

@@ -1,0 +1,280 @@
+"""Line files: dislocation networks in the format that the end of a name says, and back."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Hashable, Mapping, Sequence
+from fractions import Fraction
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import file_name
+from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
+from geomtorsion.files import conforming, read_json_text, read_text
+from geomtorsion.loops import Number
+from geomtorsion.materials.lines.box import Box
+from geomtorsion.materials.lines.crystal_analysis import (
+    Clusters,
+    crystal_analysis_text,
+    read_crystal_analysis,
+)
+from geomtorsion.materials.lines.line_arrays import LineArrays
+from geomtorsion.materials.lines.paradis import paradis_text, read_paradis
+from geomtorsion.materials.lines.polylines import Polyline
+from geomtorsion.materials.lines.reactions import Vector
+
+FORMAT = {"format": "geomtorsion dislocation lines", "version": 1}
+_FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")
+
+
+def suffix_of(path: str | PathLike[str]) -> str:
+    """What the name of a file ends in, in small letters.
+
+    Raises
+    ------
+    ArgumentError
+        It is no name of a file.
+    """
+    return file_name(path).suffix.lower()
+
+
+def read_lines(
+    path: str | PathLike[str], periodic: bool = True
+) -> tuple[LineArrays, list[tuple[Number, ...]] | None]:
+    """Lines from a ParaDiS file, or from .ca and .json, whose boxes say where they repeat.
+
+    Returns
+    -------
+    The lines, and their b where the file has them more exactly than floats.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, truncated or malformed; the message names the line where there is one.
+    """
+    kind = suffix_of(path)
+    if kind == ".vtk":
+        raise FileFormatError(
+            f"{Path(path).name}: a network with its box was needed, but VTK files of lines hold "
+            "none. Save the network as .json, .ca or .data, and read that."
+        )
+    if kind == ".json":
+        return read_json_lines(path)
+    return (read_crystal_analysis(path) if kind == ".ca" else read_paradis(path, periodic)), None
+
+
+def lines_text(
+    path: str | PathLike[str],
+    lines: LineArrays,
+    curves: Sequence[Polyline],
+    vectors: Sequence[Vector],
+    clusters: Clusters,
+) -> str:
+    """A network as the text of a file with such a name.
+
+    Parameters
+    ----------
+    curves
+        Its polylines.
+    vectors
+        b of each line, exact where it is.
+    clusters
+        The grains in which the polylines lie.
+
+    Raises
+    ------
+    NetworkError
+        The format cannot hold the network; the message says why.
+    """
+    kind = suffix_of(path)
+    if kind == ".vtk":
+        return vtk_text(curves)
+    if kind == ".ca":
+        return crystal_analysis_text(lines, curves, *clusters)
+    return json_text(lines, vectors) if kind == ".json" else paradis_text(lines)
+
+
+# -- VTK ------------------------------------------------------------------------------------------
+
+
+def vtk_text(curves: Sequence[Polyline]) -> str:
+    """Lines as a legacy VTK file: straight pieces, with `line` (the number) and `burgers` of each.
+
+    Raises
+    ------
+    NetworkError
+        b has not three components.
+    """
+    for curve in curves:
+        if len(curve.burgers) != 3:
+            raise NetworkError(
+                f"a VTK file needs three components of b, but {len(curve.burgers)} came."
+            )
+    places = [place for curve in curves for place in curve.points.tolist()]
+    cells, numbers, vectors, first = [], [], [], 0
+    for k, curve in enumerate(curves):
+        count = len(curve.points) - 1
+        cells += [f"2 {first + j} {first + j + 1}" for j in range(count)]
+        numbers += [str(k)] * count
+        vectors += [" ".join(repr(float(x)) for x in curve.burgers)] * count
+        first += count + 1
+    rows = [
+        "# vtk DataFile Version 3.0", "dislocation lines by geomtorsion", "ASCII",
+        "DATASET UNSTRUCTURED_GRID", f"POINTS {len(places)} double",
+        *(" ".join(map(repr, place)) for place in places),
+        # Three whole numbers a piece; 3 is VTK's number of a straight one, which all programs know.
+        f"CELLS {len(cells)} {3 * len(cells)}", *cells,
+        f"CELL_TYPES {len(cells)}", *["3"] * len(cells), f"CELL_DATA {len(cells)}",
+        "SCALARS line int 1", "LOOKUP_TABLE default", *numbers,
+        "VECTORS burgers double", *vectors,
+    ]  # fmt: skip
+    return "\n".join(rows) + "\n"
+
+
+# -- JSON -----------------------------------------------------------------------------------------
+
+_ENTRY = (float, str)
+_FORM = {
+    "format": str,
+    "version": int,
+    "box": (None, {"vectors": [[float]], "origin": [float], "periodic": [bool]}),
+    "nodes": [{"name": (int, str, [int]), "position": [float], "constraint": int}],
+    "lines": [{"nodes": [int], "burgers": [_ENTRY], "image?": [int], "plane?": [float]}],
+}
+
+
+def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
+    """A network as JSON that reads as the same network; fractions stay exact, as "1/2".
+
+    Raises
+    ------
+    NetworkError
+        A name of a node is no whole number, no text and no list of whole numbers, or b is neither
+        rational nor a float.
+    """
+    box = lines.box
+    nodes = [
+        {"name": _name(label), "position": place, "constraint": constraint}
+        for label, place, constraint in zip(
+            lines.labels, lines.positions.tolist(), lines.constraint_list, strict=True
+        )
+    ]
+    rows = []
+    for k, (pair, b) in enumerate(zip(lines.pairs.tolist(), vectors, strict=True)):
+        row: dict[str, Any] = {"nodes": pair, "burgers": [_written(x) for x in b]}
+        if box is not None:
+            row["image"] = lines.image_list[k]
+        if lines.planes is not None:
+            row["plane"] = lines.planes[k].tolist()
+        rows.append(row)
+    document = {
+        **FORMAT,
+        "box": None
+        if box is None
+        else {
+            "vectors": np.asarray(box.vectors).tolist(),
+            "origin": np.asarray(box.origin).tolist(),
+            "periodic": np.asarray(box.periodic).tolist(),
+        },
+        "nodes": nodes,
+        "lines": rows,
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def _name(label: Hashable) -> int | str | list[int]:
+    """The name of a node, as JSON can keep it."""
+    plain = checks.plain(label)
+    if isinstance(plain, str):
+        return plain
+    if (number := checks.whole(plain)) is not None:
+        return number
+    if isinstance(plain, tuple) and all(type(x) is int for x in plain):
+        return list(plain)
+    raise NetworkError(
+        f"node {checks.shown(label)}: a whole number, a text or a tuple of whole numbers was "
+        "needed as its name in a JSON file. Rename it: networkx.relabel_nodes."
+    )
+
+
+def _written(value: object) -> float | int | str:
+    """A component of b: whole numbers and floats as they are, fractions as text."""
+    if isinstance(value, float):
+        return value
+    found = checks.fraction(value)
+    if found is None:
+        raise NetworkError(
+            f"b: a rational number or a float was needed for a JSON file, but "
+            f"{checks.shown(value)} came. Give it as a float."
+        )
+    return found.numerator if found.denominator == 1 else f"{found.numerator}/{found.denominator}"
+
+
+def read_json_lines(
+    path: str | PathLike[str],
+) -> tuple[LineArrays, list[tuple[Number, ...]]]:
+    """Lines from JSON that `json_text` wrote, and their b, exact where they were written so.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, is no JSON, or holds something else.
+    """
+    name = Path(path).name
+    data = conforming(read_json_text(read_text(path, checks.LARGEST_ARRAYS), name), _FORM, name)
+    came = {key: data[key] for key in FORMAT}
+    if came != FORMAT:
+        raise FileFormatError(
+            f"{name}: {FORMAT} was needed, but {checks.shown(came)} came. Give a file that "
+            "DislocationNetwork.save has written."
+        )
+    box, rows = data["box"], data["lines"]
+    labels = [tuple(x["name"]) if isinstance(x["name"], list) else x["name"] for x in data["nodes"]]
+    vectors = [tuple(_exact(x, name) for x in row["burgers"]) for row in rows]
+    try:
+        made = LineArrays(
+            np.array([x["position"] for x in data["nodes"]] or np.zeros((0, 3))),
+            np.array([x["nodes"] for x in rows] or np.zeros((0, 2)), dtype=np.int64),
+            np.array([[float(x) for x in b] for b in vectors] or np.zeros((0, 3))),
+            None if box is None else Box(box["vectors"], box["origin"], box["periodic"]),
+            _column(rows, "image", name),
+            labels,
+            np.array([x["constraint"] for x in data["nodes"]], dtype=np.int64),
+            _column(rows, "plane", name),
+        )
+    except GeomtorsionError as error:
+        raise FileFormatError(f"{name}: {error}") from None
+    except (ValueError, OverflowError):
+        raise FileFormatError(
+            f"{name}: lists of equal lengths and whole numbers of 64 bits were needed, but a "
+            "position, a pair or a b has another length or size. Is the file complete?"
+        ) from None
+    return made, vectors
+
+
+def _column(rows: Sequence[Mapping[str, Any]], key: str, name: str) -> list[Any] | None:
+    """What all lines have under a key, or None where none has it."""
+    found = [row.get(key) for row in rows]
+    if None not in found:
+        return found or None
+    if all(x is None for x in found):
+        return None
+    raise FileFormatError(f"{name}: lines[{found.index(None)}] has no {key}, but others have one.")
+
+
+def _exact(value: float | int | str, name: str) -> float | int | Fraction:
+    """A component of b, exact where it was written exactly."""
+    if not isinstance(value, str):
+        return value
+    found = _FRACTION.fullmatch(value)
+    if found is None:
+        raise FileFormatError(
+            f'{name}: b: a number or a fraction such as "1/2" was needed, but '
+            f"{checks.shown(value)} came."
+        )
+    return Fraction(int(found[1]), int(found[2]))

@@ -1,0 +1,423 @@
+"""ParaDiS files: dislocation networks as the codes ParaDiS and ExaDiS write them, and back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import cut, shown
+from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
+from geomtorsion.files import BOUNDS, finite_number, read_text
+from geomtorsion.materials.lines.box import Box
+from geomtorsion.materials.lines.line_arrays import LineArrays
+
+Tag = tuple[int, int]
+Row = tuple[int, list[str]]
+_TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
+# What the numbers of a file consist of; whether they are numbers is seen as they are read.
+_FLOATS = re.compile(r"[0-9eE.,+\-\s]*")
+_COMMENT = re.compile(r"#[^\n]*")
+
+
+class _Reader:
+    """The lines of a file that hold something, with their numbers."""
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.rows = self._rows(text)
+        self.line = 0
+
+    @staticmethod
+    def _rows(text: str) -> Iterator[Row]:
+        for number, row in enumerate(text.split("\n"), 1):
+            words = row.partition("#")[0].split()
+            if words:
+                yield number, words
+
+    def next(self, what: str) -> list[str]:
+        """The words of the next row."""
+        found = next(self.rows, None)
+        if found is None:
+            self.fail(f"{what} was needed, but the file ends. Is the file complete?")
+        self.line, words = found
+        return words
+
+    def fail(self, message: str) -> NoReturn:
+        """Refuse the row that was read last."""
+        raise FileFormatError(f"{self.name}: line {self.line}: {message}")
+
+    def number(self, word: str, what: str) -> float:
+        """A finite number."""
+        value = finite_number(word)
+        if value is not None:
+            return value
+        self.fail(f"{what}: a finite number was needed, but {shown(word)} came.")
+
+    def whole(self, word: str, what: str) -> int:
+        """A whole number."""
+        if not _WHOLE.fullmatch(word):
+            self.fail(f"{what}: a whole number was needed, but {shown(word)} came.")
+        return int(word)
+
+    def tag(self, word: str) -> Tag:
+        """The name of a node: domain and number."""
+        found = _TAG.fullmatch(word)
+        if found is None:
+            self.fail(
+                f"a node such as 0,12 was needed, but {shown(word)} came. Is a row missing, or "
+                "one too many?"
+            )
+        return int(found[1]), int(found[2])
+
+
+def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
+    """Read a dislocation network from a ParaDiS .data file; each line is kept once.
+
+    Parameters
+    ----------
+    periodic
+        Whether the box repeats along its edges, which such a file does not say.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing, truncated or malformed, or its two descriptions of a line differ; the
+        message names the line of the file.
+    """
+    checks.flag(periodic, "periodic")
+    text = read_text(checks.file_name(path), checks.LARGEST_ARRAYS)
+    reader = _Reader(Path(path).name, text)
+    header = _header(reader)
+    if "numFileSegments" in header and (parts := _single(reader, header, "numFileSegments")) != 1:
+        reader.fail(f"the network stands in {parts} files. Write it into one, then read that.")
+    count = _single(reader, header, "nodeCount")
+    low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
+    found = _all_at_once(text, count)
+    if found is None:
+        # Something is odd: read line by line, it is understood, or the line is named.
+        tags, positions, constraints, arms = _nodes(reader, count)
+        pairs, burgers, planes = _joined(reader.name, tags, arms)
+        places = np.array(positions).reshape(-1, 3)
+        found = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
+    labels, places, numbers, pairs, burgers, planes = found
+    try:
+        box = Box.of_bounds(low, high, periodic)
+        return LineArrays(places, pairs, burgers, box, None, labels, numbers, planes)
+    except GeomtorsionError as error:
+        raise FileFormatError(f"{reader.name}: {error}") from None
+
+
+Table = tuple[list[Tag], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def _all_at_once(text: str, count: int) -> Table | None:
+    """Labels, positions, constraints, pairs, b and planes of a file in which all is as usual.
+
+    Usual are a node, an arm and its plane on a line each, whole numbers where there should be some,
+    and one line of dislocation between two nodes. None where anything is not.
+    """
+    _, found, body = text.partition("nodalData")
+    body = _COMMENT.sub("", body.partition("\n")[2])
+    if not found or not _FLOATS.fullmatch(body):
+        return None
+    try:
+        texts = body.replace(",", " ").split()
+        words = list(map(float, texts))
+    except ValueError:
+        return None
+    node, arm = 7, 8
+    # Where each node begins: two numbers name it, three place it, then come its arms, eight each.
+    starts, at = [], 0
+    for _ in range(count):
+        if at + node > len(words):
+            return None
+        starts.append(at)
+        if not 0 <= words[at + 5] <= len(words):
+            return None
+        at += node + arm * int(words[at + 5])
+    if at != len(words):
+        return None
+    values, heads = np.array(words), np.array(starts, dtype=np.int64)
+    nodes = values[heads[:, None] + np.arange(node)]
+    counts = nodes[:, 5].astype(np.int64)
+    inner = np.ones(len(values), dtype=bool)
+    inner[heads[:, None] + np.arange(node)] = False
+    arms = values[inner].reshape(-1, arm)
+    inside = np.flatnonzero(inner).reshape(-1, arm)[:, :2]
+    named = heads[:, None] + np.array([0, 1, 5, 6])
+    whole = np.concatenate([named.ravel(), inside.ravel()]).astype(np.int64)
+    if not all(texts[k].isdigit() for k in whole.tolist()) or not np.isfinite(values).all():
+        return None
+    # Beyond this doubles are no longer all whole numbers.
+    if values[whole].max() > 2.0**53 or body.count(",") != count + len(arms):
+        return None
+    if sum(map(bool, map(str.strip, body.split("\n")))) != count + 2 * len(arms):
+        return None
+    names = np.concatenate([nodes[:, :2], arms[:, :2]]).astype(np.int64)
+    places, burgers, planes = nodes[:, 2:5], arms[:, 2:5], arms[:, 5:]
+    _, first_at, ids = np.unique(names, axis=0, return_index=True, return_inverse=True)
+    node_of = np.full(len(first_at), -1)
+    own, others = ids.ravel()[:count], ids.ravel()[count:]
+    node_of[own] = np.arange(count)
+    owner, other = np.repeat(np.arange(count), counts), node_of[others]
+    odd = len(np.unique(own)) < count or (other < 0).any() or (owner == other).any()
+    if odd or not burgers.any(axis=1).all():
+        return None
+    low, high = np.minimum(owner, other), np.maximum(owner, other)
+    there, back = (np.flatnonzero(side) for side in (owner < other, owner > other))
+    there_order = there[np.lexsort((high[there], low[there]))]
+    back_order = back[np.lexsort((high[back], low[back]))]
+    keys = [np.stack([low[k], high[k]], axis=1) for k in (there_order, back_order)]
+    if keys[0].shape != keys[1].shape or (keys[0] != keys[1]).any():
+        return None
+    if len(keys[0]) > 1 and (np.diff(keys[0], axis=0) == 0).all(axis=1).any():
+        return None
+    gaps = np.abs(burgers[there_order] + burgers[back_order]).max(axis=1, initial=0.0)
+    if (gaps > 1e-6 * np.abs(burgers[there_order]).max(axis=1, initial=0.0)).any():
+        return None
+    pairs = np.stack([owner[there], other[there]], axis=1)
+    labels = [(a, b) for a, b in names[:count].tolist()]
+    kinds = nodes[:, 6].astype(np.int64)
+    return labels, places, kinds, pairs, burgers[there], planes[there]
+
+
+def _header(reader: _Reader) -> dict[str, Row]:
+    """Every key in front of the nodes with its line and words."""
+    found: dict[str, Row] = {}
+    while True:
+        words = reader.next("nodalData")
+        key, equals, rest = " ".join(words).partition("=")
+        key = key.strip()
+        if key == "nodalData" and equals:
+            return found
+        if not equals:
+            # What follows a key without brackets, such as the bounds of domains, is not needed.
+            continue
+        line, rest = reader.line, rest.split()
+        values = rest
+        if values[:1] == ["["]:
+            while "]" not in rest:
+                rest = reader.next(f"] after {cut(key)}")
+                values += rest
+            values = values[1 : values.index("]")]
+        found[key] = line, values
+
+
+def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) -> list[str]:
+    """The words of a key, so many."""
+    if key not in header:
+        raise FileFormatError(
+            f"{reader.name}: {key} is missing. A ParaDiS file of dislocations gives it in front "
+            "of nodalData."
+        )
+    reader.line, words = header[key]
+    if len(words) != count:
+        reader.fail(f"{key}: {count} numbers were needed, but {len(words)} came.")
+    return words
+
+
+def _single(reader: _Reader, header: Mapping[str, Row], key: str) -> int:
+    """The whole number of a key."""
+    (word,) = _values(reader, header, key, 1)
+    value = reader.whole(word, key)
+    if value < 1:
+        reader.fail(f"{key}: one or more was needed, but {value} came.")
+    return value
+
+
+def _corner(reader: _Reader, header: Mapping[str, Row], key: str) -> list[float]:
+    """The three numbers of a key."""
+    return [reader.number(word, key) for word in _values(reader, header, key, 3)]
+
+
+Arms = dict[tuple[Tag, Tag], list[tuple[int, list[float]]]]
+
+
+def _nodes(
+    reader: _Reader, count: int
+) -> tuple[dict[Tag, int], list[list[float]], list[int], Arms]:
+    """Nodes, their numbers, places and constraints, and both descriptions of each line."""
+    tags: dict[Tag, int] = {}
+    positions: list[list[float]] = []
+    constraints: list[int] = []
+    arms: Arms = {}
+    for k in range(count):
+        words = reader.next(f"node {k + 1} of {count}")
+        if len(words) < 6:
+            reader.fail(
+                f"a node (tag, x, y, z, number of arms, constraint) was needed, but {len(words)} "
+                "words came."
+            )
+        tag = reader.tag(words[0])
+        if tag in tags:
+            reader.fail(f"node {words[0]} stands in the file twice.")
+        tags[tag] = k
+        positions.append([reader.number(word, "a position") for word in words[1:4]])
+        count_arms = reader.whole(words[4], "number of arms")
+        if count_arms < 0:
+            reader.fail(f"number of arms: zero or more was needed, but {count_arms} came.")
+        constraints.append(reader.whole(words[5], "constraint"))
+        for _ in range(count_arms):
+            words = reader.next(f"an arm of node {tag[0]},{tag[1]}")
+            line, other = reader.line, reader.tag(words[0])
+            numbers = words[1:]
+            if len(numbers) == 3:
+                numbers = numbers + reader.next("the normal of a glide plane")
+            if len(numbers) != 6:
+                reader.fail(f"an arm has b and a normal, six numbers, but {len(numbers)} came.")
+            values = [reader.number(word, "an arm") for word in numbers]
+            reader.line = line
+            if other == tag:
+                reader.fail(f"the arm joins node {tag[0]},{tag[1]} to itself.")
+            if not any(values[:3]):
+                reader.fail("the arm has b = 0: it is no dislocation.")
+            arms.setdefault((tag, other), []).append((line, values))
+    if (more := next(reader.rows, None)) is not None:
+        reader.line, words = more
+        reader.fail(f"nodeCount says {count} nodes, but more follows: {shown(' '.join(words))}.")
+    return tags, positions, constraints, arms
+
+
+def _joined(
+    name: str, tags: Mapping[Tag, int], arms: Arms
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lines from both their descriptions: b from the second node is minus that from the first."""
+    pairs: list[tuple[int, int]] = []
+    values: list[list[float]] = []
+    for (one, two), here in arms.items():
+        line = here[0][0]
+        if len(here) > BOUNDS.parallel:
+            raise FileFormatError(
+                f"{name}: line {line}: expected at most {BOUNDS.parallel} arms from node "
+                f"{one[0]},{one[1]} to node {two[0]},{two[1]}, got {len(here):,}. Join lines that "
+                "run side by side."
+            )
+        if two not in tags:
+            raise FileFormatError(
+                f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
+                "file. Is the file complete?"
+            )
+        there = list(arms.get((two, one), []))
+        if len(here) != len(there):
+            raise FileFormatError(
+                f"{name}: line {line}: node {one[0]},{one[1]} has {len(here)} arms to "
+                f"{two[0]},{two[1]}, which has {len(there)} back. Each line is given from both "
+                "its nodes."
+            )
+        if tags[one] > tags[two]:
+            continue
+        for line, row in here:
+            gaps = [max(abs(a + b) for a, b in zip(row[:3], x[:3], strict=True)) for _, x in there]
+            best = gaps.index(min(gaps))
+            # Files carry eleven digits; what is asked is that both rows mean the same b.
+            if gaps[best] > 1e-6 * max(map(abs, row[:3])):
+                raise FileFormatError(
+                    f"{name}: line {line}: b from node {one[0]},{one[1]} is {row[:3]}, but from "
+                    f"{two[0]},{two[1]} (line {there[best][0]}) {there[best][1][:3]}: the second "
+                    "should be minus the first."
+                )
+            del there[best]
+            pairs.append((tags[one], tags[two]))
+            values.append(row)
+    table = np.array(values).reshape(-1, 6)
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2), table[:, :3], table[:, 3:]
+
+
+# -- writing --------------------------------------------------------------------------------------
+
+HEAD = """\
+dataFileVersion =   4
+numFileSegments =   1
+minCoordinates = [
+{low}
+  ]
+maxCoordinates = [
+{high}
+  ]
+nodeCount =   {count}
+dataDecompType =   2
+dataDecompGeometry = [
+  1
+  1
+  1
+  ]
+
+#
+#  END OF DATA FILE PARAMETERS
+#
+
+domainDecomposition =
+# Dom_ID  Minimum XYZ bounds   Maximum XYZ bounds
+  0  {bounds}
+nodalData =
+#  Primary lines: node_tag, x, y, z, num_arms, constraint
+#  Secondary lines: arm_tag, burgx, burgy, burgz, nx, ny, nz
+"""
+
+
+def paradis_text(lines: LineArrays) -> str:
+    """A network as the text of a ParaDiS .data file, every number to the last digit.
+
+    Raises
+    ------
+    NetworkError
+        There is no box along the coordinates, or b has not three components; and a line longer
+        than half a period, which no reader of such a file could tell from a shorter one.
+    """
+    box = lines.box
+    if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):
+        raise NetworkError(
+            "a ParaDiS file needs a box along the coordinates. Give Box.of_bounds(low, high)."
+        )
+    if lines.burgers.shape[1] != 3:
+        raise NetworkError(
+            f"a ParaDiS file needs three components of b, but {lines.burgers.shape[1]} came."
+        )
+    first, second = lines.pairs.T
+    nearest = box.images(lines.positions[second] - lines.positions[first])
+    far = np.flatnonzero((nearest != lines.cochain.complex.images).any(axis=1))
+    if len(far):
+        a, b = (lines.labels[n] for n in lines.pairs[far[0]])
+        raise NetworkError(
+            f"the line {a!r} -> {b!r} is longer than half a period, and a ParaDiS file keeps no "
+            "images. Put a node into it."
+        )
+    named = [_tag_of(label) for label in lines.labels]
+    tags = [tag for tag in named if tag is not None]
+    if len(set(tags)) < len(named):
+        tags = [(0, k) for k in range(len(named))]
+    names = [f"{a},{b}" for a, b in tags]
+    ends = [box.origin, box.origin + np.diag(box.vectors)]
+    low, high = ("\n".join(f"  {x!r}" for x in end.tolist()) for end in ends)
+    bounds = " ".join(repr(x) for end in ends for x in end.tolist())
+    arms: list[list[str]] = [[] for _ in names]
+    normals = np.zeros((len(first), 3)) if lines.planes is None else lines.planes
+    for (a, b), vector, normal in zip(
+        lines.pairs.tolist(), lines.burgers.tolist(), normals.tolist(), strict=True
+    ):
+        plane = " ".join(map(repr, normal))
+        arms[a].append(f"   {names[b]} {' '.join(map(repr, vector))}\n       {plane}\n")
+        arms[b].append(f"   {names[a]} {' '.join(repr(-x) for x in vector)}\n       {plane}\n")
+    rows = [HEAD.format(low=low, high=high, count=len(names), bounds=bounds)]
+    for name, place, constraint, mine in zip(
+        names, lines.positions.tolist(), lines.constraint_list, arms, strict=True
+    ):
+        rows.append(f" {name} {' '.join(map(repr, place))} {len(mine)} {constraint}\n")
+        rows += mine
+    return "".join(rows)
+
+
+def _tag_of(label: object) -> Tag | None:
+    """A name of a node that such a file can carry."""
+    if not isinstance(label, tuple) or len(label) != 2:
+        return None
+    one, two = label
+    fits = all(type(x) is int and 0 <= x < 10**18 for x in label)
+    return (one, two) if fits else None

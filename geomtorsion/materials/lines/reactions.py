@@ -1,0 +1,172 @@
+"""Reactions: Burgers vectors, what may become of what, and nodes that conserve none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import NetworkError
+from geomtorsion.loops import Number
+
+# Exact numbers and expressions, or floats.
+Entry = Fraction | float | sp.Expr
+Vector = tuple[Entry, ...]
+
+
+def exact_vector(values: Sequence[Number], where: str, dimension: int | None = None) -> Vector:
+    """A Burgers vector with exact numbers where they were exact: ints, Fractions, sympy, floats.
+
+    Raises
+    ------
+    NetworkError
+        It is no vector of finite numbers, or not of the dimension.
+    """
+    message = "{subject}: a Burgers vector was needed, but {value} came."
+    given = checks.entries(values, where, NetworkError, message=message)
+    # Of a hundred thousand lines of a simulation all have plain floats.
+    plain = all(type(value) is float and math.isfinite(value) for value in given)
+    result = tuple(given) if plain else tuple(_number(value, where) for value in given)
+    if dimension is not None and len(result) != dimension:
+        raise NetworkError(
+            f"{where}: a Burgers vector of {dimension} numbers was needed, but {values!r} came."
+        )
+    return result
+
+
+def _number(value: Number, where: str) -> Entry:
+    """An exact number or expression, or a finite float."""
+    if type(value) is int:
+        return Fraction(value)
+    message = "{subject}: finite numbers were needed, but {value} came."
+    if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
+        # Roots stay as they are; a symbol has no length.
+        checks.number(value, where, NetworkError, message=message, infinite=message)
+        return value
+    found = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
+    # Floats are compared within a tolerance: they stay floats.
+    return float(found) if isinstance(found, float | sp.Float) else checks.fraction(found)
+
+
+def total(vectors: Sequence[Vector]) -> Vector:
+    """The sum of Burgers vectors."""
+    return tuple(sum(column) for column in zip(*vectors, strict=True))
+
+
+def vanishes(vector: Vector, scale: float, tolerance: float) -> bool:
+    """Whether a sum is zero: exactly for exact numbers, within tolerance * scale for floats."""
+    for value in vector:
+        if isinstance(value, sp.Expr):
+            if not sp.simplify(value).is_zero:
+                return False
+        elif isinstance(value, float):
+            if not abs(value) <= tolerance * scale:
+                return False
+        elif value:
+            return False
+    return True
+
+
+def size(vector: Vector) -> float:
+    """The length of a Burgers vector."""
+    return sum(float(value) ** 2 for value in vector) ** 0.5
+
+
+def written(vector: Vector) -> str:
+    """A Burgers vector in messages."""
+    return "(" + ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in vector) + ")"
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Dislocations b_1 + b_2 + ... that become others, all lines with the same sense.
+
+    before, after: Burgers vectors, each shape (n,).
+    tolerance: share of the largest vector within which floats count as equal.
+
+    Raises
+    ------
+    NetworkError
+        The sums differ (the message says by how much), or a vector is none.
+
+    Examples
+    --------
+    An fcc dislocation splits into two Shockley partials, and gains energy by it:
+
+    >>> from fractions import Fraction as F
+    >>> perfect = (F(1, 2), F(-1, 2), 0)
+    >>> partials = [(F(2, 6), F(-1, 6), F(-1, 6)), (F(1, 6), F(-2, 6), F(1, 6))]
+    >>> split = Reaction([perfect], partials)
+    >>> str(split.energy_change), split.is_favourable
+    ('-1/6', True)
+    """
+
+    before: Sequence[Sequence[Number]]
+    after: Sequence[Sequence[Number]]
+    tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        """Refuse a reaction that does not conserve b."""
+        for name in ("before", "after"):
+            object.__setattr__(self, name, checks.entries(getattr(self, name), name, NetworkError))
+        if not self.before or not self.after:
+            raise NetworkError("a reaction needs a dislocation before and after.")
+        first = exact_vector(self.before[0], "before[0]")
+        sides, every = [], []
+        for name, vectors in (("before", self.before), ("after", self.after)):
+            read = [exact_vector(b, f"{name}[{k}]", len(first)) for k, b in enumerate(vectors)]
+            object.__setattr__(self, name, tuple(read))
+            sides.append(total(read))
+            every += read
+        missing = tuple(a - b for a, b in zip(sides[1], sides[0], strict=True))
+        if not vanishes(missing, max(map(size, every)), self.tolerance):
+            raise NetworkError(
+                f"the reaction does not conserve b: {written(sides[0])} before, "
+                f"{written(sides[1])} after, the difference is {written(missing)}. Turn all lines "
+                "to the same sense (reversing a line turns b round), or add what is missing."
+            )
+
+    @property
+    def energy_change(self) -> Entry:
+        """Sum of b^2 after minus before: Frank's measure of the energy, without interaction."""
+
+        def square(vectors: Sequence[Sequence[Any]]) -> Any:
+            return sum(x * x for vector in vectors for x in vector)
+
+        return square(self.after) - square(self.before)
+
+    @property
+    def is_favourable(self) -> bool:
+        """Whether Frank's rule lets it happen by itself: b^2 becomes less."""
+        return bool(self.energy_change < 0)
+
+
+# Numbers that ParaDiS and OpenDiS give nodes.
+CONSTRAINTS = {1: "surface", 5: "surface", 6: "surface", 7: "pinned", 8: "surface"}
+
+
+@dataclass(frozen=True)
+class NodeViolation:
+    """A node at which b is not conserved.
+
+    node: which; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
+    constraint: the number that a simulation gives the node; 7: it is pinned.
+    """
+
+    node: Hashable
+    excess: Vector
+    constraint: int = 0
+
+    @property
+    def missing(self) -> Vector:
+        """The b of a line that would have to leave the node for b to be conserved, shape (n,)."""
+        return tuple(-x if x else x for x in self.excess)
+
+    def __str__(self) -> str:
+        pinned = " (it is pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
+        return f"node {self.node!r}{pinned}: b out minus b in = {written(self.excess)}"

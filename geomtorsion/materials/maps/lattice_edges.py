@@ -1,0 +1,172 @@
+"""Lattice edges: grains of a map, steps between pixels, and how much orientations scatter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+from geomtorsion.loops import spanning_forest
+from geomtorsion.materials.fields.noise import SMOOTH, robust_covariance
+from geomtorsion.materials.maps.symmetry import LaueGroup, angle_of, conjugated
+from geomtorsion.rigid.attitude import product
+
+
+@dataclass(frozen=True, eq=False)
+class GrainMap:
+    """Grains, and orientations in variants that agree within each.
+
+    grain: number of the grain of each pixel, -1 where nothing was indexed, shape (rows, columns);
+        pixels belong together when steps below the threshold join them.
+    quaternions: crystal to specimen, each in the variant that is nearest to that of the pixel
+        before it on the spanning tree of its grain, shape (rows, columns, 4).
+    right, down: whether the step to the next pixel in a row, or in a column, stays in one grain,
+        below the threshold, shapes (rows, columns - 1) and (rows - 1, columns).
+    """
+
+    grain: np.ndarray
+    quaternions: np.ndarray
+    right: np.ndarray
+    down: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of grains."""
+        return int(self.grain.max(initial=-1)) + 1
+
+
+def grains_of(
+    quaternions: np.ndarray,
+    phase: np.ndarray,
+    groups: dict[int, LaueGroup],
+    threshold: float,
+) -> GrainMap:
+    """Join neighbours that differ by less than the threshold (rad), and choose their variants."""
+    shape = phase.shape
+    q, phases = quaternions.reshape(-1, 4), phase.ravel()
+    number = np.arange(phase.size).reshape(shape)
+    pairs = np.concatenate(
+        [
+            np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
+            np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
+        ]
+    )
+    joined = np.zeros(len(pairs), dtype=bool)
+    for name, group in groups.items():
+        mine = np.flatnonzero((phases[pairs] == name).all(axis=1))
+        _, angles = group.nearest(q[pairs[mine, 0]], q[pairs[mine, 1]])
+        joined[mine] = angles < threshold
+    tree = pairs[joined]
+    forest = spanning_forest(phase.size, tree, np.zeros((len(tree), 0), dtype=np.int64))
+    chosen = q.copy()
+    for name, group in groups.items():
+        mine = np.flatnonzero(phases == name)
+        variants = _along_trees(q, mine, forest.parent, forest.depth, group)
+        chosen[mine] = product(q[mine], group.quaternions[variants])
+    # Two ways from pixel to pixel may lead to two variants: no circuit uses such a step.
+    agree = joined.copy()
+    between = product(conjugated(chosen[tree[:, 0]]), chosen[tree[:, 1]])
+    agree[joined] = angle_of(between) < threshold
+    split = shape[0] * (shape[1] - 1)
+    known = phases > 0
+    grain = np.full(phase.size, -1)
+    # Numbers of grains ascend with their first pixels.
+    _, first, which = np.unique(forest.root[known], return_index=True, return_inverse=True)
+    grain[known] = np.argsort(np.argsort(first))[which]
+    return GrainMap(
+        grain.reshape(shape),
+        chosen.reshape(*shape, 4),
+        agree[:split].reshape(shape[0], shape[1] - 1),
+        agree[split:].reshape(shape[0] - 1, shape[1]),
+    )
+
+
+def _along_trees(
+    q: np.ndarray, mine: np.ndarray, parent: np.ndarray, depth: np.ndarray, group: LaueGroup
+) -> np.ndarray:
+    """Number of the variant of each pixel of a phase: products of the steps from its root."""
+    place = np.zeros(len(q), dtype=np.int64)
+    place[mine] = np.arange(len(mine))
+    is_root = parent[mine] < 0
+    before = np.where(is_root, mine, parent[mine])
+    variants, _ = group.nearest(q[before], q[mine])
+    variants[is_root] = 0
+    above = place[before]
+    # Each round doubles the length of the way that is multiplied up.
+    for _ in range(int(depth[mine].max(initial=0)).bit_length()):
+        variants, above = group.products[variants, variants[above]], above[above]
+    return variants
+
+
+def given_covariance(sigma: object) -> np.ndarray:
+    """Covariance of rotations, rad^2, from standard deviations in degrees, one or three."""
+    if np.ndim(np.asarray(sigma, dtype=object)) == 0:
+        sizes = [checks.number(sigma, "sigma", OrientationError)] * 3
+    else:
+        sizes = [float(x) for x in checks.numbers(sigma, 3, "sigma", OrientationError)]
+    if min(sizes) < 0:
+        raise OrientationError(
+            f"sigma: standard deviations of 0 or more were needed, but {min(sizes):g} came. Give "
+            "degrees, or None to have it estimated."
+        )
+    return np.diag(np.radians(sizes) ** 2)
+
+
+def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
+    """Covariance of the noise of each orientation as a small rotation in map axes, rad^2, (3, 3).
+
+    Differences of sixth order along rows and columns within grains, and medians, so that walls and
+    cores do not count. Pixels are taken to be independent.
+
+    chosen: the pixels that count, truth values, shape (rows, columns).
+    """
+    right = grains.right & chosen[:, 1:] & chosen[:, :-1]
+    down = grains.down & chosen[1:] & chosen[:-1]
+    differences = np.concatenate(
+        [
+            _differences(grains.quaternions, right),
+            _differences(grains.quaternions.swapaxes(0, 1), down.T),
+        ]
+    )
+    if not len(differences):
+        raise OrientationError(
+            f"sigma: {SMOOTH + 1} pixels in a row within a grain are needed to estimate noise, but "
+            "there are none. Give sigma in degrees."
+        )
+    return robust_covariance(list(differences.T))
+
+
+def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
+    """Differences along rows as rotations in map axes, with the variance of one pixel, (k, 3)."""
+    count = joined.shape[1] - SMOOTH + 1
+    if count < 1:
+        return np.zeros((0, 3))
+    runs = np.ones((len(joined), count), dtype=bool)
+    for k in range(SMOOTH):
+        runs &= joined[:, k : k + count]
+    row, column = np.nonzero(runs)
+    middle = q[row, column + SMOOTH // 2]
+    total = np.zeros_like(middle)
+    weights = [(-1) ** k * comb(SMOOTH, k) for k in range(SMOOTH + 1)]
+    for k, weight in enumerate(weights):
+        one = q[row, column + k]
+        # q and -q are the same turn.
+        sign = np.where((one * middle).sum(axis=1) < 0, -1.0, 1.0)
+        total += (weight * sign)[:, None] * one
+    turns = 2 * product(total, conjugated(middle))[:, 1:]
+    return turns / np.sqrt(sum(weight**2 for weight in weights))
+
+
+def spread_of(moments: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Covariance of a sum of w_k x t_k, w_k independent with one covariance, (3, 3).
+
+    moments: t_k, shape (k, 3).
+    """
+    across = np.zeros((len(moments), 3, 3))
+    x, y, z = moments.T
+    across[:, 0, 1], across[:, 0, 2], across[:, 1, 2] = -z, y, -x
+    across[:, 1, 0], across[:, 2, 0], across[:, 2, 1] = z, -y, x
+    return np.einsum("kij,jl,kml->im", across, covariance, across)

@@ -1,0 +1,492 @@
+"""Orientation map: measured crystal orientations as a coframe, and circuits in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import (
+    FileFormatError,
+    GeomtorsionError,
+    OrientationError,
+)
+from geomtorsion.loops import Cochain, Loop
+from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields.circuits import unexplained
+from geomtorsion.materials.fields.noise import significances
+from geomtorsion.materials.fields.stencils import SLACK
+from geomtorsion.materials.maps.circuits import Circuit, windings
+from geomtorsion.materials.maps.lattice_edges import (
+    GrainMap,
+    estimated_covariance,
+    given_covariance,
+    grains_of,
+    spread_of,
+)
+from geomtorsion.materials.maps.map_files import SUFFIXES, MapFile, read_map_file, read_orix
+from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.results import (
+    CircuitMap,
+    MapBurgers,
+    angstrom_in,
+)
+from geomtorsion.materials.maps.step_grid import StepGrid
+from geomtorsion.materials.maps.symmetry import conjugated
+from geomtorsion.rigid.attitude import (
+    checked_matrix,
+    matrix_from_quaternion,
+    product,
+    quaternion_from_euler,
+)
+
+Steps = float | Sequence[float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrientationMap:
+    """Crystal orientations on a grid of pixels, such as an EBSD map.
+
+    Equation
+    --------
+    e^i_mu = R^i_mu, the rotation from specimen to crystal: the coframe of a crystal that is turned
+    but hardly strained. b^i = closed integral of e^i_mu dx^mu within a grain, by trapezoids from
+    pixel to pixel.
+
+    quaternions: of the turn from crystal axes to specimen axes (Bunge's g is its inverse), scalar
+        first, shape (rows, columns, 4). x runs along rows of pixels, y along columns; the specimen
+        axes are those of the map.
+    phase: number of the phase of each pixel, 0 where nothing is known, shape (rows, columns).
+    phases: number -> Phase.
+    steps: from pixel to pixel along x and y, in `unit`.
+    shift: of every second row along x, as a share of the step: 0, or 1/2 (or -1/2) for hexagonal
+        grids.
+    threshold: degrees; neighbours that differ by less belong to one grain.
+    sigma: standard deviation of the noise of an orientation about each of the map axes, degrees;
+        one number or three; None: estimated from sixth differences, for each phase.
+    unit: of lengths.
+
+    Raises
+    ------
+    OrientationError
+        Shapes do not fit, a number is not finite, or nothing is known at any pixel.
+
+    Examples
+    --------
+    A wall of edge dislocations: the lattice turns by 5 degrees at the middle.
+
+    >>> angles = np.zeros((21, 40, 3))
+    >>> angles[:, 20:, 0] = 5.0
+    >>> wall = OrientationMap.from_euler(angles, 0.5, "m-3m", threshold=10, sigma=0)
+    >>> b = wall.burgers(Circuit.rectangle((0, 10), 20, 20))
+    >>> b.size / 10, 2 * np.sin(np.radians(2.5))
+    (0.08723877473067..., np.float64(0.08723877473067...))
+    """
+
+    quaternions: np.ndarray
+    phase: np.ndarray
+    phases: Mapping[int, Phase]
+    steps: tuple[float, float] = (1.0, 1.0)
+    shift: float = 0.0
+    threshold: float = 5.0
+    sigma: float | Sequence[float] | None = None
+    unit: str = "um"
+
+    def __post_init__(self) -> None:
+        """Check shapes and numbers once."""
+        q = checks.array(
+            self.quaternions, "quaternions", OrientationError, shape=(None, None, 4), infinite=None
+        )
+        phase = checks.array(self.phase, "phase", OrientationError, shape=(None, None))
+        phases = checks.table(self.phases, "phases", OrientationError)
+        for number, value in phases.items():
+            checks.count(number, "number of a phase", OrientationError, 1)
+            checks.instance(value, Phase, f"phase {number}", OrientationError)
+        if phase.shape != q.shape[:2] or min(phase.shape) < 2:
+            raise OrientationError(
+                f"phase: shape {q.shape[:2]}, at least (2, 2), was needed, but {phase.shape} came."
+            )
+        if not np.isin(phase, [0, *phases]).all():
+            strange = phase[~np.isin(phase, [0, *phases])][0]
+            raise OrientationError(
+                f"phase {strange:g} of a pixel is none of {sorted(phases)}. Describe it in phases, "
+                "or put 0 where nothing is known."
+            )
+        length = np.linalg.norm(q, axis=-1)
+        known = phase > 0
+        bad = known & ~(np.isfinite(length) & (length > 0))
+        if bad.any():
+            raise OrientationError(
+                f"quaternions: pixel {tuple(np.argwhere(bad)[0].tolist())} has no finite one. Put "
+                "phase 0 where nothing is known."
+            )
+        if not known.any():
+            raise OrientationError(
+                "phase: all pixels are 0: nothing is known at any. Give the phase of each pixel."
+            )
+        unit = np.zeros(4)
+        unit[0] = 1.0
+        with np.errstate(invalid="ignore", divide="ignore"):
+            q = np.where(known[..., None], q / length[..., None], unit)
+        steps = _two_steps(self.steps)
+        shift = checks.number(self.shift, "shift", OrientationError)
+        if abs(shift) not in (0, 0.5):
+            raise OrientationError(
+                f"shift: 0, or 1/2 or -1/2 of hexagonal grids, was needed, but {shift:g} came. "
+                "Export the map on such a grid."
+            )
+        threshold = checks.positive(self.threshold, "threshold", OrientationError)
+        angstrom_in(self.unit)
+        if self.sigma is not None:
+            given_covariance(self.sigma)
+        for key, value in (
+            ("quaternions", q), ("phase", phase.astype(np.int64)), ("phases", dict(phases)),
+            ("steps", steps), ("shift", shift), ("threshold", threshold),
+        ):  # fmt: skip
+            object.__setattr__(self, key, value)
+
+    # -- makers -----------------------------------------------------------------------------------
+
+    @classmethod
+    def read(
+        cls,
+        path: str | Path,
+        *,
+        laue: Mapping[int, str] | None = None,
+        axes: Sequence[Sequence[float]] | np.ndarray | None = None,
+        threshold: float = 5.0,
+        sigma: float | Sequence[float] | None = None,
+    ) -> OrientationMap:
+        """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
+
+        Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
+        Small ones in the other unit look like grains that hardly turn: if a map of your own program
+        shows one grain, or noise, where several were expected, look there. More than two turns are
+        refused. `from_euler` takes angles in degrees from anywhere.
+
+        Parameters
+        ----------
+        laue
+            Number of a phase (0: of every other one) -> name of its Laue group, where the file is
+            wrong or silent.
+        axes
+            Rotation from the axes of the map (x along rows, y along columns) to those to which the
+            Euler angles refer, shape (3, 3); the same axes if not given. Instruments differ here:
+            it turns b in specimen axes and decides which steps are which in the crystal.
+        threshold, sigma
+            As for the class.
+
+        Raises
+        ------
+        FileFormatError
+            The file is truncated, has wrong columns, mixed steps or an unknown phase; the message
+            names file, line and remedy.
+        """
+        path = checks.file_name(path)
+        is_orix = path.suffix.lower() in SUFFIXES
+        file = read_orix(path, laue) if is_orix else read_map_file(path, laue)
+        if not (file.phase > 0).any():
+            raise FileFormatError(
+                f"{path.name}: no pixel is indexed: the phase of each is 0, so that nothing "
+                "is known. Export a map with orientations."
+            )
+        return cls._from_file(file, axes, threshold, sigma)
+
+    @classmethod
+    def _from_file(
+        cls,
+        file: MapFile,
+        axes: Sequence[Sequence[float]] | np.ndarray | None,
+        threshold: float,
+        sigma: float | Sequence[float] | None,
+    ) -> OrientationMap:
+        q = quaternion_from_euler(file.euler, "ZXZ")
+        if axes is not None:
+            try:
+                turn = checked_matrix(axes)
+            except GeomtorsionError as error:
+                raise OrientationError(f"axes: {error}") from None
+            q = product(conjugated(turn), q)
+        return cls(
+            q, file.phase, file.phases, file.steps, file.shift, threshold=threshold, sigma=sigma
+        )
+
+    @classmethod
+    def from_euler(
+        cls,
+        angles: np.ndarray | Sequence[Sequence[Sequence[float]]],
+        steps: Steps,
+        phase: Phase | str,
+        *,
+        threshold: float = 5.0,
+        sigma: float | Sequence[float] | None = None,
+        unit: str = "um",
+    ) -> OrientationMap:
+        """From Bunge's angles phi1, Phi, phi2 in degrees, of one phase; NaN where unknown.
+
+        Parameters
+        ----------
+        angles
+            Shape (rows, columns, 3).
+        phase
+            A Phase, or the name of a Laue group.
+        """
+        found = checks.array(
+            angles, "angles", OrientationError, shape=(None, None, 3), infinite=None
+        )
+        known = np.asarray(np.isfinite(found).all(axis=-1))
+        one = phase if isinstance(phase, Phase) else Phase("crystal", phase)
+        q = quaternion_from_euler(np.radians(np.where(known[..., None], found, 0.0)), "ZXZ")
+        return cls(
+            q, known.astype(int), {1: one}, _two_steps(steps), threshold=threshold, sigma=sigma,
+            unit=unit,
+        )  # fmt: skip
+
+    # -- what it is -------------------------------------------------------------------------------
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of pixels."""
+        rows, columns = self.phase.shape
+        return rows, columns
+
+    @cached_property
+    def grains(self) -> GrainMap:
+        """Grains, and the variants of symmetry chosen along their spanning trees."""
+        groups = {number: phase.group for number, phase in self.phases.items()}
+        return grains_of(self.quaternions, self.phase, groups, np.radians(self.threshold))
+
+    @property
+    def grain(self) -> np.ndarray:
+        """Number of the grain of each pixel, -1 where nothing is known, shape (rows, columns)."""
+        return self.grains.grain
+
+    @cached_property
+    def coframe(self) -> np.ndarray:
+        """e^i_mu in the variant of each grain, mu = x, y alone, shape (rows, columns, 3, 2)."""
+        return matrix_from_quaternion(conjugated(self.grains.quaternions))[..., :2]
+
+    @cached_property
+    def noise(self) -> dict[int, np.ndarray]:
+        """Phase -> covariance of the noise of an orientation, map axes, rad^2, shape (3, 3).
+
+        Raises
+        ------
+        OrientationError
+            No grain has seven pixels in a row from which it could be estimated.
+        """
+        if self.sigma is not None:
+            return dict.fromkeys(self.phases, given_covariance(self.sigma))
+        found = {}
+        for number in self.phases:
+            mine = self.phase == number
+            if mine.any():
+                try:
+                    found[number] = estimated_covariance(self.grains, mine)
+                except OrientationError:
+                    # Too few of its pixels stand in a row: all others are the best guess.
+                    found[number] = estimated_covariance(self.grains, self.phase > 0)
+        return found
+
+    def frame(self, grain: int, order: int = 2) -> SampledFrame:
+        """The coframe of one grain as a sampled frame, for curved loops and the Nye tensor.
+
+        Axes are x and y: node [column, row]; pixels of other grains are holes. Its rows are crystal
+        axes; its sigma is the mean over the axes of the noise of its phase, taken as independent
+        from component to component.
+
+        Parameters
+        ----------
+        grain
+            Its number in `grain`.
+        order
+            Of interpolation, as for `SampledFrame`.
+
+        Raises
+        ------
+        OrientationError
+            There is no such grain, or the grid is hexagonal.
+
+        Examples
+        --------
+        >>> bent = np.zeros((9, 9, 3))
+        >>> bent[..., 0] = np.arange(9) / 10
+        >>> crystal = OrientationMap.from_euler(bent, 1.0, "m-3m", sigma=0)
+        >>> crystal.frame(0).nye[0, 0, 4, 4].round(6), np.radians(0.1).round(6)
+        (np.float64(0.001745), np.float64(0.001745))
+        """
+        number = checks.count(grain, "grain", OrientationError, 0, self.grains.count - 1)
+        if self.shift:
+            raise OrientationError(
+                "a sampled frame needs a square grid, but that of the map is hexagonal. Use "
+                ".burgers, or export the map on a square grid."
+            )
+        mine = self.grain == number
+        steps = self.steps
+        axes = [step * np.arange(n) for step, n in zip(steps, self.shape[::-1], strict=True)]
+        covariance = self.noise[int(self.phase[mine][0])]
+        return SampledFrame(
+            axes,
+            self.coframe.transpose(2, 3, 1, 0),
+            order,
+            ("x", "y"),
+            mask=~mine.T,
+            sigma=float(np.sqrt(np.trace(covariance) / 3)),
+            unit=self.unit,
+        )
+
+    # -- circuits ---------------------------------------------------------------------------------
+
+    @cached_property
+    def _grid(self) -> StepGrid:
+        """The steps between pixels."""
+        return StepGrid(self.grains, self.coframe, self.steps, self.shift, self.threshold)
+
+    @property
+    def cochain(self) -> Cochain:
+        """The steps within grains as a cochain: nodes are pixels, numbered row by row.
+
+        Its forest closes every fundamental cycle of every grain; sums over any chain are exact to
+        rounding. Noise is not in its errors: `burgers` tells it.
+        """
+        return self._grid.cochain
+
+    def circuit(self, loop: Loop) -> Circuit:
+        """The circuit round the cells whose middles a loop surrounds.
+
+        Parameters
+        ----------
+        loop
+            In the plane, x and y in `unit` from the first pixel.
+
+        Raises
+        ------
+        OrientationError
+            The loop leaves the map, or surrounds no cell.
+        """
+        checks.instance(loop, Loop, "loop")
+        if loop.dimension != 2:
+            raise OrientationError(
+                f"loop: two coordinates were needed, x and y of the map, but {loop.dimension} came."
+            )
+        rows, columns = self.shape
+        begin = np.array([self.steps[0] * min(self.shift, 0.0), 0.0])
+        end = np.array(
+            [self.steps[0] * (columns - 1 + max(self.shift, 0.0)), self.steps[1] * (rows - 1)]
+        )
+        # Four points for each pixel that it passes, as far as memory goes.
+        count = int(min(4 * loop.length / min(self.steps), PIECE))
+        points = loop.points(max(count, 400))
+        points = np.concatenate([points, points[:, :1]], axis=1)
+        off = np.maximum(begin - points.T, points.T - end)
+        if (off > SLACK * end).any():
+            raise OrientationError(
+                f"{loop!r} leaves the map, which runs from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
+                f"{end[1]:.6g}) {self.unit}. Choose a smaller loop, or another place."
+            )
+        xs = self.steps[0] * (np.arange(columns - 1) + (1 + self.shift) / 2)
+        ys = self.steps[1] * (np.arange(rows - 1) + 0.5)
+        cells = windings(points, xs, ys)
+        if not cells.any():
+            raise OrientationError(
+                f"{loop!r} surrounds the middle of no cell; steps are {self.steps[0]:g} and "
+                f"{self.steps[1]:g} {self.unit}. Choose a larger loop."
+            )
+        return Circuit.of_cells(cells, name=loop.name or "loop")
+
+    def burgers(self, circuit: Circuit | Loop) -> MapBurgers:
+        """Burgers vector of a circuit within a grain.
+
+        Parameters
+        ----------
+        circuit
+            A Circuit from pixel to pixel; of a Loop in the plane, the circuit round its cells.
+
+        Raises
+        ------
+        OrientationError
+            The circuit leaves the map or its grain; the message names pixels.
+        """
+        if isinstance(circuit, Loop):
+            circuit = self.circuit(circuit)
+        checks.instance(circuit, Circuit, "circuit")
+        grid = self._grid
+        chain = grid.chain(circuit)
+        vector = grid.total(chain)
+        first = circuit.starts[0, 0], circuit.starts[0, 1]
+        number = int(self.phase[first])
+        covariance = spread_of(grid.moments(chain), self.noise[number])
+        spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
+        bend = unexplained(np.asarray(np.linalg.norm(grid.bend(chain))), spread)
+        return MapBurgers(
+            circuit=circuit,
+            vector=vector,
+            rotation=matrix_from_quaternion(self.grains.quaternions[first]),
+            covariance=covariance,
+            area=grid.area(chain),
+            grain=int(self.grain[first]),
+            phase=self.phases[number],
+            unit=self.unit,
+            interpolation_error=float(bend),
+        )
+
+    def burgers_map(self, size: int) -> CircuitMap:
+        """Burgers vectors of the square circuits of size x size cells at every place.
+
+        Sums along rows and columns make a circuit of any size as cheap as a cell.
+
+        Raises
+        ------
+        OrientationError
+            The size is not from 1 to what the map holds.
+        """
+        most = min(self.shape) - 1
+        n = checks.count(size, "size", OrientationError, 1, most)
+        grid = self._grid
+        vectors, bends, clean = grid.squares(n)
+        clean &= self.phase[:-n, :-n] > 0
+        vectors[~clean] = np.nan
+        corners = self.grains.quaternions[:-n, :-n]
+        specimen = np.einsum("...ij,...j->...i", matrix_from_quaternion(corners), vectors)
+        sigma, significance = np.full(clean.shape, np.nan), np.full(clean.shape, np.nan)
+        interpolation = np.full(clean.shape, np.nan)
+        # Circuits from odd rows of hexagonal grids have other places than those from even ones.
+        odd = (np.arange(len(clean)) % 2 == 1) & bool(self.shift)
+        for row, rows in ((0, ~odd), (1, odd)):
+            if not rows.any():
+                continue
+            chain = grid.ascending(Circuit.square((row, 0), n))
+            moments, bent = grid.moments(chain), grid.bent_moments(chain)
+            for number in self.phases:
+                mine = clean & (self.phase[:-n, :-n] == number) & rows[:, None]
+                if mine.any():
+                    covariance = spread_of(moments, self.noise[number])
+                    spread = np.trace(spread_of(bent, self.noise[number]))
+                    sigma[mine] = np.sqrt(np.trace(covariance))
+                    far = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
+                    interpolation[mine] = far
+                    significance[mine] = significances(specimen[mine], covariance, far)
+        area = n**2 * self.steps[0] * self.steps[1]
+        return CircuitMap(
+            n, vectors, specimen, clean, area, sigma, significance, self.unit, interpolation
+        )
+
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        names = ", ".join(phase.name for phase in self.phases.values())
+        step = f"{self.steps[0]:g} {self.unit}"
+        return f"OrientationMap({rows} x {columns} pixels, step {step}, {names})"
+
+
+def _two_steps(steps: object) -> tuple[float, float]:
+    """Steps along x and y, from one number for both or from two."""
+    given = (steps, steps)
+    if checks.real(steps) is None:
+        given = checks.numbers(steps, 2, "steps", OrientationError)
+    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
+    return x, y

@@ -1,0 +1,193 @@
+"""Phases: what a crystal in a map is: its Laue group, its lattice, its families of lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+from geomtorsion.materials.maps.symmetry import LaueGroup, laue_group
+from geomtorsion.rigid.attitude import rotated
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A crystal structure, as far as circuits need it.
+
+    name: what it is called. laue: name of its Laue group, such as "m-3m".
+    lengths: a, b, c in angstrom; zeros where they are not known.
+    angles: alpha, beta, gamma in degrees.
+    horizontal: which axis of the crystal frame lies along the lattice: "x": a along x (as in .ang
+        files); "y": b along y (as in .ctf files). z is along c (orthogonal to a and b at least).
+
+    Raises
+    ------
+    OrientationError
+        The Laue group is unknown, or the constants make no lattice.
+
+    Examples
+    --------
+    >>> copper = Phase("copper", "m-3m", (3.615, 3.615, 3.615))
+    >>> copper.lattice.round(6).tolist()
+    [[3.615, 0.0, 0.0], [0.0, 3.615, 0.0], [0.0, 0.0, 3.615]]
+    >>> len(copper.family((0.5, 0.5, 0)))
+    6
+    """
+
+    name: str
+    laue: str
+    lengths: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angles: tuple[float, float, float] = (90.0, 90.0, 90.0)
+    horizontal: str = "x"
+
+    def __post_init__(self) -> None:
+        """Check the group and the constants once."""
+        _ = self.group
+        for key in ("lengths", "angles"):
+            subject = f"phase {self.name!r}: {key}"
+            found = checks.numbers(getattr(self, key), 3, subject, OrientationError)
+            object.__setattr__(self, key, tuple(float(x) for x in found))
+        if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
+            raise OrientationError(
+                f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
+                f"needed, but {self.lengths} and {self.angles} came. Correct the constants."
+            )
+        if self.has_lattice and min(self._excess) <= 0:
+            raise OrientationError(
+                f"phase {self.name!r}: angles {self.angles} make no lattice. Correct them."
+            )
+
+    @cached_property
+    def group(self) -> LaueGroup:
+        """The rotations of its Laue group."""
+        return laue_group(self.laue, self.horizontal)
+
+    @property
+    def _excess(self) -> tuple[float, ...]:
+        """By how many degrees, halved, two of the angles are more than the third, and all of them
+        less than 360: above 0 for three edges that lie in no plane."""
+        # As they are written: 40.1 + 50.2 - 90.3 of doubles is not 0.
+        angles = [checks.repr_fraction(angle) for angle in self.angles]
+        half = sum(angles) / 2
+        return tuple(float(x) for x in (180 - half, *(half - angle for angle in angles)))
+
+    @property
+    def has_lattice(self) -> bool:
+        """Whether the lattice constants are known."""
+        return min(self.lengths) > 0
+
+    @cached_property
+    def lattice(self) -> np.ndarray:
+        """Columns a, b, c in the axes of the crystal, angstrom, shape (3, 3)."""
+        if not self.has_lattice:
+            raise OrientationError(
+                f"phase {self.name!r}: lattice constants are not known. Give lengths=(a, b, c)."
+            )
+        a, b, c = self.lengths
+        alpha, beta, gamma = np.radians(self.angles)
+        cosine = (np.cos(alpha) - np.cos(beta) * np.cos(gamma)) / np.sin(gamma)
+        # As a product the height of c over a and b keeps its digits where the cell is flat, too.
+        height = 2 * np.sqrt(np.prod(np.sin(np.radians(self._excess)))) / np.sin(gamma)
+        columns = np.array(
+            [
+                [a, b * np.cos(gamma), c * np.cos(beta)],
+                [0.0, b * np.sin(gamma), c * cosine],
+                [0.0, 0.0, c * height],
+            ]
+        )
+        if self.horizontal == "y" and self.laue in ("-3", "-3m", "6/m", "6/mmm"):
+            # The same lattice, turned about c until b lies along y.
+            turn = np.pi / 2 - gamma
+            cos, sin = np.cos(turn), np.sin(turn)
+            columns = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]]) @ columns
+        return columns
+
+    def family(self, vector: Sequence[float]) -> np.ndarray:
+        """All vectors that are equivalent to one, up to sign, in crystal axes, angstrom.
+
+        Parameters
+        ----------
+        vector
+            In units of a, b, c, such as (0.5, 0.5, 0) for <110>/2; or with the four indices of
+            hexagonal and trigonal cells.
+
+        Returns
+        -------
+        Array of shape (k, 3).
+        """
+        subject = "Burgers vector of a family"
+        one = self.lattice @ cell_vector(vector, subject, self)
+        if not one.any():
+            raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
+        found: list[np.ndarray] = []
+        # Lattice constants have four digits or so.
+        near = 1e-4 * np.abs(one).max()
+        for image in images_of(self, one[None])[:, 0]:
+            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
+                found.append(image)
+        return np.array(found)
+
+
+def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
+    """All that the rotations of a phase make of vectors, crystal axes, shape (rotations, k, 3).
+
+    Raises
+    ------
+    OrientationError
+        They do not bring the lattice upon itself: what they make is not equivalent.
+    """
+    edges = phase.lattice.T
+    both = np.concatenate([edges, vectors])
+    turns = phase.group.quaternions
+    found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
+    whole = found[:, :3] @ np.linalg.inv(edges)
+    # Constants that are hardly off do no harm: what they bring nearer to a lattice vector than to
+    # the middle between two is meant to be one.
+    off = np.abs(whole - np.rint(whole))
+    if (off > 0.5 - off).any():
+        raise OrientationError(
+            f"phase {phase.name!r}: a lattice of the symmetry {phase.laue} was needed, but lengths "
+            f"{phase.lengths} and angles {phase.angles} make none. Give the constants of its cell, "
+            "such as angles=(90, 90, 120) of a hexagonal one."
+        )
+    return found[:, 3:]
+
+
+def cell_vector(
+    given: Sequence[float], subject: str, phase: Phase, *, plane: bool = False
+) -> np.ndarray:
+    """Three indices of a direction or a plane, from three or from Bravais' four.
+
+    Raises
+    ------
+    OrientationError
+        There are not three or four numbers, or four that belong to no such cell.
+
+    Examples
+    --------
+    >>> zinc = Phase("zinc", "6/mmm", (2.66, 2.66, 4.95), (90, 90, 120))
+    >>> cell_vector((1, 1, -2, 0), "direction", zinc).tolist()
+    [3.0, 3.0, 0.0]
+    """
+    found = checks.array(given, subject, OrientationError)
+    if found.shape not in ((3,), (4,)):
+        raise OrientationError(
+            f"{subject}: three indices were needed (or four of a hexagonal cell), but "
+            f"{checks.shown(given)} came."
+        )
+    if len(found) == 3:
+        return found
+    h, k, i, last = found
+    if (
+        phase.laue not in ("-3", "-3m", "6/m", "6/mmm")
+        or abs(h + k + i) > 1e-6 * np.abs(found).max()
+    ):
+        raise OrientationError(
+            f"{subject}: four indices belong to hexagonal and trigonal cells, and the first three "
+            f"add up to zero, but {checks.shown(given)} came for {phase.laue}. Give three."
+        )
+    return np.array([h, k, last]) if plane else np.array([h - i, k - i, last])

@@ -1,0 +1,258 @@
+"""Results: Burgers vectors of one circuit in an orientation map, and of many of one size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.conventions import Signed
+from geomtorsion.errors import OrientationError
+from geomtorsion.materials.fields.noise import significances
+from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.slip import SlipDensity, SlipFamily, densities, least_combination
+
+# Angstrom in a unit of length.
+UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FamilyLines:
+    """How many dislocation lines of a family a circuit encloses at least.
+
+    family: Burgers vector in units of a, b, c. vectors: its equivalents in crystal axes, angstrom,
+    shape (k, 3). numbers: how many lines of each, negative for opposite ones, shape (k,).
+    """
+
+    family: tuple[float, ...]
+    vectors: np.ndarray
+    numbers: np.ndarray
+
+    @property
+    def total(self) -> float:
+        """Number of lines of all of them."""
+        return float(np.abs(self.numbers).sum())
+
+    def __repr__(self) -> str:
+        name = ", ".join(f"{x:g}" for x in self.family)
+        return f"FamilyLines([{name}]: {self.total:.4g} lines)"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MapBurgers(Signed):
+    """Burgers vector of a circuit in an orientation map.
+
+    Equation
+    --------
+    b^i = closed integral of R^i_mu dl^mu, R from specimen to crystal: the coframe that does not
+    stretch. Rounded from x to y (right-handed about z), as MTEX's integral weighted Burgers vector.
+
+    vector: b^i in crystal axes (in the variant of its grain), shape (3,), in `unit`: the sum of the
+        Burgers vectors of all lines through the circuit.
+    rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
+    covariance: of b in specimen axes by the noise of the pixels, shape (3, 3), unit squared.
+    interpolation_error: distance from a rule of fourth order along the steps, without what noise
+        explains of it, in `unit`.
+    area: enclosed, signed, unit squared. grain: its number. phase: what the grain is.
+    """
+
+    circuit: Circuit
+    vector: np.ndarray
+    rotation: np.ndarray
+    covariance: np.ndarray
+    area: float
+    grain: int
+    phase: Phase
+    unit: str
+    interpolation_error: float = 0.0
+
+    @property
+    def specimen(self) -> np.ndarray:
+        """b in specimen axes (those of the map), shape (3,), in `unit`."""
+        return self.rotation @ self.vector
+
+    @property
+    def size(self) -> float:
+        """|b|, in `unit`."""
+        return float(np.linalg.norm(self.vector))
+
+    @property
+    def per_area(self) -> np.ndarray:
+        """b^i per area, crystal axes, shape (3,), one over `unit`.
+
+        Raises
+        ------
+        OrientationError
+            The circuit encloses no area.
+        """
+        if not self.area:
+            raise OrientationError(
+                f"{self.circuit.name}: an area was needed, but its parts enclose as much from x to "
+                "y as from y to x. Take one that runs round in one sense."
+            )
+        return self.vector / self.area
+
+    @property
+    def sigma(self) -> float:
+        """What noise alone makes of |b|, as root of its mean square, in `unit`."""
+        return float(np.sqrt(np.trace(self.covariance)))
+
+    @property
+    def error(self) -> float:
+        """Noise, as `sigma`, and the error of the trapezoids together, in `unit`."""
+        return float(np.hypot(self.sigma, self.interpolation_error))
+
+    @cached_property
+    def significance(self) -> float:
+        """Length of b in units of its errors: noise alone gives sqrt(3) or so."""
+        return float(significances(self.specimen, self.covariance, self.interpolation_error))
+
+    @cached_property
+    def lattice(self) -> np.ndarray:
+        """b in units of the lattice vectors a, b, c, shape (3,)."""
+        return np.linalg.solve(self.phase.lattice, self._angstrom)
+
+    @property
+    def _angstrom(self) -> np.ndarray:
+        return self.vector * angstrom_in(self.unit)
+
+    def lines(self, *families: Sequence[float]) -> tuple[FamilyLines, ...]:
+        """The shortest lines (sum of number times |b|) that add up to the vector.
+
+        Parameters
+        ----------
+        families
+            Burgers vectors in units of a, b, c, such as (0.5, 0.5, 0); their equivalents by
+            symmetry are found.
+
+        Raises
+        ------
+        OrientationError
+            The lattice is not known, or the families do not span the vector.
+
+        Examples
+        --------
+        >>> tilted = np.zeros((4, 9, 3))
+        >>> tilted[:, 5:, 0] = 1.0
+        >>> from geomtorsion.materials.maps import OrientationMap
+        >>> iron = Phase("iron", "m-3m", (2.87, 2.87, 2.87))
+        >>> wall = OrientationMap.from_euler(tilted, 1.0, iron, sigma=0)
+        >>> wall.burgers(Circuit.rectangle((0, 2), 3, 5)).lines((1, 0, 0))
+        (FamilyLines([1, 0, 0]: 184 lines),)
+        """
+        if not families:
+            raise OrientationError("families: a Burgers vector was needed, such as (0.5, 0.5, 0).")
+        found = [self.phase.family(family) for family in families]
+        vectors = np.concatenate(found)
+        lengths = np.linalg.norm(vectors, axis=1)
+        numbers = least_combination(vectors.T, self._angstrom, lengths)
+        if numbers is None:
+            raise OrientationError(
+                f"families: their Burgers vectors do not span {self.lattice.round(3).tolist()} "
+                "(units of a, b, c). Give another family as well."
+            )
+        parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
+        return tuple(
+            FamilyLines(tuple(float(x) for x in family), part, number)
+            for family, part, number in zip(families, found, parts, strict=True)
+        )
+
+    def slip(self, *families: SlipFamily) -> tuple[SlipDensity, ...]:
+        """The least density of edges and screws of slip families that has this b per area.
+
+        Parameters
+        ----------
+        families
+            `SlipFamily.of(phase, plane, vector)`, or `slip_families(phase, "bcc")`.
+
+        Returns
+        -------
+        Densities of the systems of each family, in lines per `unit` squared.
+
+        Raises
+        ------
+        OrientationError
+            No family is given, or together they do not make up b.
+
+        Examples
+        --------
+        A wall of edges: two parallel to z for each <100> of b.
+
+        >>> tilted = np.zeros((11, 20, 3))
+        >>> tilted[:, 10:, 0] = 1.0
+        >>> from geomtorsion.materials.maps import OrientationMap
+        >>> salt = Phase("salt", "m-3m", (4.0, 4.0, 4.0))
+        >>> wall = OrientationMap.from_euler(tilted, 1.0, salt, sigma=0)
+        >>> b = wall.burgers(Circuit.rectangle((0, 5), 10, 10))
+        >>> (found,) = b.slip(SlipFamily.of(salt, (1, 0, 0), (0, 1, 0)))
+        >>> round(found.total * b.area), round(b.size * 1e4 / 4.0)
+        (440, 436)
+        """
+        if not families:
+            raise OrientationError("families: a SlipFamily was needed, but none came.")
+        for one in families:
+            checks.instance(one, SlipFamily, "families", OrientationError)
+        normal = self.rotation.T @ np.array([0.0, 0.0, 1.0])
+        return densities(self.per_area, normal, families, angstrom_in(self.unit))
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{x:.4g}" for x in self.vector.tolist())
+        return (
+            f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.sigma:.1e}, "
+            f"grain {self.grain}, {self.phase.name})"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CircuitMap:
+    """Burgers vectors of all square circuits of one size.
+
+    size: cells along a side. vectors: b^i in crystal axes, shape (rows, columns, 3) for circuits
+        whose first pixel is [row, column], NaN where the circuit crosses a boundary.
+    specimen: the same in specimen axes. clean: whether the circuit stays in one grain.
+    area: of each, unit squared. sigma: root mean square of |b| by noise alone, by phase,
+        shape (rows, columns). interpolation: distance from a rule of fourth order, without what
+        noise explains of it, shape (rows, columns). significance: |b| in units of its errors; noise
+        alone gives sqrt(3).
+    """
+
+    size: int
+    vectors: np.ndarray
+    specimen: np.ndarray
+    clean: np.ndarray
+    area: float
+    sigma: np.ndarray
+    significance: np.ndarray
+    unit: str
+    interpolation: np.ndarray
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Noise, as `sigma`, and interpolation together, shape (rows, columns), in `unit`."""
+        return np.hypot(self.sigma, self.interpolation)
+
+    @property
+    def per_area(self) -> np.ndarray:
+        """|b| per area, shape (rows, columns), one over `unit`."""
+        return np.linalg.norm(self.vectors, axis=-1) / self.area
+
+    @property
+    def floor(self) -> np.ndarray:
+        """What noise alone makes of `per_area`, shape (rows, columns)."""
+        return self.sigma / self.area
+
+    def __repr__(self) -> str:
+        return (
+            f"CircuitMap({int(self.clean.sum())} of {self.clean.size} circuits of {self.size} x "
+            f"{self.size} cells stay in one grain)"
+        )
+
+
+def angstrom_in(unit: str) -> float:
+    """Angstrom in a unit of length."""
+    checks.known_name(unit, UNITS, "unit", OrientationError)
+    return UNITS[unit]

@@ -1,0 +1,257 @@
+"""Step grid: integrals of a coframe along the steps between pixels, and sums of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.errors import OrientationError
+from geomtorsion.loops import Cochain
+from geomtorsion.materials.fields.sides import window_sums
+from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.maps.lattice_edges import GrainMap
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Steps to the next pixel in a row or a column, and how often each is made.
+
+    starts, ends: row and column of pixels, shape (k, 2); times: shape (k,).
+    """
+
+    starts: np.ndarray
+    ends: np.ndarray
+    times: np.ndarray
+
+    @property
+    def along(self) -> np.ndarray:
+        """Which steps run along a row."""
+        return self.starts[:, 0] == self.ends[:, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class StepGrid:
+    """Trapezoids of the coframe e^i_mu along the steps of a map.
+
+    grains: which steps stay in a grain. coframe: shape (rows, columns, 3, 2). steps, shift: of the
+    map. threshold: of grains, degrees, for messages.
+    """
+
+    grains: GrainMap
+    coframe: np.ndarray
+    steps: tuple[float, float]
+    shift: float
+    threshold: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of pixels."""
+        rows, columns = self.grains.grain.shape
+        return rows, columns
+
+    # -- single steps -----------------------------------------------------------------------------
+
+    @cached_property
+    def right(self) -> np.ndarray:
+        """Integral of e along the step to the next pixel in a row, (rows, columns - 1, 3)."""
+        along = self.coframe[..., 0]
+        return self.steps[0] / 2 * (along[:, :-1] + along[:, 1:])
+
+    @cached_property
+    def down(self) -> np.ndarray:
+        """Integral of e along the step to the next pixel in a column, (rows - 1, columns, 3)."""
+        e = self.coframe
+        found = self.steps[1] / 2 * (e[:-1, :, :, 1] + e[1:, :, :, 1])
+        if self.shift:
+            # On from an even row to an odd one, back from an odd one.
+            sign = 1 - 2 * (np.arange(self.shape[0] - 1) % 2)
+            way = sign[:, None, None] * self.shift * self.steps[0]
+            found += way / 2 * (e[:-1, :, :, 0] + e[1:, :, :, 0])
+        return found
+
+    @cached_property
+    def bends(self) -> tuple[np.ndarray, np.ndarray]:
+        """What a rule of fourth order has more than the trapezoid of each step, as right and down.
+
+        (-f_-1 + 13 f_0 + 13 f_1 - f_2) / 24 - (f_0 + f_1) / 2: second differences at both ends,
+        of which one stands for both at the edge of a grain; without any, a step tells nothing.
+        """
+        e, grain = self.coframe, self.grains.grain
+        right = -_bends(self.steps[0] * e[..., 0].swapaxes(0, 1), grain.T).swapaxes(0, 1)
+        if not self.shift:
+            return right, -_bends(self.steps[1] * e[..., 1], grain)
+        # Straight on from row to row, columns move by one at every second row.
+        rows, columns = self.shape
+        down = np.zeros((rows - 1, columns, 3))
+        for first, way in ((0, 1), (1, -1)):
+            # To the right from even rows where odd ones begin further on, else to the left.
+            shifts = way * int(np.sign(self.shift)) * ((np.arange(rows) + first) // 2)
+            index = (np.arange(columns) + shifts[:, None]) % columns
+            place = (np.arange(rows)[:, None], index)
+            step = self.steps[1] * e[..., 1] + way * self.shift * self.steps[0] * e[..., 0]
+            # What comes in at the other side is on another line.
+            laps = (np.arange(columns) + shifts[:, None]) // columns
+            mine = grain[place] + (laps - laps.min()) * (grain.max() + 1)
+            found = -_bends(step[place], np.where(grain[place] < 0, -1, mine))
+            back = (np.arange(columns) - shifts[:-1, None]) % columns
+            down[first::2] = found[np.arange(rows - 1)[:, None], back][first::2]
+        return right, down
+
+    @property
+    def cochain(self) -> Cochain:
+        """The steps within grains as a cochain; nodes are pixels, numbered row by row."""
+        rows, columns = self.shape
+        number = np.arange(rows * columns).reshape(self.shape)
+        right, down = self.grains.right, self.grains.down
+        pairs = np.concatenate(
+            [
+                np.stack([number[:, :-1][right], number[:, 1:][right]], axis=1),
+                np.stack([number[:-1][down], number[1:][down]], axis=1),
+            ]
+        )
+        values = np.concatenate([self.right[right], self.down[down]])
+        return Cochain.of_edges(pairs, values, nodes=rows * columns)
+
+    # -- one circuit ------------------------------------------------------------------------------
+
+    def chain(self, circuit: Circuit) -> Chain:
+        """The steps of a circuit, after looking at each: it stays in the map and in one grain."""
+        found = self.ascending(circuit)
+        along = found.along
+        fine = np.empty(len(along), dtype=bool)
+        fine[along] = self.grains.right[tuple(found.starts[along].T)]
+        fine[~along] = self.grains.down[tuple(found.starts[~along].T)]
+        if not fine.all():
+            self._refuse(found.starts[~fine], found.ends[~fine])
+        # Parts that do not touch, such as cells far from each other, may lie in several.
+        grains = np.unique(self.grains.grain[tuple(found.starts.T)]).tolist()
+        if len(grains) > 1:
+            raise OrientationError(
+                f"{circuit.name}: a circuit in one grain was needed, but its parts lie in grains "
+                f"{checks.cut(', '.join(map(str, grains)))}. Take one circuit for each."
+            )
+        return found
+
+    def ascending(self, circuit: Circuit) -> Chain:
+        """The steps of a circuit, those that go back as negative multiples of those that go on."""
+        last = np.maximum(circuit.starts, circuit.ends)
+        outside = (last >= self.shape).any(axis=1)
+        if outside.any():
+            pixel = tuple(last[np.argmax(outside)].tolist())
+            raise OrientationError(
+                f"{circuit.name}: pixel {pixel} lies outside of the map of "
+                f"{self.shape[0]} x {self.shape[1]} pixels. Choose another place, or a smaller one."
+            )
+        first = np.minimum(circuit.starts, circuit.ends)
+        sign = np.where((circuit.starts == first).all(axis=1), 1, -1)
+        return Chain(first, last, sign * circuit.times)
+
+    def _refuse(self, starts: np.ndarray, ends: np.ndarray) -> None:
+        """Say which pixels a circuit must not join, and why; of many, of the first three."""
+        named = []
+        for one, other in zip(starts[:3].tolist(), ends[:3].tolist(), strict=True):
+            pixels = tuple(one), tuple(other)
+            grains = [int(self.grains.grain[pixel]) for pixel in pixels]
+            if min(grains) < 0:
+                named.append(f"pixel {pixels[grains.index(-1)]} has no orientation")
+            elif grains[0] != grains[1]:
+                named.append(
+                    f"{pixels[0]} lies in grain {grains[0]}, {pixels[1]} in grain {grains[1]}"
+                )
+            else:
+                named.append(
+                    f"from {pixels[0]} to {pixels[1]} the lattice of grain {grains[0]} turns by "
+                    f"{self.threshold:g} degrees or more"
+                )
+        more = f"; and {len(starts) - 3} steps more" if len(starts) > 3 else ""
+        raise OrientationError(
+            f"the circuit crosses a boundary: {'; '.join(named)}{more}. Lead it through one grain, "
+            f"or give a threshold above {self.threshold:g} degrees."
+        )
+
+    def total(self, chain: Chain) -> np.ndarray:
+        """The integral of the coframe along a chain, shape (3,)."""
+        along = chain.along
+        values = np.empty((len(along), 3))
+        values[along] = self.right[tuple(chain.starts[along].T)]
+        values[~along] = self.down[tuple(chain.starts[~along].T)]
+        return chain.times @ values
+
+    def bend(self, chain: Chain) -> np.ndarray:
+        """What the trapezoids of a chain lack, as the bend of the coframe says, shape (3,)."""
+        along, (right, down) = chain.along, self.bends
+        values = np.empty((len(along), 3))
+        values[along] = right[tuple(chain.starts[along].T)]
+        values[~along] = down[tuple(chain.starts[~along].T)]
+        return chain.times @ values
+
+    def area(self, chain: Chain) -> float:
+        """Half of the sum of x dy - y dx: the area that a chain encloses."""
+        # Cells are whole numbers: where as many are run round in either sense nothing is left.
+        if not (chain.times * chain.starts[:, 0])[chain.along].sum():
+            return 0.0
+        one, other = self._places(chain.starts), self._places(chain.ends)
+        return float(chain.times @ (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])) / 2
+
+    def moments(self, chain: Chain) -> np.ndarray:
+        """How each pixel enters the sum: half of the steps that touch it, shape (pixels, 3)."""
+        ways = self._places(chain.ends) - self._places(chain.starts)
+        keys = np.concatenate([chain.starts, chain.ends]) @ np.array([self.shape[1], 1])
+        _, where = np.unique(keys, return_inverse=True)
+        found = np.zeros((int(where.max()) + 1, 3))
+        np.add.at(found[:, :2], where, np.tile(chain.times[:, None] * ways / 2, (2, 1)))
+        return found
+
+    def bent_moments(self, chain: Chain) -> np.ndarray:
+        """How each pixel enters `bend` where grains have no edges, shape (pixels, 3)."""
+        ways = chain.times[:, None] * (self._places(chain.ends) - self._places(chain.starts)) / 24
+        one, two = chain.starts, chain.ends
+        # Straight on before the first pixel and behind the second.
+        every = np.concatenate([one, two, 2 * one - two, 2 * two - one])
+        keys = every @ np.array([4 * self.shape[1], 1])
+        _, where = np.unique(keys, return_inverse=True)
+        found = np.zeros((int(where.max()) + 1, 3))
+        np.add.at(found[:, :2], where, np.concatenate([ways, ways, -ways, -ways]))
+        return found
+
+    def _places(self, pixels: np.ndarray) -> np.ndarray:
+        """x and y of pixels from the first one, shape (k, 2)."""
+        rows, columns = pixels.T
+        x = (columns + self.shift * (rows % 2)) * self.steps[0]
+        return np.stack([x, rows * self.steps[1]], axis=1)
+
+    # -- all squares ------------------------------------------------------------------------------
+
+    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Integrals round all squares of n x n cells, their `bend`, and which stay in one grain.
+
+        Sums over windows make any size as cheap as a cell.
+        """
+        vectors = self._rounds(n, self.right, self.down)
+        bends = self._rounds(n, *self.bends)
+        across = window_sums((~self.grains.right).astype(np.int32), n, 1)
+        along = window_sums((~self.grains.down).astype(np.int32), n, 0)
+        clean = across[:-n] + across[n:] + along[:, n:] + along[:, :-n] == 0
+        return vectors, bends, clean
+
+    @staticmethod
+    def _rounds(n: int, right: np.ndarray, down: np.ndarray) -> np.ndarray:
+        """Sums of steps round all squares."""
+        bottom, side = window_sums(right, n, 1), window_sums(down, n, 0)
+        return bottom[:-n] - bottom[n:] + side[:, n:] - side[:, :-n]
+
+
+def _bends(f: np.ndarray, grain: np.ndarray) -> np.ndarray:
+    """A twelfth of the second differences of each step along the first axis, at its ends in mean.
+
+    f: shape (points, lines, 3); grain: shape (points, lines), differences of one grain count.
+    """
+    bend, known = np.zeros_like(f), np.zeros(grain.shape, dtype=bool)
+    bend[1:-1] = f[2:] - 2 * f[1:-1] + f[:-2]
+    known[1:-1] = (grain[2:] == grain[1:-1]) & (grain[:-2] == grain[1:-1]) & (grain[1:-1] >= 0)
+    bend[~known] = 0
+    number = np.maximum(known[:-1].astype(int) + known[1:], 1)
+    return (bend[:-1] + bend[1:]) / (12 * number[..., None])

@@ -1,0 +1,1 @@
+"""Teaching: exercises that grade their answers, and the page for the classroom."""

@@ -1,0 +1,25 @@
+"""authoring: what the file of an exercise is written with."""
+
+from geomtorsion.teaching.exercises import tex
+from geomtorsion.teaching.exercises import working as by_hand
+from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.exercises.exercise import Variant, steps
+from geomtorsion.teaching.exercises.question import Mistake, Question, normal, reordered, scaled
+from geomtorsion.teaching.exercises.verdict import CONNECTION, TORSION
+from geomtorsion.teaching.exercises.working import Step
+
+__all__ = [
+    "CONNECTION",
+    "TORSION",
+    "Domain",
+    "Mistake",
+    "Question",
+    "Step",
+    "Variant",
+    "by_hand",
+    "normal",
+    "reordered",
+    "scaled",
+    "steps",
+    "tex",
+]

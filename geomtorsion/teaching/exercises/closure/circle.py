@@ -1,0 +1,100 @@
+"""5.2: the Burgers vector of a circle in closed form."""
+
+from functools import cache
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame, cartan
+from geomtorsion.loops import exact_circle
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Heisenberg's frame for seed 0; other seeds: torsion that varies from place to place."""
+    x, y, z = q = sp.symbols("x y z", real=True)
+    radius = sp.Symbol("R", positive=True)
+    power, factor = (1, -1) if seed == 0 else (draw.choice((2, 3)), draw.choice((-2, -1, 1, 2)))
+    across = 0 if seed == 0 else draw.choice((0, 1, -1))
+    frame = Frame(q, [[1, 0, 0], [0, 1, 0], [across * y, factor * x**power, 1]], name="a frame")
+    centre = 0 if seed == 0 else draw.choice((1, 2, 3, -1))
+    domain = Domain((radius,))
+
+    @cache
+    def vector() -> tuple[sp.Expr, ...]:
+        return tuple(sp.expand(x) for x in exact_circle(frame, (centre, 0, 0), radius))
+
+    def from_centre() -> list[sp.Expr]:
+        torsion, here = cartan(frame).torsion.T.in_frame(), {x: centre, y: 0, z: 0}
+        return [torsion[0, 1, k].subs(here) * sp.pi * radius**2 for k in range(3)]
+
+    return Variant(
+        statement=(
+            f"For the forms\n\n$${tex.forms(frame)}$$\n\na circle of radius $R$ about "
+            f"$(x, y, z) = ({centre}, 0, 0)$ runs once round in the coordinate plane $x, y$, from "
+            "$x$ towards $y$."
+        ),
+        questions=(
+            Question(
+                name="burgers",
+                kind="components",
+                prompt=r"Its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$, exactly, "
+                "with `R` for the radius.",
+                domain=domain,
+                answer=vector,
+                errors=lambda: [
+                    Mistake("direction", scaled(vector(), -1)),
+                    Mistake("factor", scaled(vector(), sp.Rational(1, 2))),
+                    Mistake(
+                        "forgotten",
+                        from_centre(),
+                        "That is the torsion at the centre times the area; the torsion varies over "
+                        "the circle.",
+                    ),
+                ],
+                shape=(3,),
+                label="b",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            "Only one form is not closed.",
+            "By Stokes its loop integral is an integral over the disk of "
+            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$.",
+            r"Put $x = x_0 + \rho\cos\alpha$; odd powers of the cosine average to zero, "
+            r"$\overline{\cos^2} = \tfrac12$.",
+        ),
+        worked=lambda: _worked(frame, centre, radius),
+    )
+
+
+def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
+    """The flux of the one curl through the disk, in polar coordinates."""
+    x = frame.coordinates[0]
+    rho, alpha = sp.symbols("rho alpha", positive=True)
+    density = by_hand.curls(frame)[0, 1, 2]
+    inner = sp.expand(density.subs(x, centre + rho * sp.cos(alpha)) * rho)
+    ring = sp.integrate(inner, (alpha, 0, 2 * sp.pi))
+    flux = sp.expand(sp.integrate(ring, (rho, 0, radius)))
+    return (
+        Step(f"Only one form is not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(
+            f"On the disk $x = {centre} + \\rho\\cos\\alpha$; over the angle, with the "
+            f"$\\rho$ of the area, the integral is ${tex.tex(ring)}$."
+        ),
+        Step(
+            f"Over $\\rho$ from $0$ to $R$: $b^3 = {tex.tex(flux)}$; the others vanish.",
+            "burgers",
+            {(2,): flux},
+        ),
+    )

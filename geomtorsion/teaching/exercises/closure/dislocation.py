@@ -1,0 +1,113 @@
+"""5.4: round a dislocation, once and several times."""
+
+from functools import cache
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    scaled,
+    steps,
+    tex,
+)
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """A screw along z; the seed chooses how often the loop goes round, and which way."""
+    frame = load("screw_dislocation").frame
+    b = frame.parameters[0]
+    turns = 2 if seed == 0 else draw.choice((-3, -2, -1, 1, 2, 3))
+    radius = 1 if seed == 0 else draw.choice((1, 2, 3))
+    away = radius + draw.choice((1, 2))
+    around = Loop.circle([0, 0, 0], radius, plane=(0, 1))
+    winding = around.times(turns)
+    next_to_it = Loop.circle([away, 0, 0], sp.Rational(radius, 2), plane=(0, 1))
+    way = "from $x$ towards $y$" if turns > 0 else "from $y$ towards $x$"
+
+    @cache
+    def vector(loop: Loop) -> dict[tuple[int, ...], sp.Expr]:
+        found = burgers_vector(frame, loop, exact=True).vector
+        return {(k,): value for k, value in enumerate(found)}
+
+    return Variant(
+        statement=(
+            "The legs of a crystal with a screw dislocation along the $z$ axis have the forms\n\n"
+            r"$$e^1 = \mathrm{d}x,\quad e^2 = \mathrm{d}y,\quad e^3 = \mathrm{d}z + "
+            r"\frac{b}{2\pi}\,\frac{x\,\mathrm{d}y - y\,\mathrm{d}x}{x^2+y^2}.$$"
+            "\n\nTheir torsion vanishes everywhere off the axis."
+        ),
+        questions=(
+            Question(
+                name="around",
+                kind="components",
+                prompt=f"The Burgers vector of a circle of radius ${radius}$ about the axis that "
+                f"is run through {abs(turns)} times, {way}.",
+                domain=Domain((b,)),
+                answer=lambda: vector(winding),
+                errors=lambda: [
+                    Mistake("direction", scaled(vector(winding), -1)),
+                    Mistake(
+                        "forgotten",
+                        scaled(vector(around), 1 if turns > 0 else -1),
+                        "How often does the loop go round?",
+                    ),
+                    Mistake(
+                        "forgotten",
+                        {},
+                        "The torsion vanishes along the loop, but not on the axis inside.",
+                    ),
+                ],
+                shape=(3,),
+                label="b",
+            ),
+            Question(
+                name="beside",
+                kind="components",
+                prompt=f"The same for a circle of half that radius about $({away}, 0, 0)$, once.",
+                domain=Domain((b,)),
+                answer=lambda: vector(next_to_it),
+                errors=lambda: [
+                    Mistake("forgotten", vector(around), "Does this loop enclose the axis?")
+                ],
+                shape=(3,),
+                label="b",
+            ),
+        ),
+        hints=steps(
+            r"Off the axis $x\,\mathrm{d}y - y\,\mathrm{d}x = (x^2+y^2)\,\mathrm{d}\phi$.",
+            r"So $e^3$ is $\mathrm{d}(z + b\phi/2\pi)$; what does $\phi$ grow by on the loop?",
+        ),
+        worked=lambda: _worked(turns, b),
+    )
+
+
+def _worked(turns: int, b: sp.Symbol) -> tuple[Step, ...]:
+    """A closed form whose integral counts turns."""
+    return (
+        Step(
+            r"With $x = \rho\cos\phi$ and $y = \rho\sin\phi$ the last form is "
+            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$: closed, but $\phi$ grows by "
+            r"$2\pi$ on each turn round the axis."
+        ),
+        Step(
+            f"The loop goes round {abs(turns)} times, from "
+            + ("$x$ towards $y$" if turns > 0 else "$y$ towards $x$")
+            + rf": $\phi$ changes by ${2 * turns}\,\pi$, $z$ not at all, $b^3 = "
+            f"{tex.tex(turns * b)}$.",
+            "around",
+            {(2,): turns * b},
+        ),
+        Step(
+            r"The other circle does not enclose the axis: $\phi$ comes back to where it was, and "
+            "the Burgers vector vanishes.",
+            "beside",
+            {},
+        ),
+    )

@@ -1,0 +1,139 @@
+"""5.7: an edge dislocation and its extra half plane, counted in atoms."""
+
+from collections.abc import Sequence
+from functools import cache
+from random import Random
+
+from geomtorsion.loops import Cochain
+from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, scaled, steps
+
+SIDES = {
+    "above": "above the line",
+    "below": "below it",
+    "left": "to its left",
+    "right": "to its right",
+}
+OPPOSITE = {"above": "below", "below": "above", "left": "right", "right": "left"}
+STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+WAYS = ("to the right", "up", "to the left", "down")
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """One half plane above for seed 0; other seeds: one to three, on any side."""
+    place = "above" if seed == 0 else draw.choice(tuple(SIDES))
+    planes = 1 if seed == 0 else draw.randint(1, 3)
+    wide, tall = (7, 5) if seed == 0 else (draw.randint(5, 12), draw.randint(5, 12))
+    counts = _counts(place, planes, wide, tall)
+    # The two sides that differ, the one that is given in the larger circuit first.
+    flat = place in ("above", "below")
+    given, asked = (0, 2) if flat else (1, 3)
+    larger = 10 * counts[given]
+    sides = ", ".join(f"${n}$ steps {way}" for n, way in zip(counts, WAYS, strict=True))
+
+    @cache
+    def closure() -> tuple[int, ...]:
+        return tuple(_around(counts))
+
+    def needed() -> int:
+        # b is what the first side has more than the one that leads back.
+        return larger - closure()[0 if flat else 1]
+
+    return Variant(
+        statement=(
+            "A picture of a square lattice, seen along an edge dislocation: $x$ to the right, $y$ "
+            f"up. A circuit from atom to atom takes {sides}, and is back at the atom from which it "
+            "started; the line lies inside."
+        ),
+        questions=(
+            Question(
+                name="burgers",
+                kind="components",
+                prompt="The sum of its steps in the perfect lattice, from start to finish: $b$ in "
+                "lattice constants.",
+                answer=closure,
+                errors=lambda: [
+                    Mistake("direction", scaled(closure(), -1)),
+                    Mistake("permuted", closure()[::-1], "The component along $x$ comes first."),
+                ],
+                shape=(2,),
+                label="b",
+                points=2,
+            ),
+            Question(
+                name="place",
+                kind="choice",
+                prompt="Where does the extra half plane of atoms lie?",
+                answer=lambda: place,
+                errors=lambda: [
+                    Mistake("direction", OPPOSITE[place], "Which of two opposite sides is longer?")
+                ],
+                options=SIDES,
+            ),
+            Question(
+                name="larger",
+                kind="number",
+                prompt=f"A larger circuit round the same line has ${larger}$ steps "
+                f"{WAYS[given]}. How many steps {WAYS[asked]} must it have?",
+                answer=needed,
+                errors=lambda: [
+                    Mistake(
+                        "forgotten",
+                        10 * counts[asked],
+                        "The gap does not grow with the circuit: it counts half planes.",
+                    ),
+                    Mistake("forgotten", larger, "Then it would close in the perfect lattice."),
+                    Mistake("sign", 2 * larger - needed()),
+                ],
+                tolerance=1e-3,
+                generic=(),
+            ),
+        ),
+        hints=steps(
+            "Add the steps: what goes there and back cancels.",
+            "A side that crosses the half plane has one atom more for each of them.",
+            "However large the circuit is, it crosses the same half planes.",
+        ),
+        worked=lambda: _worked(place, planes, counts, larger, asked),
+    )
+
+
+def _counts(place: str, planes: int, wide: int, tall: int) -> tuple[int, int, int, int]:
+    """Steps to the right (below the line), up (to its right), left (above) and down."""
+    more = {"below": 0, "right": 1, "above": 2, "left": 3}[place]
+    counts = [wide, tall, wide, tall]
+    counts[more] += planes
+    return counts[0], counts[1], counts[2], counts[3]
+
+
+def _around(counts: Sequence[int]) -> list[int]:
+    """The sum of the steps along a closed path of atoms, by the library."""
+    every = [step for count, step in zip(counts, STEPS, strict=True) for _ in range(count)]
+    nodes = list(range(len(every)))
+    pairs = [[k, (k + 1) % len(every)] for k in nodes]
+    return Cochain.of_edges(pairs, every).around(nodes).vector.tolist()
+
+
+def _worked(
+    place: str, planes: int, counts: Sequence[int], larger: int, asked: int
+) -> tuple[Step, ...]:
+    """Steps that cancel, the longer side, and the same excess anywhere."""
+    right, up, left, down = counts
+    longer = {"above": "above", "below": "below", "left": "on the left", "right": "on the right"}
+    excess = planes if place in ("above", "left") else -planes
+    return (
+        Step(
+            f"Along $x$ the steps add up to ${right} - {left} = {right - left}$, along $y$ to "
+            f"${up} - {down} = {up - down}$.",
+            "burgers",
+            [right - left, up - down],
+        ),
+        Step("Opposite sides would be equally long without the dislocation."),
+        Step(f"The circuit is longer {longer[place]}: there the half plane lies.", "place", place),
+        Step(
+            f"The larger circuit crosses the same half planes, ${planes}$ in number: "
+            f"${larger} {'+' if excess > 0 else '-'} {planes} = {larger + excess}$ steps "
+            f"{WAYS[asked]}.",
+            "larger",
+            larger + excess,
+        ),
+    )

@@ -1,0 +1,164 @@
+"""5.6: round a screw dislocation from atom to atom."""
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import permutations, product
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.loops import Cochain
+from geomtorsion.teaching.exercises.authoring import (
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    scaled,
+    steps,
+    tex,
+)
+
+HALF = sp.Rational(1, 2)
+HANDED = {"right": "a right-handed screw", "left": "a left-handed screw"}
+# A step of the circuit, and how often it is taken.
+Side = tuple[int, sp.Matrix]
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """A right-handed screw along [111] for seed 0; other seeds: any of its kind in iron."""
+    turn = sp.eye(3) if seed == 0 else draw.choice(_rotations())
+    wide, tall = (6, 4) if seed == 0 else (draw.randint(3, 9), draw.randint(3, 9))
+    sense = -1 if seed == 0 else draw.choice((-1, 1))
+    across, up, along = (turn * sp.Matrix(v) for v in ((1, -1, 0), (1, 1, -2), (1, 1, 1)))
+    last = sense * along * HALF - up
+    sides: list[Side] = [
+        (wide, across),
+        (tall, up),
+        (wide, -across),
+        (tall - 1, -up),
+        (1, last),
+    ]
+    listed = ", ".join(f"${count}$ times ${_vector(step)}$" for count, step in sides[:-1])
+
+    @cache
+    def closure() -> tuple[sp.Expr, ...]:
+        return tuple(HALF * int(x) for x in _around(sides))
+
+    return Variant(
+        statement=(
+            "In a crystal of iron (bcc, lattice constant $a$) a circuit runs from atom to atom "
+            f"round a dislocation line along ${_vector(along)}$, right-handed about it, and comes "
+            "back to the atom from which it started. Each bond is read as the nearest lattice "
+            f"vector; in units of $a$ these are {listed}, and one last time ${_vector(last)}$."
+        ),
+        questions=(
+            Question(
+                name="burgers",
+                kind="components",
+                prompt="The Burgers vector $b$ in units of $a$: the sum of all steps, from start "
+                "to finish.",
+                answer=closure,
+                errors=lambda: [
+                    Mistake("direction", scaled(closure(), -1)),
+                    Mistake(
+                        "factor", scaled(closure(), 2), "Is it a whole lattice vector, or half?"
+                    ),
+                    Mistake(
+                        "forgotten",
+                        list(up),
+                        "The last step differs from the others along that side, and it counts.",
+                    ),
+                ],
+                shape=(3,),
+                label="b",
+                points=2,
+            ),
+            Question(
+                name="length",
+                kind="expression",
+                prompt="How long is $b$, in units of $a$, exactly?",
+                answer=lambda: sp.sqrt(sum(x**2 for x in closure())),
+                errors=lambda: [
+                    Mistake("factor", sp.sqrt(3)),
+                    Mistake(
+                        "forgotten", HALF, "Add the squares of the three components, then the root."
+                    ),
+                ],
+            ),
+            Question(
+                name="handed",
+                kind="choice",
+                prompt="Who follows the lattice round a right-handed screw climbs along the line, "
+                "and has to step down again to the atom of the start. Which screw is this?",
+                answer=lambda: "left" if _along(closure(), along) > 0 else "right",
+                errors=lambda: [
+                    Mistake("direction", "right" if _along(closure(), along) > 0 else "left")
+                ],
+                options=HANDED,
+            ),
+        ),
+        hints=steps(
+            "Steps there and back cancel, however many there are.",
+            f"What remains is ${_vector(up)}$ and the last step.",
+            "In Python: `gt.Cochain.of_edges(pairs, steps).around(nodes)` adds whole numbers: "
+            "count in units of $a/2$.",
+        ),
+        worked=lambda: _worked(sides, along),
+    )
+
+
+def _rotations() -> list[sp.Matrix]:
+    """The 24 rotations of the cube."""
+    found = []
+    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
+        matrix = sp.zeros(3, 3)
+        for row, (column, sign) in enumerate(zip(order, signs, strict=True)):
+            matrix[row, column] = sign
+        if matrix.det() == 1:
+            found.append(matrix)
+    return found
+
+
+def _vector(vector: sp.Matrix) -> str:
+    """A direction in the crystal, with its half in front."""
+    times = 2 if any(x.q == 2 for x in vector) else 1
+    inner = r"\,".join(f"{{{tex.tex(x * times)}}}" for x in vector)
+    return (r"\tfrac12" if times == 2 else "") + f"[{inner}]"
+
+
+def _around(sides: Sequence[Side]) -> list[int]:
+    """The sum of the steps along a closed path of atoms, in units of a/2, by the library."""
+    every = [[int(2 * x) for x in step] for count, step in sides for _ in range(count)]
+    nodes = list(range(len(every)))
+    pairs = [[k, (k + 1) % len(every)] for k in nodes]
+    return Cochain.of_edges(pairs, every).around(nodes).vector.tolist()
+
+
+def _along(vector: Sequence[sp.Expr], line: sp.Matrix) -> sp.Expr:
+    return sum((x * y for x, y in zip(vector, line, strict=True)), sp.S.Zero)
+
+
+def _worked(sides: Sequence[Side], along: sp.Matrix) -> tuple[Step, ...]:
+    """Sides there and back cancel; the last step is left."""
+    (_, up), (_, last) = sides[1], sides[-1]
+    b = up + last
+    climbs = _along(list(b), along) > 0
+    size = sp.sqrt(sum(x**2 for x in b))
+    return (
+        Step(
+            f"The steps ${_vector(sides[0][1])}$ there and back cancel; of the steps along "
+            f"${_vector(up)}$ one is left."
+        ),
+        Step(
+            f"With the last step that is ${_vector(up)} + {_vector(last)} = {_vector(b)}$.",
+            "burgers",
+            list(b),
+        ),
+        Step(f"Its length is ${tex.tex(size)}$ lattice constants.", "length", size),
+        Step(
+            f"It points {'along' if climbs else 'against'} the line: the way back to the start "
+            f"led {'up' if climbs else 'down'}. This is {HANDED['left' if climbs else 'right']}.",
+            "handed",
+            "left" if climbs else "right",
+        ),
+    )

@@ -1,0 +1,86 @@
+"""5.1: the Burgers vector of a small loop."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame, cartan
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import group, rotations
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """so3 and the plane of its first two legs for seed 0."""
+    frame = draw.choice((rotations, group))(draw, seed) if seed else rotations(draw, 0)
+    area = sp.Symbol("A", positive=True)
+    torsion = cartan(frame).torsion.T.in_frame()
+    planes = sorted({(i, j) for i, j, _ in torsion.nonzero() if i < j})
+    i, j = (0, 1) if seed == 0 else draw.choice(planes)
+
+    def burgers() -> dict[tuple[int, ...], sp.Expr]:
+        return {(k,): torsion[i, j, k] * area for k in range(3)}
+
+    return Variant(
+        statement=(
+            f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a very small "
+            f"loop runs in the plane of the legs $E_{i + 1}$ and $E_{j + 1}$, from the first "
+            "towards the second, and encloses the area $A$, measured in the frame. What it fails "
+            r"to close by is its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$."
+        ),
+        questions=(
+            Question(
+                name="burgers",
+                kind="components",
+                prompt="The three components $b^k$, to leading order in `A`.",
+                domain=Domain((area,)),
+                answer=burgers,
+                errors=lambda: [
+                    Mistake("direction", scaled(burgers(), -1)),
+                    Mistake(
+                        "factor",
+                        scaled(burgers(), sp.Rational(1, 2)),
+                        "A factor 2 is missing: $b^k = S_{ij}{}^k A^{ij}$ sums over both orders "
+                        "of $i$ and $j$, so that $b^k = 2S_{12}{}^k A$.",
+                    ),
+                ],
+                shape=(3,),
+                label="b",
+            ),
+        ),
+        hints=steps(
+            r"Stokes: $\oint e^k = \int \mathrm{d}e^k$.",
+            r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, and $e^i\wedge e^j$ "
+            "measures the area in the plane of two legs.",
+        ),
+        worked=lambda: _worked(frame, i, j, area),
+    )
+
+
+def _worked(frame: Frame, i: int, j: int, area: sp.Symbol) -> tuple[Step, ...]:
+    """Stokes over a small area in the plane of two legs."""
+    table = by_hand.anholonomy(frame)
+    vector = [table.get((i, j, k), sp.S.Zero) * area for k in range(3)]
+    pairs = {(i, j, k): table.get((i, j, k), sp.S.Zero) for k in range(3)}
+    return (
+        Step(
+            r"By Stokes $b^k = \oint e^k = \int\mathrm{d}e^k$, and "
+            f"$${by_hand.differentials(frame)}.$$"
+        ),
+        Step(
+            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all products but "
+            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ "
+            f"vanishes, and that is the area $A$: $b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
+            f"$${by_hand.listed('2S', pairs)}.$$"
+        ),
+        Step(f"So $b = ({', '.join(map(tex.tex, vector))})$.", "burgers", vector),
+    )

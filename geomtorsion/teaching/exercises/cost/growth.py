@@ -1,0 +1,113 @@
+"""7.3: how an error grows along a shortest line."""
+
+from collections.abc import Callable
+from functools import cache
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.curves import geodesic, geodesic_deviation
+from geomtorsion.geometry import Frame
+from geomtorsion.ode import solve
+from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
+
+SURFACES = {
+    "hyperbolic": ("the hyperbolic plane", sp.sinh),
+    "round": ("the unit sphere", sp.sin),
+    "flat": ("the plane", lambda r: r),
+}
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """The hyperbolic plane for seed 0; other seeds: also sphere and plane."""
+    kind = "hyperbolic" if seed == 0 else draw.choice(sorted(SURFACES))
+    name, length = SURFACES[kind]
+    begin = 0.5 if seed == 0 else draw.choice((0.2, 0.4, 0.5))
+    last = 3.0 if seed == 0 else draw.choice((1.0, 1.2, 2.0, 2.4))
+    r, phi = sp.symbols("r phi", real=True)
+    frame = Frame(
+        (r, phi),
+        [[1, 0], [0, length(r)]],
+        domain=(r > 0, r < (sp.pi if kind == "round" else 4)),
+        name=name,
+    )
+
+    @cache
+    def deviation(offset: float = 1.0) -> float:
+        line = geodesic(frame, [begin, 0.0], frame_velocity=[1.0, 0.0])
+        found = solve(geodesic_deviation(line, [0.0, offset]), [last], 1e-8)
+        return float(found.transported[-1, 1])
+
+    def factor(f=length) -> float:
+        return deviation() * float(f(sp.Float(begin + last)) / f(sp.Float(begin)))
+
+    return Variant(
+        statement=(
+            f"On {name} in polar coordinates, ${tex.forms(frame)}$, a geodesic leaves from "
+            f"$r = {begin:g}$ straight outwards with speed 1. A computer makes a tiny error "
+            r"$\delta\phi$ in the angle at the start and none afterwards: it follows a "
+            "neighbouring geodesic through the same origin."
+        ),
+        questions=(
+            Question(
+                name="length",
+                kind="number",
+                prompt="By which factor has the error, measured as a **length**, grown at "
+                f"$t = {last:g}$?",
+                answer=factor,
+                errors=lambda: [
+                    Mistake(
+                        "basis",
+                        deviation(),
+                        r"That is the error $\delta\phi$ in the coordinate, which stays; its "
+                        r"length is $f(r)\,\delta\phi$.",
+                    ),
+                    *(
+                        Mistake("another", factor(f), f"That would be so on {other}.")
+                        for other, f in SURFACES.values()
+                        if other != name
+                    ),
+                ],
+                tolerance=5e-3,
+                generic=("factor",),
+            ),
+            Question(
+                name="twice",
+                kind="number",
+                prompt="Two such errors, one twice the other, are carried along. What is the "
+                "quotient of their lengths in the end?",
+                answer=lambda: deviation(2.0) / deviation(),
+                errors=lambda: [Mistake("another", 2 * factor(), "Both grow by this factor.")],
+                tolerance=1e-3,
+                generic=(),
+            ),
+        ),
+        hints=steps(
+            r"The neighbour runs along another ray: $\delta\phi$ is constant.",
+            r"The length is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
+            "It grows as $e^t$ where curvature is negative, as $t$ in the plane, and is bounded "
+            "on a sphere: that is what makes some motions dear to compute.",
+        ),
+        worked=lambda: _worked(length, begin, last),
+    )
+
+
+def _worked(length: Callable[[sp.Expr], sp.Expr], begin: float, last: float) -> tuple[Step, ...]:
+    """The quotient of two circumferences."""
+    r = sp.Symbol("r", real=True)
+    factor = float(length(sp.Float(begin + last)) / length(sp.Float(begin)))
+    return (
+        Step(
+            r"The neighbour follows another ray from the origin: $\delta\phi$ is constant, and the "
+            f"distance is $f(r)\\,\\delta\\phi$ with $f = {tex.tex(length(r))}$."
+        ),
+        Step(
+            f"The geodesic goes from $r = {begin:g}$ to $r = {begin + last:g}$: the error grows by "
+            f"$f({begin + last:g})/f({begin:g}) = {factor:.6g}$.",
+            "length",
+            factor,
+        ),
+        Step(
+            "Deviations obey a linear equation: twice the error stays twice the error.", "twice", 2
+        ),
+    )

@@ -1,0 +1,145 @@
+"""7.2: two ways to add up a loop, and their orders."""
+
+from collections.abc import Callable
+from functools import cache
+from itertools import count as counting
+from math import cos, log2, pi, sin, sqrt
+from random import Random
+
+import numpy as np
+
+from geomtorsion.codegen import numpy_function
+from geomtorsion.geometry import Frame
+from geomtorsion.loops import Loop, burgers_vector
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
+
+# Relative error that the exercise asks for, and the points of its coarse sums.
+WANTED = 1e-10
+COARSE = 64
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """A circle in the angles of the paper; the seed chooses its radius and centre."""
+    frame = load("so3").frame
+    radius = 0.5 if seed == 0 else draw.choice((0.3, 0.4, 0.6, 0.7))
+    middle = 1.0 if seed == 0 else draw.choice((1.1, 1.2, 1.3, 1.5))
+    centre = [0.3, middle, 0.2]
+    exact = cache(lambda: burgers_vector(frame, Loop.circle(centre, radius, plane=(0, 1))).vector)
+
+    @cache
+    def error(count: int, chords: bool) -> float:
+        return float(abs(added(frame, centre, radius, count, chords) - exact()).max())
+
+    def needed() -> int:
+        size = float(abs(exact()).max())
+        return next(n for n in counting(3) if error(n, False) < WANTED * size)
+
+    def by_chords() -> float:
+        size = float(abs(exact()).max())
+        return COARSE * sqrt(error(COARSE, True) / (WANTED * size))
+
+    return Variant(
+        statement=(
+            f"The Burgers vector of a circle of radius ${radius:g}$ about "
+            f"$\\phi = (0.3, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of the "
+            f"rigid body with the coframe $$e = {tex.coframe(frame)},$$ is added up in two ways "
+            "from $N$ "
+            "points $\\phi_k$ at equal steps of the angle round the circle:\n\n"
+            r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
+            r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
+            "\n"
+            r"- **trapezoid**: $\frac{2\pi}{N}\sum_k e^i{}_\mu(\phi_k)\,"
+            r"\frac{\mathrm{d}\phi^\mu}{\mathrm{d}s}(s_k)$."
+        ),
+        questions=(
+            Question(
+                name="order",
+                kind="number",
+                prompt="The order of the chords: the error falls as $N^{-p}$. What is $p$?",
+                answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
+                errors=lambda: [
+                    Mistake("forgotten", 1, "The midpoint is better than either end."),
+                    Mistake("another", 4, "That is for Simpson's rule."),
+                ],
+                tolerance=0.05,
+                generic=(),
+            ),
+            Question(
+                name="points",
+                kind="number",
+                prompt="How many points does the **trapezoid** need for a relative error below "
+                "$10^{-10}$ (of the largest component)? A fifth more or less will do.",
+                answer=needed,
+                errors=lambda: [
+                    Mistake(
+                        "forgotten",
+                        by_chords(),
+                        "So many are needed with chords; for a smooth periodic function the "
+                        "trapezoid converges faster than any power.",
+                    )
+                ],
+                tolerance=0.21,
+                generic=(),
+                points=2,
+            ),
+        ),
+        hints=steps(
+            "Try $N = 64$ and $N = 128$: the quotient of the errors is $2^p$.",
+            "The trapezoid sum over a period is exact for all harmonics below $N$; what is left "
+            "out falls as fast as the harmonics of the coframe do.",
+            "In Python: `gt.numpy_function` makes the coframe a function of arrays; some ten to "
+            "twenty points will do.",
+        ),
+        worked=lambda: _worked(error, needed),
+    )
+
+
+def added(frame: Frame, centre: list[float], radius: float, count: int, chords: bool) -> np.ndarray:
+    """The sum over count points of a circle in the plane of the first two angles."""
+    angles = [2 * pi * (k + 0.5 * chords) / count for k in range(count)]
+    short = cos(pi / count) if chords else 1.0
+    length = 2 * sin(pi / count) if chords else 2 * pi / count
+    total = np.zeros(frame.dimension)
+    for s in angles:
+        place = (centre[0] + radius * short * cos(s), centre[1] + radius * short * sin(s),
+                 centre[2])  # fmt: skip
+        step = radius * length * np.array([-sin(s), cos(s), 0.0])
+        total += coframe_at(frame, place) @ step
+    return total
+
+
+@cache
+def coframe_function(frame: Frame):
+    """The coframe as a function of numbers."""
+    n = range(frame.dimension)
+    entries = [frame.coframe.element(i, mu) for i in n for mu in n]
+    return numpy_function(entries, frame.coordinates)
+
+
+def coframe_at(frame: Frame, place: tuple[float, ...]) -> np.ndarray:
+    """The coframe at a point, shape (n, n)."""
+    return coframe_function(frame)(*place).reshape(frame.dimension, frame.dimension)
+
+
+def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> tuple[Step, ...]:
+    """The errors of both sums, and what they say."""
+    chords = {count: error(count, True) for count in (COARSE, 2 * COARSE)}
+    shown = "; ".join(f"$N = {count}$: {value:.3g}" for count, value in chords.items())
+    count = needed()
+    steps = "; ".join(f"$N = {n}$: {error(n, False):.2g}" for n in range(count - 4, count + 1, 2))
+    return (
+        Step(f"The errors of the chords are {shown}."),
+        Step(
+            "Twice as many points make the error four times smaller, $2^p = 4$: the order is 2, "
+            "that of the midpoint rule.",
+            "order",
+            2,
+        ),
+        Step(
+            f"The errors of the trapezoid are {steps}. They fall faster than any power, and "
+            f"with {count} points they are below $10^{{-10}}$ of the largest component.",
+            "points",
+            count,
+        ),
+    )

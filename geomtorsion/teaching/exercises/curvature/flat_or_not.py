@@ -1,0 +1,108 @@
+"""3.1: which connection is flat, and which has torsion."""
+
+from random import Random
+
+from geomtorsion.geometry import Frame, cartan, levi_civita
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import circles, matrix_of
+
+ZERO = {"zero": "it vanishes", "not zero": "it does not vanish"}
+SPACES = ("so3", "heisenberg", "flat_polar", "flat_spherical", "s3", "sol")
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """so3 for seed 0; other seeds: spheres, groups, flat space, circles."""
+    name = draw.choice((*SPACES, "circles", "circles"))
+    if name == "circles" and seed:
+        frame = circles(draw, seed)
+    else:
+        frame = load("so3" if seed == 0 else name).frame
+    straight, short = cartan(frame), levi_civita(frame)
+    return Variant(
+        statement=(
+            f"Two connections belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
+            f"in ${tex.symbols(frame)}$: the Cartan connection, in which the legs are parallel, "
+            "and the Levi-Civita connection of the metric in which they are orthonormal."
+        ),
+        questions=(
+            _question(
+                "cartan",
+                "The curvature of the **Cartan** connection:",
+                lambda: straight.curvature.is_zero,
+                lambda: short.curvature.is_zero,
+                "levi-civita",
+            ),
+            _question(
+                "riemann",
+                "The curvature of the **Levi-Civita** connection:",
+                lambda: short.curvature.is_zero,
+                lambda: straight.curvature.is_zero,
+                "cartan",
+            ),
+            _question(
+                "torsion",
+                "The torsion of the **Cartan** connection:",
+                lambda: straight.torsion.S.is_zero,
+                lambda: short.torsion.S.is_zero,
+                "levi-civita",
+            ),
+        ),
+        hints=steps(
+            "What is carried parallel round a loop comes back turned if there is curvature.",
+            "Are there vector fields that are parallel everywhere? Then nothing comes back turned.",
+            "For the metric: is it that of a plane or of flat space in other coordinates?",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _question(name, prompt, answer, other, code) -> Question:
+    """Zero or not, with what the other connection says as the mistake."""
+    key = {True: "zero", False: "not zero"}
+    return Question(
+        name=name,
+        kind="choice",
+        prompt=prompt,
+        answer=lambda: key[answer()],
+        errors=lambda: [Mistake(code, key[other()])],
+        options=ZERO,
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Parallel legs; the metric; closed forms."""
+    flat, twisted = by_hand.is_flat(frame), bool(by_hand.curls(frame))
+    e = matrix_of(frame.coframe)
+    metric = (e.T * e).applyfunc(by_hand.tidy).tolist()
+    said = f"The forms are not all closed: $${by_hand.differentials(frame)}.$$"
+    return (
+        Step(
+            "The legs are parallel everywhere, so that nothing that is carried round comes back "
+            "turned: the curvature of the Cartan connection vanishes.",
+            "cartan",
+            "zero",
+        ),
+        Step(
+            f"The metric is $$g = {tex.matrix(metric)}.$$ Its Ricci tensor, worked out from the "
+            f"Christoffel symbols, {'vanishes, and with it, ' if flat else 'does not vanish: '}"
+            + ("in so few dimensions, all curvature." if flat else "the metric is curved."),
+            "riemann",
+            "zero" if flat else "not zero",
+        ),
+        Step(
+            (said if twisted else "All forms are closed. ")
+            + r" The torsion is $2S_{ij}{}^k e^i\wedge e^j/2 = \mathrm{d}e^k$, so that it "
+            + ("does not vanish." if twisted else "vanishes."),
+            "torsion",
+            "not zero" if twisted else "zero",
+        ),
+    )

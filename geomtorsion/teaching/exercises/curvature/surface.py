@@ -1,0 +1,101 @@
+"""3.3: Ricci tensor and curvature scalar of a surface."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame, levi_civita
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import circles
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """A sphere of radius R for seed 0; other seeds: other surfaces made of circles."""
+    frame = circles(draw, seed) if seed else _sphere()
+    curvature = levi_civita(frame).curvature
+    return Variant(
+        statement=(
+            f"A surface has the forms ${tex.forms(frame)}$: its circles $r = \\mathrm{{const}}$ "
+            "have the length $2\\pi f(r)$, and $r$ is the length across them. "
+            r"The conventions are $R_{nl} = R_{mnl}{}^m$, positive for spheres, and "
+            r"$R = g^{nl}R_{nl}$, all of the Levi-Civita connection."
+        ),
+        questions=(
+            Question(
+                name="ricci",
+                kind="components",
+                prompt=r"The Ricci tensor $R_{ab}$ in the coordinates.",
+                domain=Domain.of(frame),
+                answer=lambda: curvature.ricci,
+                errors=lambda: [
+                    Mistake("cartan", {}),
+                    Mistake("basis", curvature.ricci.in_frame()),
+                    Mistake(
+                        "sign",
+                        -curvature.ricci,
+                        "The sign is that of books in which spheres have negative curvature.",
+                    ),
+                ],
+                shape=(2, 2),
+                label="R",
+                symmetry="symmetric",
+            ),
+            Question(
+                name="scalar",
+                kind="expression",
+                prompt="The curvature scalar $R$.",
+                domain=Domain.of(frame),
+                answer=lambda: curvature.scalar[()],
+                errors=lambda: [
+                    Mistake("cartan", 0),
+                    Mistake(
+                        "factor",
+                        curvature.scalar[()] / 2,
+                        "That is Gauss's curvature $K$; in two dimensions $R = 2K$.",
+                    ),
+                ],
+            ),
+        ),
+        hints=steps(
+            r"For $\mathrm{d}r^2 + f(r)^2\mathrm{d}\phi^2$ Gauss's curvature is $K = -f''/f$.",
+            "In two dimensions $R_{ab} = K g_{ab}$.",
+            f"Here $f = {tex.tex(frame.coframe[1, 1])}$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _sphere() -> Frame:
+    """A sphere of radius R in the length of its meridians."""
+    radius = sp.Symbol("R", positive=True)
+    r, phi = sp.symbols("r phi", real=True)
+    domain = (r > 0, r < sp.pi * radius, phi > 0, phi < 2 * sp.pi)
+    return Frame((r, phi), [[1, 0], [0, radius * sp.sin(r / radius)]], domain=domain)
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Gauss's curvature, and what follows from it in two dimensions."""
+    f, r = frame.coframe[1, 1], frame.coordinates[0]
+    gauss, ricci, scalar = by_hand.surface_ricci(frame)
+    return (
+        Step(
+            f"The metric is $\\mathrm{{d}}r^2 + f^2\\,\\mathrm{{d}}\\phi^2$ with "
+            f"$f = {tex.tex(f)}$, and $f'' = {tex.tex(f.diff(r, 2))}$."
+        ),
+        Step(f"Gauss's curvature is $K = -f''/f = {tex.tex(gauss)}$."),
+        Step(
+            f"In two dimensions $R_{{ab}} = K g_{{ab}}$: $$R = {tex.matrix(ricci)}.$$",
+            "ricci",
+            ricci,
+        ),
+        Step(f"Its trace is $R = 2K = {tex.tex(scalar)}$.", "scalar", scalar),
+    )

@@ -1,0 +1,374 @@
+"""Entries: components from one text, as a table of indices or as nested lists, however written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from geomtorsion.checks import cut
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.notation import plain_signs
+
+if TYPE_CHECKING:
+    from geomtorsion.teaching.exercises.compare import Index
+    from geomtorsion.teaching.exercises.question import Question
+
+_OPEN, _CLOSE = "([{", ")]}"
+_WRAPPED = re.compile(r"(?:[\w.]*\b)?(?:Matrix|matrix|array|vector|Vector)\s*\((.*)\)", re.DOTALL)
+_DIAGONAL = re.compile(r"diag\s*\((.*)\)", re.DOTALL)
+_MARKED = re.compile(r"([_^]?)\s*(\{[^{}]*\}|\([^()]*\)|\[[^\[\]]*\]|[^\s,_^{}()\[\]]+)")
+_PAIR = re.compile(r"(['\"])([^'\"]*)\1\s*:\s*(?:(['\"])([^'\"]*)\3|([^,{}]*))")
+
+
+def table_or_list(question: Question, text: str, where: str) -> object:
+    """A table index -> text, or nested lists of texts; a single expression stays text.
+
+    Raises
+    ------
+    ExpressionError
+        A bracket is not closed, or a part names no component.
+    LimitError
+        It is too long, or too many lists stand inside one another.
+    """
+    if len(text) > MOST.characters:
+        raise LimitError(
+            f"{where}: {len(text):,} characters; the limit is {MOST.characters:,}. "
+            "Write it shorter."
+        )
+    text = _with_signs(text).strip().replace("==", "=").replace(":=", "=")
+    if text.startswith("{") and _PAIR.search(text):
+        # A dictionary of Python: {"1,1": "r"}.
+        text = "; ".join(f"{m[2]} = {m[4] or m[5] or ''}" for m in _PAIR.finditer(text))
+    elif "=" not in text and ":" in text:
+        text = text.replace(":", "=")
+    label, sign, rest = text.partition("=")
+    if sign and "=" not in rest and re.match(r"\s*[\[({]|\s*\w*(?:Matrix|array|diag)\s*\(", rest):
+        text = rest.strip() if _is_name(question, label) else text
+    if "=" in text:
+        return _table(question, text, where)
+    diagonal, wrapped = _DIAGONAL.fullmatch(text), _WRAPPED.fullmatch(text)
+    if diagonal and len(question.shape) == 2:
+        entries = split_outside(diagonal[1], ",")
+        return {f"{k},{k}": entry for k, entry in enumerate(entries, 1)}
+    if wrapped:
+        # Maxima writes its rows side by side: matrix([1, 0], [0, r]).
+        text = wrapped[1].strip()
+        text = f"[{text}]" if text.startswith("[") and _inside(text) is None else text
+    if text.startswith("["):
+        return nested(question, text, where)
+    if text == "0":
+        return 0
+    return _bare(question, text, where)
+
+
+def _with_signs(text: str) -> str:
+    """Only what stands between entries is rewritten here; each entry is read by itself later."""
+    return plain_signs(text) if "\\" in text or not text.isascii() else text
+
+
+def _is_name(question: Question, label: str) -> bool:
+    """Whether what stands before = names the whole, such as g or Gamma_ab^c, not a component."""
+    try:
+        index(question, label, "")
+    except ExpressionError:
+        return bool(re.search(r"[^\W\d]", label))
+    return False
+
+
+def _table(question: Question, text: str, where: str) -> dict[str, str]:
+    """Index -> text, from lines index = value with semicolons, line ends or commas between."""
+    table: dict[str, str] = {}
+    for line in re.split(r"[;\n]|\band\b", text):
+        if not line.strip(" ,"):
+            continue
+        for key, value in _pairs(question, line.strip(" ,")):
+            if not value:
+                raise ExpressionError(
+                    f"{where}: {line.strip()[:60]!r} names no component. Write index = value, one "
+                    "after the other, separated by semicolons."
+                )
+            if key in table:
+                raise ExpressionError(f"{where}: {key[:60]} is given twice. Give it once.")
+            table[key] = value
+    return table
+
+
+def _pairs(question: Question, line: str) -> Iterator[tuple[str, str]]:
+    """Pairs of a line; where there are several, the last comma before an index parts them."""
+    first, *pieces = line.split("=")
+    key = first.strip()
+    several = len(pieces) > 1
+    for piece in pieces[:-1]:
+        value, following = _parted(question, piece)
+        yield key, value.strip()
+        key = following.strip()
+    yield key, pieces[-1].strip() if pieces else ""
+    if several and not key:
+        yield "", ""
+
+
+def _parted(question: Question, piece: str) -> tuple[str, str]:
+    """A value and the index of the next component."""
+    parts = split_outside(piece, ",")
+    # As few parts as make an index: 0, 1,2,1 with three indices, x, b2 with a name.
+    for count in range(1, len(parts)):
+        following = ",".join(parts[-count:])
+        try:
+            index(question, following, "")
+        except ExpressionError:
+            continue
+        return ",".join(parts[:-count]), following
+    return piece, ""
+
+
+def split_outside(text: str, sign: str) -> list[str]:
+    """Parts between signs that stand in no bracket.
+
+    Examples
+    --------
+    >>> split_outside("a, f(b, c), d", ",")
+    ['a', ' f(b, c)', ' d']
+    """
+    parts, depth, start = [], 0, 0
+    for place, letter in enumerate(text):
+        depth += (letter in _OPEN) - (letter in _CLOSE)
+        if depth == 0 and letter == sign:
+            parts.append(text[start:place])
+            start = place + 1
+    return [*parts, text[start:]]
+
+
+def _bare(question: Question, text: str, where: str) -> object:
+    """Entries with round or curly brackets, or with none; a single expression stays text."""
+    shape = question.shape
+    whole = _inside(text)
+    several = any(len(split_outside(text if whole is None else whole, sign)) > 1 for sign in ",;\n")
+    if text.startswith("{") or (several and shape not in ((), (1,))):
+        return nested(question, text if whole is not None else f"[{text}]", where)
+    return text
+
+
+def _inside(text: str) -> str | None:
+    """What stands between brackets that enclose the whole text; None if none do."""
+    text = text.strip()
+    if not text or text[0] not in _OPEN or text[-1] != _CLOSE[_OPEN.index(text[0])]:
+        return None
+    depth = 0
+    for place, letter in enumerate(text):
+        depth += (letter in _OPEN) - (letter in _CLOSE)
+        if depth == 0 and place < len(text) - 1:
+            return None
+    return text[1:-1] if depth == 0 else None
+
+
+def nested(question: Question, text: str, where: str) -> list[object]:
+    """Nested lists of texts from brackets of any kind; rows may end with semicolons.
+
+    Raises
+    ------
+    ExpressionError
+        The brackets do not pair up.
+    LimitError
+        More lists stand inside one another than any question needs.
+    """
+    depth = deepest = 0
+    for letter in text:
+        depth += (letter in "[{") - (letter in "]}")
+        deepest = max(deepest, depth)
+        if depth < 0:
+            raise ExpressionError(f"{where}: a bracket ] is closed that was not opened.")
+    # No tensor here has more indices; deeper lists are written to exhaust the reader.
+    if deepest > MOST.levels:
+        raise LimitError(f"{where}: more than 6 lists inside one another. Flatten it.")
+    inner = _inside(text)
+    if depth or inner is None:
+        raise ExpressionError(f"{where}: the brackets [ ] do not pair up. Write [[a, b], [c, d]].")
+    return _listed(question, inner, 0)
+
+
+def _listed(question: Question, text: str, level: int) -> list[object]:
+    """The entries of a list, at a level of nesting from 0."""
+    if not text.strip():
+        return []
+    rank = len(question.shape)
+    separator = next((sign for sign in ";\n" if len(split_outside(text, sign)) > 1), ",")
+    parts = [part.strip() for part in split_outside(text, separator)]
+    if separator != "," and level < rank - 1 and not any(map(_inside, parts)):
+        return [_listed(question, row, level + 1) for row in parts if row]
+    spaced = text.split()
+    if len(parts) == 1 and level == rank - 1 and len(spaced) == question.shape[-1] > 1:
+        parts = spaced
+    found: list[object] = []
+    for part in parts[:-1] if parts and not parts[-1] else parts:
+        inner = _inside(part)
+        is_list = inner is not None and (part[0] in "[{" or len(split_outside(inner, ",")) > 1)
+        if is_list and inner is not None and level < MOST.levels:
+            found.append(_listed(question, inner, level + 1))
+        else:
+            found.append(_unquoted(part))
+    return found
+
+
+def _unquoted(text: str) -> str:
+    """An entry without quotes round it; a prime at its end stays."""
+    return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
+
+
+def index(question: Question, key: object, where: str) -> Index:
+    """Indices counted from 0, from a text that counts from 1 or names coordinates.
+
+    ``1,2,1``, ``121``, ``Gamma_12^1``, ``Gamma^1_12``, ``Gamma[1, 2, 1]``, ``b1`` and
+    ``phi1,phi2,phi1`` all will do. Where some stand above, those below go to the places below.
+
+    Raises
+    ------
+    ExpressionError
+        It is no index, has too many or too few parts, or is out of range.
+    """
+    text = str(key)[:200]
+    if not text.isascii() or "\\" in text:
+        text = plain_signs(text)
+    rank, marks = len(question.shape), question.marks
+    try:
+        below, above, written = _marked(question, _without_head(question, text), where)
+    except ExpressionError:
+        # What looks like a name before indices may be the first of them.
+        below, above, written = _marked(question, text, where)
+    found = written
+    if above and marks and len(written) == rank:
+        if (len(below), len(above)) != (marks.count("_"), marks.count("^")):
+            raise ExpressionError(
+                f"{where}: {text!r} has {len(below)} indices below and {len(above)} above; needed "
+                f"are {marks.count('_')} and {marks.count('^')}, or {_example(question)}."
+            )
+        lower, upper = iter(below), iter(above)
+        found = [next(lower) if mark == "_" else next(upper) for mark in marks]
+    if len(found) != rank:
+        raise ExpressionError(
+            f"{where}: {text!r} has {len(found)} indices; needed are {rank}, as in "
+            f"{_example(question)}."
+        )
+    for k, (number, size) in enumerate(zip(found, question.shape, strict=True)):
+        if number >= size or (number < 0 and number != -1):
+            raise ExpressionError(
+                f"{where}: index {k + 1} of {text!r} is {number + 1}, but runs from 1 to {size}."
+            )
+    return tuple(found)
+
+
+def is_part(question: Question, key: object) -> bool:
+    """Whether a key of a table names a component or an unknown of a question.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> [is_part(load("2.1").questions[0], key) for key in ("1,2,2", "conection")]
+    [True, False]
+    """
+    if question.unknowns:
+        return "'" in str(key) or "_d" in str(key)
+    try:
+        return bool(question.shape) and bool(index(question, key, ""))
+    except ExpressionError:
+        return False
+
+
+def _without_head(question: Question, text: str) -> str:
+    """The indices after a name, as in Gamma_12^1, b1 or 2S[1,2,1]."""
+    head = re.match(r"\s*[0-9]?\s*[^\W\d][^\[({_^,]*(?=[\[({_^])", text)
+    if head:
+        return text[head.end() :].replace("_^", "^")
+    numbered = re.fullmatch(r"\s*[^\W\d]+([0-9]+)\s*", text)
+    fits = numbered is not None and len(numbered[1]) == len(question.shape)
+    return numbered[1] if numbered and fits and text.strip() not in question.domain.names else text
+
+
+def _marked(question: Question, text: str, where: str) -> tuple[list[int], list[int], list[int]]:
+    """Indices below, above, and all in the order in which they are written."""
+    rank = len(question.shape)
+    parts = [
+        (mark, part)
+        for mark, group in _MARKED.findall(text)
+        for part in re.split(r"[\s,]+", group.strip("{}()[] ")) if part
+    ]  # fmt: skip
+    whole = sum(len(part) for _, part in parts) == rank and all(p.isdigit() for _, p in parts)
+    below, above, written = [], [], []
+    for mark, part in parts:
+        letters = list(part) if whole else _coordinates(question, part) or [part]
+        for letter in letters:
+            number = _number(question, letter, len(written), where)
+            written.append(number)
+            (above if mark == "^" else below).append(number)
+    return below, above, written
+
+
+def _number(question: Question, part: str, place: int, where: str) -> int:
+    """One index, counted from 0."""
+    names, symbols = question.domain.names, list(question.domain.symbols)
+    if part.isdecimal() and len(part) < 4:
+        return int(part) - 1
+    if part in names:
+        return symbols.index(names[part])
+    raise ExpressionError(
+        f"{where}: {part!r} is no index {place + 1}. Indices are numbers counted from 1, as in "
+        f"{_example(question)}."
+    )
+
+
+def _coordinates(question: Question, part: str) -> list[str]:
+    """Coordinates written side by side, such as rphi; empty if it is not made of them."""
+    found, rest = [], part
+    while rest:
+        head = next(
+            (name for name in sorted(question.domain.names, key=len, reverse=True)
+             if rest.startswith(name)), "",
+        )  # fmt: skip
+        if not head or len(found) > MOST.levels:
+            return []
+        found.append(head)
+        rest = rest[len(head) :]
+    return found
+
+
+def flat(given: list[object], shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
+    """Pairs (index, entry) of nested lists, which must have the shape of the question.
+
+    Raises
+    ------
+    ExpressionError
+        A list is too long or too short, or none stands where one should.
+    """
+    if not shape or len(given) != shape[0]:
+        needed = " x ".join(map(str, shape)) or "one expression"
+        raise ExpressionError(
+            f"{where}: a list of {len(given)} entries came where the shape is {needed}."
+        )
+    if len(shape) == 1:
+        return [((k,), entry) for k, entry in enumerate(given)]
+    found: list[tuple[Index, object]] = []
+    for k, row in enumerate(given):
+        if not isinstance(row, list):
+            raise ExpressionError(f"{where}[{k + 1}]: a list was needed, but {kind(row)} came.")
+        found += [((k, *key), x) for key, x in flat(row, shape[1:], f"{where}[{k + 1}]")]
+    return found
+
+
+def _example(question: Question) -> str:
+    """A component as it may be written."""
+    return ",".join("1" for _ in question.shape) + " = ..."
+
+
+def kind(value: object) -> str:
+    """What an answer is, in a few words.
+
+    Examples
+    --------
+    >>> kind([1]), kind(True), kind("x")
+    ('a list', 'true or false', "'x'")
+    """
+    if isinstance(value, str):
+        return repr(cut(value, 40))
+    names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
+    return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")

@@ -1,0 +1,98 @@
+"""examiner: checks answers in another process, which is ended where an answer would not end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+
+from geomtorsion.teaching.exercises.registry import load
+from geomtorsion.teaching.exercises.verdict import QuestionVerdict, Verdict
+from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, STARTING, Json, WorkerPool
+
+# Far more than a right answer takes.
+SECONDS = 10.0
+
+
+class Examiner:
+    """Checks answers within a time; a context manager.
+
+    seconds: how long the answers to one exercise may take. Then the process is ended, the answers
+    count as too large, and the next ones get a new process.
+    function: what the process calls with each request, which may know more than `reply`.
+
+    Examples
+    --------
+    >>> with Examiner() as examiner:
+    ...     examiner.check("3.2", {"christoffel": "1/tan(phi2)"}).right
+    True
+    """
+
+    def __init__(self, seconds: float = SECONDS, function: str = f"{__name__}:reply") -> None:
+        self.seconds = seconds
+        self.pool = WorkerPool(function)
+
+    def __enter__(self) -> Examiner:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.pool.close()
+
+    def check(self, number: str, answers: object, seed: int = 0) -> Verdict:
+        """What is said about the answers to an exercise, within the time; see `Exercise.check`.
+
+        Raises
+        ------
+        UnknownNameError
+            There is no such exercise or seed.
+        """
+        exercise = load(number, seed)
+        given, _ = exercise.arranged(answers)
+        request = {"number": number, "seed": seed}
+        try:
+            # What the library needs for its own solution is not charged to the student; the
+            # process keeps it, so that only the first student waits for it.
+            self.pool.ask(request, STARTING)
+        except (TimeoutError, ChildProcessError):
+            return _unchecked(
+                number, seed, given, "the exercise itself could not be solved in time"
+            )
+        found = self.ask(request | {"answers": answers}, self.seconds)
+        if isinstance(found, str):
+            return _unchecked(number, seed, given, found)
+        return Verdict.from_json(found["verdict"])
+
+    def ask(self, request: Json, seconds: float) -> Json | str:
+        """The reply of the process, or in words why there is none."""
+        try:
+            found = self.pool.ask(request, seconds)
+        except TimeoutError:
+            return f"it takes longer than {seconds:g} s"
+        except ChildProcessError as error:
+            return str(error)
+        return f"it needs too much {found[EXCEEDED]}" if EXCEEDED in found else found
+
+
+def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:
+    """The verdict on answers that could not be checked."""
+    found = []
+    for question in load(number, seed).questions:
+        given = question.name in answers
+        text = f"The answer could not be checked: {reason}. Write it shorter."
+        code = "too large" if given else "empty"
+        said = text if given else "No answer was given."
+        found.append(QuestionVerdict(question.name, False, 0.0, said, code, (), question.points))
+    return Verdict(number, seed, tuple(found))
+
+
+def reply(request: Json) -> Json:
+    """What the process answers: a verdict, or that the solution is known now."""
+    exercise = load(request["number"], request["seed"])
+    if "answers" not in request:
+        _ = exercise.solution()
+        return {"prepared": True}
+    return {"verdict": exercise.check(request["answers"]).to_json()}

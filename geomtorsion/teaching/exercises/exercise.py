@@ -1,0 +1,177 @@
+"""Exercise: a statement with questions, hints and a solution that the library computes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from geomtorsion.checks import close_names, shown
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.teaching.exercises.answers import answer_text
+from geomtorsion.teaching.exercises.checking import check_question
+from geomtorsion.teaching.exercises.compare import Value
+from geomtorsion.teaching.exercises.entries import is_part
+from geomtorsion.teaching.exercises.question import Question
+from geomtorsion.teaching.exercises.verdict import Verdict
+from geomtorsion.teaching.exercises.working import Step
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """One variant of an exercise, as its file makes it.
+
+    statement: Markdown with LaTeX between dollar signs.
+    questions: what is asked, in order. hints: one step each, from a nudge to nearly all of it.
+    worked: makes the worked solution, when it is first needed.
+    """
+
+    statement: str
+    questions: tuple[Question, ...]
+    hints: tuple[str, ...]
+    worked: Callable[[], tuple[Step, ...]]
+
+
+def steps(*hints: str) -> tuple[str, ...]:
+    """Hints, one step each."""
+    return hints
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Exercise:
+    """An exercise in one variant.
+
+    number: "3.2". title, chapter: what it is called and where it stands. level: warm-up, exercise
+    or project. seed: which variant; 0 is the one of the paper. variant: what it says. loader: makes
+    it from number and seed, which say all; copies are made so.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> exercise = load("1.1")
+    >>> exercise.check(exercise.answers()).right
+    True
+    """
+
+    number: str
+    title: str
+    chapter: str
+    level: str
+    seed: int
+    variant: Variant
+    loader: Callable[[str, int], Exercise]
+
+    def __repr__(self) -> str:
+        names = ", ".join(question.name for question in self.questions)
+        return (
+            f"exercise {self.number} ({self.level}, seed {self.seed}): {self.title}; "
+            f"asked: {names}; {len(self.hints)} hints"
+        )
+
+    def _repr_markdown_(self) -> str:
+        return f"**{self.number}. {self.title}** ({self.level})\n\n{self.statement}"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return self.loader, (self.number, self.seed)
+
+    @property
+    def statement(self) -> str:
+        """What is given and what is asked: Markdown, LaTeX between dollar signs."""
+        return self.variant.statement
+
+    @property
+    def questions(self) -> tuple[Question, ...]:
+        """What is asked, in order."""
+        return self.variant.questions
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Steps, from a nudge to nearly all of it; Markdown with LaTeX."""
+        return self.variant.hints
+
+    @cached_property
+    def worked(self) -> tuple[Step, ...]:
+        """The solution step by step, for the teacher; each question is answered by one step.
+
+        The answers are worked out by hand, apart from the library's own solution.
+        """
+        return self.variant.worked()
+
+    def question(self, name: str) -> Question:
+        """The question of a name.
+
+        Raises
+        ------
+        UnknownNameError
+            There is none; the message lists those there are.
+        """
+        known = {question.name: question for question in self.questions}
+        if isinstance(name, str) and name in known:
+            return known[name]
+        near = close_names(name, known) if isinstance(name, str) else []
+        hint = f" Did you mean {near[0]}?" if near else ""
+        raise UnknownNameError(
+            f"exercise {self.number} has no question {shown(name)}: there is {', '.join(known)}."
+            f"{hint}"
+        )
+
+    def solution(self) -> dict[str, Value]:
+        """The right answers, computed now: question -> {index counted from 0: expression}."""
+        return {question.name: question.solution for question in self.questions}
+
+    def answers(self) -> dict[str, str]:
+        """The right answers as texts that `check` takes."""
+        return {q.name: answer_text(q, q.solution) for q in self.questions}
+
+    def check(self, answers: Mapping[str, object] | str) -> Verdict:
+        """What is said about answers; nothing a student may write raises an error.
+
+        Parameters
+        ----------
+        answers
+            question -> answer (text, number, list or table); a single text where there is one
+            question.
+
+        Examples
+        --------
+        >>> from geomtorsion.teaching.exercises import load
+        >>> verdict = load("1.1").check({"legs": "[[1, 0], [0, oops]]"})
+        >>> verdict.right, verdict["legs"].diagnosis
+        (False, 'unreadable')
+        """
+        given, notes = self.arranged(answers)
+        found = tuple(check_question(q, given.get(q.name)) for q in self.questions)
+        return Verdict(self.number, self.seed, found, notes)
+
+    def arranged(self, answers: object) -> tuple[dict[str, object], tuple[str, ...]]:
+        """Answers by question, and what there is to say about how they were given.
+
+        One answer counts for the first question; a table whose keys are components of the only
+        question is its answer; any other key that is no question is named.
+
+        Examples
+        --------
+        >>> from geomtorsion.teaching.exercises import load
+        >>> load("2.1").arranged({"1,2,2": "1/r"})
+        ({'connection': {'1,2,2': '1/r'}}, ())
+        >>> load("2.1").arranged({"conection": "0"})
+        ({}, ("There is no question 'conection': it is not counted. Did you mean connection?",))
+        """
+        first, *rest = self.questions
+        known = {question.name: question for question in self.questions}
+        if not isinstance(answers, Mapping):
+            names = ", ".join(known)
+            note = (
+                f"This exercise has several questions ({names}); the answer counts for the first, "
+                f"{first.name}."
+            )
+            return {first.name: answers}, (note,) * bool(rest)
+        strange = [name for name in answers if name not in known]
+        if not rest and strange == list(answers) and any(is_part(first, key) for key in strange):
+            return {first.name: dict(answers)}, ()
+        notes = []
+        for name in strange:
+            near = close_names(str(name), list(known))
+            hint = f" Did you mean {near[0]}?" if near else ""
+            notes.append(f"There is no question {str(name)[:60]!r}: it is not counted.{hint}")
+        return {name: answers[name] for name in known if name in answers}, tuple(notes)

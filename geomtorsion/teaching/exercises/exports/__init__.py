@@ -1,0 +1,5 @@
+"""exports: exercises in the formats that teachers' systems take."""
+
+from geomtorsion.teaching.exercises.exports.writing import FORMATS, Export, export
+
+__all__ = ["FORMATS", "Export", "export"]

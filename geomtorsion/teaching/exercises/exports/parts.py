@@ -1,0 +1,341 @@
+"""parts: questions in all their variants as fields, variables and response trees of STACK."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from string import ascii_lowercase
+
+import sympy
+
+from geomtorsion.teaching.exercises.answers import without_rounding
+from geomtorsion.teaching.exercises.checking import ROUNDED
+from geomtorsion.teaching.exercises.compare import Value
+from geomtorsion.teaching.exercises.exercise import Exercise
+from geomtorsion.teaching.exercises.exports.maxima import (
+    maxima_list,
+    maxima_matrix,
+    maxima_name,
+    maxima_text,
+)
+from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedback, largest
+from geomtorsion.teaching.exercises.question import Mistake, Question, deviation, how_to_answer
+
+# Stands for a mistake that another variant has; no answer is equal to it.
+MISSING = "nomistake"
+
+
+@dataclass(frozen=True, eq=False)
+class Slot:
+    """A mistake in all variants.
+
+    note: its code, numbered where a question has several with one code. variable: its value.
+    mistakes: one for each variant, None where that has it not. messages: what is said.
+    tested: whether every variant has it and nothing before it in the tree is equal to it.
+    """
+
+    note: str
+    variable: str
+    mistakes: tuple[Mistake | None, ...]
+    messages: tuple[str, ...]
+    tested: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A question of an exercise in all variants.
+
+    place: among the questions, from 1. first: number of its first field.
+    questions: one for each variant, of one kind and shape.
+    """
+
+    place: int
+    first: int
+    questions: tuple[Question, ...]
+
+    @property
+    def kind(self) -> str:
+        """Kind of the questions."""
+        return self.questions[0].kind
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of components."""
+        return self.questions[0].shape
+
+    @property
+    def points(self) -> int:
+        """What a right answer is worth."""
+        return self.questions[0].points
+
+    @property
+    def tree(self) -> str:
+        """Name of the response tree."""
+        return f"prt{self.place}"
+
+    @property
+    def solution(self) -> str:
+        """Name of the variable that holds the solution."""
+        return f"ta{self.place}"
+
+    @property
+    def field(self) -> str:
+        """Type of the fields."""
+        if self.kind == "choice":
+            return "dropdown"
+        return "matrix" if self.shape else "algebraic"
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the fields: one for each unknown, or for each first index of three."""
+        count = len(self.questions[0].unknowns) or (self.shape[0] if self._stacked else 1)
+        return tuple(f"ans{self.first + k}" for k in range(count))
+
+    @property
+    def _stacked(self) -> bool:
+        return len(self.shape) > 2
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What stands before each field, HTML."""
+        question = self.questions[0]
+        if question.unknowns:
+            return tuple(f"<code>{escape(maxima_name(x))}</code> =" for x in question.unknowns)
+        if self._stacked:
+            return tuple(f"first index {k + 1}:" for k in range(self.shape[0]))
+        return ("",)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Names of symbols that may be typed."""
+        symbols = (symbol.name for q in self.questions for symbol in q.domain.symbols)
+        return tuple(dict.fromkeys(map(maxima_name, symbols)))
+
+    @property
+    def relations(self) -> tuple[str, ...]:
+        """What holds between symbols in every variant."""
+        found = [[_relation(x) for x in question.domain.relations] for question in self.questions]
+        return tuple(x for x in found[0] if all(x in other for other in found))
+
+    @property
+    def zeros(self) -> str:
+        """What stands in the boxes of a field before anything is typed."""
+        return maxima_matrix({}, self.shape[-2:])
+
+    def how(self) -> list[str]:
+        """How to answer, for each variant."""
+        return [self._how(question) for question in self.questions]
+
+    def _how(self, question: Question) -> str:
+        names = [maxima_name(symbol.name) for symbol in question.domain.symbols]
+        listed = f" in {', '.join(names)}" if names else ""
+        rates = any(symbol.name.endswith("_d") for symbol in question.domain.symbols)
+        prime = " A d before a name stands for its dot or prime." if rates else ""
+        if self.kind == "choice":
+            return "Choose one."
+        if self.kind == "number":
+            text = how_to_answer(question)
+            return f"Answer: {text.replace(' `[x, y, ...]`', ', one in each box')}."
+        if self.kind == "equations":
+            return f"Answer: what stands on the right{listed}.{prime}"
+        if self.shape:
+            return f"Answer: a component in each box{listed}; zeros stay.{prime}"
+        return f"Answer: an expression{listed}.{prime}"
+
+    # -- values ---------------------------------------------------------------------------------
+
+    def _written(self, question: Question, value: Value) -> str:
+        """A value as Maxima has it, in the form in which answers are compared."""
+        if self.kind == "choice":
+            return str(list(question.options).index(str(value[()])) + 1)
+        if question.unknowns:
+            return maxima_list(value, len(question.unknowns))
+        if not self.shape:
+            return maxima_text(value.get((), 0))
+        if self.kind == "number":
+            return maxima_list(without_rounding(value), self.shape[0])
+        return maxima_matrix(value, self.shape)
+
+    def variables(self) -> Iterator[tuple[str, list[str]]]:
+        """Name -> one text for each variant: solution, tolerance, options, mistakes."""
+        pairs = [(q, self._written(q, q.solution)) for q in self.questions]
+        yield self.solution, [text for _, text in pairs]
+        if self.kind == "choice":
+            yield f"options{self.place}", [_options(q, int(text)) for q, text in pairs]
+        if self.tolerance:
+            sizes = [largest(question) for question in self.questions]
+            yield (
+                self.tolerance,
+                [f"{q.tolerance * x:.12g}" for q, x in zip(self.questions, sizes, strict=True)],
+            )
+            if self.rounding:
+                yield self.rounding, [f"{ROUNDED * x:.12g}" for x in sizes]
+        for slot in self.slots:
+            yield (
+                slot.variable,
+                [
+                    MISSING if mistake is None else self._written(question, mistake.value)
+                    for question, mistake in zip(self.questions, slot.mistakes, strict=True)
+                ],
+            )
+
+    @property
+    def tolerance(self) -> str:
+        """Name of the variable that holds the tolerance; empty where answers are exact."""
+        return f"tol{self.place}" if self.kind == "number" else ""
+
+    @property
+    def rounding(self) -> str:
+        """Name of the variable that holds what rounding can do; empty where that is no mistake."""
+        return f"near{self.place}" if all(map(can_be_rounded, self.questions)) else ""
+
+    def shown(self, variable: str, place: int) -> str:
+        """What a field takes as the teacher's answer."""
+        return f"options{self.place}" if self.kind == "choice" else self.typed(variable, place)
+
+    def typed(self, variable: str, place: int) -> str:
+        """What is to be typed into a field for the value of a variable."""
+        if self.questions[0].unknowns:
+            return f"{variable}[{place + 1}]"
+        if self._stacked:
+            rows = self.shape[1]
+            first, last = rows * place + 1, rows * (place + 1)
+            return f"apply(matrix,makelist({variable}[ma],ma,{first},{last}))"
+        if self.shape and self.kind == "number":
+            return f"matrix({variable})"
+        return variable
+
+    # -- answers --------------------------------------------------------------------------------
+
+    def feedback_variables(self) -> Iterator[str]:
+        """What is made of the fields before it is compared."""
+        if self.questions[0].unknowns:
+            yield f"given{self.place}: [{','.join(self.inputs)}];"
+        elif self.shape and self.kind == "number":
+            yield f"given{self.place}: first(args({self.inputs[0]}));"
+        elif self._stacked:
+            rows = ",".join(f"args({name})" for name in self.inputs)
+            yield f"given{self.place}: apply(matrix,append({rows}));"
+        elif self.shape:
+            yield f"given{self.place}: {self.inputs[0]};"
+        if self._sign:
+            yield f"full{self.place}: {self._completed()};"
+
+    @property
+    def _sign(self) -> str:
+        signs = {"symmetric": "", "antisymmetric": "-"}
+        found = {signs.get(question.symmetry, "none") for question in self.questions}
+        return found.pop() + " " if len(found) == 1 and "none" not in found else ""
+
+    def _completed(self) -> str:
+        """With what follows from a component by exchanging its first two indices, if it is zero."""
+        # Zeros stand in all boxes from the beginning: one that was typed cannot be told from them.
+        # Of names of one letter, i is the imaginary unit in STACK.
+        n, given, sign = self.shape[0], f"given{self.place}", self._sign.strip()
+        if not self._stacked:
+            entry, other = f"{given}[ma,mb]", f"{sign}{given}[mb,ma]"
+            rows = f"makelist(makelist(@,mb,1,{n}),ma,1,{n})"
+        else:
+            entry, other = f"{given}[{n}*(ma-1)+mb,mc]", f"{sign}{given}[{n}*(mb-1)+ma,mc]"
+            row = f"makelist(@,mc,1,{self.shape[-1]})"
+            rows = f"apply(append,makelist(makelist({row},mb,1,{n}),ma,1,{n}))"
+        filled = f"if is({entry}=0) then {other} else {entry}"
+        return f"apply(matrix,{rows.replace('@', filled)})"
+
+    @property
+    def given(self) -> str:
+        """What is compared with the solution."""
+        if self._sign:
+            return f"full{self.place}"
+        return f"given{self.place}" if self.shape or self.questions[0].unknowns else self.inputs[0]
+
+    def compared(self, slot: Slot) -> str:
+        """What is compared with a mistake: as it was typed where that lacks the symmetry."""
+        if self._sign and not all(
+            mistake is None or _has_symmetry(mistake.value, -1 if self._sign == "- " else 1)
+            for mistake in slot.mistakes
+        ):
+            return f"given{self.place}"
+        return self.given
+
+    @cached_property
+    def slots(self) -> tuple[Slot, ...]:
+        """Mistakes in the order in which they are looked for, variants side by side."""
+        tables = [_numbered(question) for question in self.questions]
+        keys = dict.fromkeys(key for table in tables for key in table)
+        found: list[Slot] = []
+        for letters, key in zip(_letters(), keys, strict=False):
+            mistakes = tuple(table.get(key) for table in tables)
+            messages = tuple(
+                "" if mistake is None else feedback(question, mistake)
+                for question, mistake in zip(self.questions, mistakes, strict=True)
+            )
+            code, number = key
+            note = code.replace(" ", "-") + (f"-{number}" if number > 1 else "")
+            tested = None not in mistakes and not any(
+                self._meet(mistakes, before.mistakes) for before in found
+            )
+            found.append(Slot(note, f"w{letters}{self.place}", mistakes, messages, tested))
+        return tuple(found)
+
+    def _meet(self, one: Sequence[Mistake | None], two: Sequence[Mistake | None]) -> bool:
+        """Whether two mistakes are the same answer in some variant."""
+        return any(
+            a is not None and b is not None and (
+                a.value == b.value
+                or (self.kind == "number" and deviation(question, a.value, b.value) <= 1)
+            )
+            for question, a, b in zip(self.questions, one, two, strict=True)
+        )  # fmt: skip
+
+
+def _letters() -> Iterator[str]:
+    """a, b, ..., z, aa, ab, ...: digits stand last in names of STACK."""
+    yield from ascii_lowercase
+    yield from (one + two for one in ascii_lowercase for two in ascii_lowercase)
+
+
+def _numbered(question: Question) -> dict[tuple[str, int], Mistake]:
+    """(code, which of those with this code) -> mistake."""
+    seen: Counter[str] = Counter()
+    found: dict[tuple[str, int], Mistake] = {}
+    for mistake in question.mistakes:
+        seen[mistake.code] += 1
+        found[mistake.code, seen[mistake.code]] = mistake
+    return found
+
+
+def _has_symmetry(value: Value, sign: int) -> bool:
+    """Whether exchanging the first two indices gives a value back, times the sign."""
+    exchanged = {(key[1], key[0], *key[2:]): x for key, x in value.items()}
+    return all(value.get(key, 0) - sign * x == 0 for key, x in exchanged.items())
+
+
+def _options(question: Question, right: int) -> str:
+    """What can be chosen, as STACK has it: value, whether it is right, what is shown."""
+    rows = []
+    for place, text in enumerate(question.options.values(), 1):
+        shown = text.replace("\\", "\\\\").replace('"', '\\"')
+        rows.append(f'[{place},{str(place == right).lower()},"{shown}"]')
+    return f"[{','.join(rows)}]"
+
+
+def _relation(relation: sympy.core.relational.Relational) -> str:
+    """An inequality between symbols."""
+    sign = {"StrictGreaterThan": ">", "StrictLessThan": "<", "GreaterThan": ">=",
+            "LessThan": "<="}[type(relation).__name__]  # fmt: skip
+    return f"{maxima_text(relation.lhs)}{sign}{maxima_text(relation.rhs)}"
+
+
+def parts_of(group: Sequence[Exercise]) -> tuple[Part, ...]:
+    """The questions of an exercise, each in all its variants; fields are numbered throughout."""
+    found: list[Part] = []
+    first = 1
+    for place, questions in enumerate(zip(*(x.questions for x in group), strict=True), 1):
+        part = Part(place, first, questions)
+        first += len(part.inputs)
+        found.append(part)
+    return tuple(found)

@@ -1,0 +1,112 @@
+"""tasks: the exercises of an export, each in its variants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
+from geomtorsion.teaching.exercises.checking import ROUNDED
+from geomtorsion.teaching.exercises.exercise import Exercise
+from geomtorsion.teaching.exercises.question import Mistake, Question
+from geomtorsion.teaching.exercises.registry import CHAPTERS, load, names
+from geomtorsion.teaching.exercises.verdict import message_of
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """An exercise in the variants in which it is exported.
+
+    variants: one exercise for each seed, in the order of the seeds.
+
+    Examples
+    --------
+    >>> task = tasks(["3.2"], [0, 7])[0]
+    >>> task.number, task.slug, [exercise.seed for exercise in task.variants]
+    ('3.2', '3-2-a-christoffel-symbol', [0, 7])
+    """
+
+    variants: tuple[Exercise, ...]
+
+    @property
+    def number(self) -> str:
+        """Such as "3.2"."""
+        return self.variants[0].number
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+        return self.variants[0].title
+
+    @property
+    def heading(self) -> str:
+        """Number and title."""
+        return f"{self.number} {self.title}"
+
+    @property
+    def chapter(self) -> str:
+        """Number and title of its chapter."""
+        number = self.number.partition(".")[0]
+        return f"{number}. {dict(CHAPTERS)[number]}"
+
+    @property
+    def slug(self) -> str:
+        """Number and title in small letters, digits and dashes, as names of folders."""
+        letters = (sign if sign.isalnum() else "-" for sign in self.heading.lower())
+        return "-".join(part for part in "".join(letters).split("-") if part)
+
+
+def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ...]:
+    """Exercises in their variants; all that there are where no numbers are given.
+
+    Raises
+    ------
+    UnknownNameError
+        There is no such exercise, or no such seed.
+    ArgumentError
+        One is given twice, or there is none.
+    """
+    wanted = names() if numbers is None else numbers
+    for subject, given in (("numbers", wanted), ("seeds", seeds)):
+        values = list(checks.entries(given, subject, ArgumentError))
+        if not values or len({str(value) for value in values}) < len(values):
+            raise ArgumentError(
+                f"{subject}: at least one was needed, each once, but {checks.shown(given)} came. "
+                "List each once."
+            )
+    return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in wanted)
+
+
+def feedback(question: Question, mistake: Mistake) -> str:
+    """What is said about a mistake: Markdown with LaTeX.
+
+    Examples
+    --------
+    >>> question = load("3.2").questions[0]
+    >>> feedback(question, Mistake("sign", 0))[:19]
+    'The sign is wrong.'
+    """
+    return mistake.message or message_of(mistake.code, question.remarks)
+
+
+def largest(question: Question) -> float:
+    """What the tolerance of a number is relative to: the largest component of the solution, or 1.
+
+    Examples
+    --------
+    >>> round(largest(load("4.4").question("compass")), 6)
+    1.317345
+    """
+    return max((abs(float(x)) for x in question.solution.values()), default=0.0) or 1.0
+
+
+def can_be_rounded(question: Question) -> bool:
+    """Whether a number can be rounded so early that it is outside of its tolerance.
+
+    Examples
+    --------
+    >>> [can_be_rounded(question) for question in load("5.5").questions]
+    [True, False]
+    """
+    return question.kind == "number" and not question.exact and question.tolerance < ROUNDED

@@ -1,0 +1,128 @@
+"""writing: exercises as files in one of the formats that teachers' systems take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError
+from geomtorsion.files import written
+from geomtorsion.teaching.exercises.exports.nbgrader import course_files
+from geomtorsion.teaching.exercises.exports.stack import stack_quiz
+from geomtorsion.teaching.exercises.exports.tasks import Task, tasks
+
+Files = dict[str, str]
+Progress = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was exported.
+
+    files: those written. notes: what to do with them, and what the system cannot grade.
+    """
+
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def _stack(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "Import geomtorsion-stack.xml into a question bank of Moodle as Moodle XML. Seeds are "
+        "deployed systematically: STACK must know stack_seed. Each part is right or wrong as a "
+        "whole."
+    )
+    return {"geomtorsion-stack.xml": stack_quiz(found)}, note
+
+
+def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
+    note = (
+        "The folder is a course of nbgrader: nbgrader generate_assignment makes what students get, "
+        "nbgrader autograde grades it. Both need geomtorsion in their kernel."
+    )
+    return course_files(found), note
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format: what makes the files, and what they need.
+
+    seeds: the variants if none are asked for; several where the system gives each student one.
+    worked: whether the files hold the solutions step by step, which take their time.
+    """
+
+    make: Callable[[Sequence[Task]], tuple[Files, str]]
+    seeds: tuple[int, ...]
+    worked: bool = False
+
+
+FORMATS: Mapping[str, Format] = MappingProxyType(
+    {
+        "stack": Format(_stack, (0, 1, 2), worked=True),
+        "nbgrader": Format(_nbgrader, (0,)),
+    }
+)
+
+
+def export(
+    to: str,
+    directory: str | PathLike[str],
+    numbers: Sequence[str] | None = None,
+    seeds: Sequence[int] | None = None,
+    progress: Progress = lambda _: None,
+) -> Export:
+    """Write exercises in a format that teachers' systems take.
+
+    Parameters
+    ----------
+    to
+        "stack" (Moodle XML) or "nbgrader" (a course with notebooks).
+    directory
+        made if it is missing; files in it that have the same names are replaced.
+    numbers
+        of the exercises, such as ["3.1", "3.2"]; all if None.
+    seeds
+        the variants; None: 0, 1 and 2 for stack, 0 for nbgrader.
+    progress
+        called with the number of each exercise before it is solved.
+
+    Returns
+    -------
+    The files that were written, and what to do with them.
+
+    Raises
+    ------
+    ArgumentError
+        There is no such format; an exercise or a seed is given twice.
+    UnknownNameError
+        There is no such exercise, or no such seed.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     found = export("nbgrader", folder, ["3.2"])
+    ...     [path.name for path in found.files]
+    ['nbgrader_config.py', 'chapter3.ipynb']
+    """
+    directory = checks.file_name(directory, "directory")
+    chosen = FORMATS[checks.choice(to, tuple(FORMATS), "to", ArgumentError)]
+    found = tasks(numbers, chosen.seeds if seeds is None else seeds)
+    for task in found:
+        progress(task.number)
+        # Kept by the exercise: the files are written at once afterwards.
+        for exercise in task.variants:
+            _ = exercise.solution(), exercise.worked if chosen.worked else ()
+    files, note = chosen.make(found)
+    paths = []
+    with written(directory, is_folder=True) as folder:
+        for name, content in files.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content.encode())
+            paths.append(path)
+    return Export(tuple(paths), (note,))

@@ -1,0 +1,81 @@
+"""1.1: the legs of a coframe, a matrix inverse."""
+
+from random import Random
+
+from geomtorsion.geometry import Frame
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    reordered,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import matrix_of, turned_plane
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Cartesian one-forms in polar coordinates; other seeds turn, boost and scale them."""
+    frame = turned_plane(draw, seed)
+    n = frame.dimension
+    return Variant(
+        statement=(
+            f"In the coordinates ${tex.symbols(frame)}$ a coframe "
+            r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ is given by the matrix (rows: forms)"
+            f"\n\n$${tex.coframe(frame)}.$$\n\n"
+            r"The legs $E_i = E_i{}^\mu\,\partial_\mu$ are dual to it: "
+            r"$e^i{}_\mu E_j{}^\mu = \delta^i_j$."
+        ),
+        questions=(
+            Question(
+                name="legs",
+                kind="components",
+                prompt=r"The matrix $E_i{}^\mu$ with one leg per **column**: "
+                r"row $\mu$, column $i$.",
+                domain=Domain.of(frame),
+                answer=lambda: frame.legs,
+                errors=lambda: [
+                    Mistake("inverse", frame.coframe),
+                    Mistake(
+                        "permuted",
+                        reordered(frame.legs, (1, 0)),
+                        "That is the transposed matrix: one leg per row, not per column.",
+                    ),
+                ],
+                shape=(n, n),
+                label="E",
+                marks="^_",
+            ),
+        ),
+        hints=steps(
+            r"Duality says $e\,E = 1$ as matrices, if $E$ has the legs as columns.",
+            r"For two rows: exchange the diagonal, change the sign of the rest, divide by "
+            r"$\det e$.",
+            f"Here the determinant is ${tex.tex(frame.determinant[()])}$.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Determinant, adjugate, quotient."""
+    e = matrix_of(frame.coframe)
+    determinant = by_hand.tidy(e.det())
+    return (
+        Step(
+            r"Duality is $e\,E = 1$ as matrices: the legs are the columns of the inverse of $e$. "
+            f"Its determinant is $\\det e = {tex.tex(determinant)}$."
+        ),
+        Step(
+            "For two rows: the diagonal exchanged, the sign of the rest changed, "
+            f"$${tex.matrix(e.adjugate().tolist())}.$$"
+        ),
+        Step(
+            f"Divided by the determinant: $$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$",
+            "legs",
+            by_hand.legs(frame),
+        ),
+    )

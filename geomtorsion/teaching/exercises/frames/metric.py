@@ -1,0 +1,105 @@
+"""1.2: the metric of a coframe, eq. (9) of the paper."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.geometry import Frame
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import matrix_of, rotations
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Body-fixed frames of the rotation group; other seeds: other angles, stretched forms."""
+    frame = rotations(draw, seed)
+    n = frame.dimension
+
+    def wrong_side() -> sp.Matrix:
+        rows = matrix_of(frame.coframe)
+        return (rows * rows.T).applyfunc(sp.factor)
+
+    return Variant(
+        statement=(
+            ("The coframe of a rigid body" if seed == 0 else "A coframe")
+            + f" in the angles ${tex.symbols(frame)}$ is"
+            f"\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$"
+        ),
+        questions=(
+            Question(
+                name="metric",
+                kind="components",
+                prompt=r"The metric $g_{\mu\nu} = e^i{}_\mu\,\eta_{ij}\,e^j{}_\nu$.",
+                domain=Domain.of(frame),
+                answer=lambda: frame.metric,
+                errors=lambda: [
+                    Mistake("inverse", frame.inverse_metric, "That is the inverse metric."),
+                    Mistake(
+                        "permuted",
+                        wrong_side(),
+                        "That is $e\\,e^T$, summed over coordinates; needed is $e^T e$, summed "
+                        "over the frame.",
+                    ),
+                ],
+                shape=(n, n),
+                label="g",
+                symmetry="symmetric",
+            ),
+            Question(
+                name="volume",
+                kind="expression",
+                prompt=r"The volume element $\det e$ (with its sign).",
+                domain=Domain.of(frame),
+                answer=lambda: frame.determinant[()],
+                errors=lambda: [
+                    Mistake(
+                        "inverse",
+                        1 / frame.determinant[()],
+                        "That is the determinant of the legs.",
+                    ),
+                    Mistake(
+                        "another",
+                        frame.determinant[()] ** 2,
+                        "That is the determinant of the metric; $\\det e$ is a root of it.",
+                    ),
+                ],
+            ),
+        ),
+        hints=steps(
+            "As matrices the metric is $e^T e$: scalar products of the columns.",
+            r"Squares of sine and cosine of one angle add up to one; most of the entries vanish.",
+            r"$\det g = (\det e)^2$ checks the one against the other.",
+        ),
+        worked=lambda: _worked(frame),
+    )
+
+
+def _worked(frame: Frame) -> tuple[Step, ...]:
+    """Scalar products of the columns, and the determinant."""
+    e = matrix_of(frame.coframe)
+    g = (e.T * e).applyfunc(by_hand.tidy)
+    columns = ",\\quad ".join(tex.matrix([[x] for x in e[:, k]]) for k in range(3))
+    determinant = by_hand.tidy(e.det())
+    return (
+        Step(f"The columns of the coframe are $${columns}.$$"),
+        Step(
+            r"$g_{\mu\nu}$ is the scalar product of columns $\mu$ and $\nu$; squares of sine and "
+            f"cosine add up to one: $$g = e^T e = {tex.matrix(g.tolist())}.$$",
+            "metric",
+            g,
+        ),
+        Step(
+            f"Expanded, the determinant is $\\det e = {tex.tex(determinant)}$; its square is "
+            f"$\\det g = {tex.tex(by_hand.tidy(g.det()))}$, as it must be.",
+            "volume",
+            determinant,
+        ),
+    )

@@ -1,0 +1,470 @@
+"""Grading: a folder of answers to a table of marks; what is finished is never lost."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
+from geomtorsion.files import read_json_text, read_text, read_toml, written
+from geomtorsion.outgoing import csv_cell
+from geomtorsion.teaching.exercises.examiner import SECONDS, Examiner
+from geomtorsion.teaching.exercises.examiner import reply as checked
+from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.registry import load, names
+from geomtorsion.teaching.exercises.worker_pool import Json
+
+# Keys of a file.
+KEYS = ("student", "name", "seed", "answers")
+
+
+@dataclass(frozen=True)
+class Submission:
+    """The answers of one student.
+
+    student: name as written, or that of the file. seed: which variant was worked on; None if the
+    file does not say.
+    answers: number of an exercise -> question -> answer, or one answer.
+    unknown: keys that are no exercise. outside: keys beside those of a file, which are not read.
+    """
+
+    student: str
+    seed: int | None
+    answers: Mapping[str, object]
+    unknown: tuple[str, ...] = ()
+    outside: tuple[str, ...] = ()
+
+
+def read_submission(path: str | PathLike[str]) -> Submission:
+    """Read a file of answers.
+
+    Keys
+    ----
+    student
+        A name; that of the file if it is left out.
+    seed
+        The variant that was worked on.
+    answers
+        Table: number of an exercise -> answer, or table question -> answer.
+
+    Raises
+    ------
+    FileFormatError
+        It is no regular file, no TOML, or has values of the wrong kind.
+    LimitError
+        It is longer than MOST.file bytes, or nested too deeply.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "ada.toml")
+    ...     _ = file.write_text('seed = 7\\n[answers]\\n"3.2" = "1/tan(phi2)"\\n')
+    ...     read_submission(file)
+    Submission(student='ada', seed=7, answers={'3.2': '1/tan(phi2)'}, unknown=(), outside=())
+    """
+    path = checks.file_name(path)
+    data = loaded(path)
+    # Some write name; it costs nobody marks.
+    student = data.get("student", data.get("name", path.stem))
+    if not isinstance(student, str) or len(student) > MOST.name:
+        raise FileFormatError(
+            f"{path.name}: student: a name of at most {MOST.name} letters was needed. Write "
+            'student = "Ada Lovelace".'
+        )
+    seed = data.get("seed")
+    if seed is not None:
+        message = f"{checks.WHOLE} Write seed = 7."
+        checks.count(seed, f"{path.name}: seed", FileFormatError, 0, MOST.seed, message=message)
+    table = data.get("answers", {})
+    if not isinstance(table, dict):
+        raise FileFormatError(
+            f"{path.name}: answers: a table was needed, but {str(table)[:40]!r} came. Write "
+            '[answers], and below it "1.1" = "...".'
+        )
+    flat = _flat(table)
+    known = set(names())
+    unknown = tuple(key[:60] for key in flat if key not in known)
+    answers = {key: value for key, value in flat.items() if key in known}
+    outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
+    # The form has an empty name, which some leave so.
+    return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown, outside)
+
+
+def loaded(path: Path) -> Mapping[str, Any]:
+    """The content of a TOML file of answers."""
+    advice = 'Answers stand in quotes, as in "1.1" = "sin(x)".'
+    return read_toml(path, advice=advice, largest=MOST.file).data
+
+
+def _flat(table: Mapping[str, object]) -> dict[str, object]:
+    """Answers by number; 1.1 written without quotes is a table in a table."""
+    found: dict[str, object] = {}
+    for key, value in table.items():
+        inner = value if isinstance(value, dict) and key.isdecimal() else {}
+        if inner and all(part.isdecimal() for part in inner):
+            found |= {f"{key}.{part}": answer for part, answer in inner.items()}
+        else:
+            found[key] = value
+    return found
+
+
+GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
+HEAD = ("file", "student", "seed", "earned", "points", "percent", "answered", "counted", "status")
+# Which exercises count, if nobody said: those that occur in any file.
+ASKED_FOR, OCCURRING = "as asked for", "whatever anybody answered"
+TAIL = ("diagnoses", "remarks", "fingerprint")
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The marks of one student: a row of the table.
+
+    file, student, seed: whose they are. earned, points: in total.
+    answered: how many questions of how many. counted: the exercises that make up the points.
+    status: GRADED, PARTLY (an answer was not looked at: too large, or to no question there is),
+    TWICE (another file has the same student) or REFUSED.
+    parts: number of an exercise -> points earned.
+    diagnoses: number:question -> code. remarks: what to look at. fingerprint: of file and task.
+    """
+
+    file: str
+    student: str
+    seed: int
+    earned: float
+    points: int
+    status: str
+    answered: str = ""
+    counted: str = ""
+    parts: Mapping[str, float] = field(default_factory=dict)
+    diagnoses: str = ""
+    remarks: str = ""
+    fingerprint: str = ""
+
+    def row(self, numbers: Sequence[str]) -> dict[str, str]:
+        """The mark as a row of text."""
+        percent = 100 * self.earned / self.points if self.points else 0.0
+        return {
+            "file": _harmless(self.file),
+            "student": _harmless(self.student),
+            "seed": str(self.seed),
+            "earned": f"{self.earned:g}",
+            "points": str(self.points),
+            "percent": f"{percent:.1f}",
+            "answered": self.answered,
+            "counted": self.counted,
+            "status": self.status,
+            **{number: f"{self.parts.get(number, 0.0):g}" for number in numbers},
+            "diagnoses": _harmless(self.diagnoses),
+            "remarks": _harmless(self.remarks),
+            "fingerprint": self.fingerprint,
+        }
+
+
+def _harmless(text: str) -> str:
+    """Text that no spreadsheet takes for a formula, and that can be written as UTF-8."""
+    # Names of files may hold bytes of another encoding, which Python keeps as half characters.
+    text = text.encode("utf-8", "replace").decode("utf-8")
+    text = " ".join(text.split())[: MOST.remark]
+    return csv_cell(text)
+
+
+@dataclass(frozen=True)
+class Marks:
+    """The table of marks.
+
+    rows: one per file, as text. numbers: the exercises that count. kept: rows of an earlier run.
+    chosen: why these exercises count, ASKED_FOR or OCCURRING.
+    """
+
+    rows: tuple[Mapping[str, str], ...]
+    numbers: tuple[str, ...]
+    kept: int = 0
+    chosen: str = ASKED_FOR
+
+    @property
+    def troubled(self) -> tuple[Mapping[str, str], ...]:
+        """Rows that somebody should look at."""
+        return tuple(row for row in self.rows if row["status"] != GRADED)
+
+
+def grade(
+    folder: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    numbers: Iterable[str] | None = None,
+    *,
+    seed: int | None = None,
+    seconds: float = SECONDS,
+    progress: Callable[[int, int, str], object] = lambda *_: None,
+) -> Marks:
+    """Grade every TOML file of a folder; write the table after each.
+
+    Parameters
+    ----------
+    output
+        the table: CSV, or JSON if its name ends in .json.
+    numbers
+        the exercises that count; those that occur in any file if not given.
+    seed
+        what every student must have worked on; as each file says if not given. A file that names
+        none is graded as this one, or as 0, and its row says so.
+    seconds
+        how long the answers to one exercise may take.
+    progress
+        is called with (files done, files in all, file).
+
+    Returns
+    -------
+    Marks. Rows of the output that belong to unchanged files and the same task (with as many
+    seconds) are kept, so that grading that was interrupted goes on where it stopped.
+
+    Raises
+    ------
+    FileFormatError
+        The folder holds no TOML file, or the output cannot be written.
+    ArgumentError
+        numbers is empty.
+    """
+    # Sorted: the same folder gives the same table on every system.
+    files = sorted(path for path in Path(folder).iterdir() if path.suffix == ".toml")
+    if not files:
+        raise FileFormatError(
+            f"{folder}: there is no TOML file here. Each student gives one, such as ada.toml."
+        )
+    # One that is named twice counts once.
+    listed = None if numbers is None else tuple(dict.fromkeys(numbers))
+    if listed == ():
+        raise ArgumentError(
+            "numbers: at least one exercise that counts was needed, but none came. Name one, or "
+            "leave it out: all that anybody answered count then."
+        )
+    for number in listed or ():
+        load(number)
+    with Examiner(seconds, f"{__name__}:reply") as examiner:
+        return _graded(files, Path(output), listed, seed, examiner, progress)
+
+
+def _graded(
+    files: Sequence[Path],
+    table: Path,
+    numbers: tuple[str, ...] | None,
+    seed: int | None,
+    examiner: Examiner,
+    progress: Callable[[int, int, str], object],
+) -> Marks:
+    """The marks of files that an examiner reads and checks; see `grade`."""
+    read = {path: _read(path, examiner) for path in files}
+    found = _occurring(read.values()) if numbers is None else numbers
+    chosen = ASKED_FOR if numbers is not None else OCCURRING
+    counted = f"{' '.join(found) or 'none'} ({chosen})"
+    task = _Task(found, seed, counted, _namesakes(read), examiner.seconds)
+    before = _rows_of(table, found)
+    rows: list[Mapping[str, str]] = []
+    kept = 0
+    try:
+        for place, path in enumerate(files):
+            progress(place, len(files), path.name)
+            fingerprint = task.fingerprint(path)
+            old = before.get(fingerprint)
+            kept += old is not None
+            mark = old or _mark(path, read[path], task, examiner, fingerprint).row(found)
+            rows.append(mark)
+            # Written after each student, so that an interruption costs at most one.
+            if old is None:
+                _write(table, rows, found, chosen)
+    finally:
+        # What an earlier run knew and this one has not reached stays in the table.
+        later = [task.fingerprint(path) for path in files[len(rows) :]]
+        rest = [before[key] for key in later if key in before]
+        _write(table, [*rows, *rest], found, chosen)
+    progress(len(files), len(files), "")
+    return Marks(tuple(rows), found, kept, chosen)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What is graded: the exercises, the seed asked for, how both are told, and who came twice.
+
+    namesakes: file -> other files of the same student. seconds: for the answers to one exercise.
+    """
+
+    numbers: tuple[str, ...]
+    seed: int | None
+    counted: str
+    namesakes: Mapping[Path, tuple[str, ...]]
+    seconds: float
+
+    def fingerprint(self, path: Path) -> str:
+        """Changes when the file, the task or its time does."""
+        try:
+            fits = path.stat().st_size < 10**7 and path.is_file()
+            content = path.read_bytes() if fits else b""
+        except OSError:
+            content = b""
+        others = ",".join(self.namesakes.get(path, ()))
+        task = f"{path.name}|{self.counted}|{self.seed}|{others}|{self.seconds}|"
+        return hashlib.sha256(task.encode("utf-8", "surrogateescape") + content).hexdigest()[:16]
+
+
+def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, ...]]:
+    """File -> the other files that name the same student."""
+    files: dict[str, list[Path]] = {}
+    for path, one in read.items():
+        if isinstance(one, Submission):
+            files.setdefault(one.student.casefold(), []).append(path)
+    return {
+        path: tuple(other.name for other in paths if other != path)
+        for paths in files.values()
+        for path in paths
+        if len(paths) > 1
+    }
+
+
+def _read(path: Path, examiner: Examiner) -> Submission | str:
+    """The answers in a file, or why it cannot be read, found out in the process of the examiner.
+
+    A file that takes too much time or memory costs its own student the marks, and nobody else.
+    """
+    found = examiner.ask({"path": str(path)}, SECONDS)
+    if isinstance(found, str):
+        return f"{path.name} could not be read: {found}. Write the file again."
+    if "refused" in found:
+        return str(found["refused"])
+    return Submission(
+        found["student"], found["seed"], found["answers"], tuple(found["unknown"]),
+        tuple(found["outside"]),
+    )  # fmt: skip
+
+
+def reply(request: Json) -> Json:
+    """What the process of the examiner answers: what is in a file, or as for other requests."""
+    return submission_data(request["path"]) if "path" in request else checked(request)
+
+
+def submission_data(path: str) -> Json:
+    """The answers in a file as JSON, or under "refused" why it cannot be read."""
+    try:
+        found = read_submission(path)
+    except GeomtorsionError as error:
+        return {"refused": str(error)}
+    # A date that was written without quotes is no answer, but can be shown.
+    answers = json.loads(json.dumps(found.answers, default=str))
+    return {**vars(found), "answers": answers}
+
+
+def _occurring(read: Iterable[Submission | str]) -> tuple[str, ...]:
+    """The exercises that occur in any file, in order."""
+    found = {number for one in read if isinstance(one, Submission) for number in one.answers}
+    return tuple(number for number in names() if number in found)
+
+
+def _mark(
+    path: Path, read: Submission | str, task: _Task, examiner: Examiner, fingerprint: str
+) -> Mark:
+    """The marks of one file."""
+    worth = sum(q.points for n in task.numbers for q in load(n).questions)
+    counted = task.counted
+    if isinstance(read, str):
+        return Mark(
+            path.name,
+            path.stem,
+            0,
+            0.0,
+            worth,
+            REFUSED,
+            remarks=read,
+            counted=counted,
+            fingerprint=fingerprint,
+        )
+    if None not in (task.seed, read.seed) and read.seed != task.seed:
+        text = f"seed {read.seed} instead of {task.seed}"
+        return Mark(path.name, read.student, read.seed or 0, 0.0, worth, REFUSED, remarks=text,
+                    counted=counted, fingerprint=fingerprint)  # fmt: skip
+    seed = read.seed if read.seed is not None else task.seed or 0
+    parts: dict[str, float] = {}
+    codes: list[str] = []
+    remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
+    remarks += [f"{key!r} stands outside of [answers]: it is not read." for key in read.outside]
+    # Of what belongs to the file alone, such as a date, nobody has to look at anything.
+    unseen = bool(read.unknown) or any(key in names() for key in read.outside)
+    answered = asked = 0
+    for number in task.numbers:
+        asked += len(load(number, seed).questions)
+        if number not in read.answers:
+            continue
+        verdict = examiner.check(number, read.answers[number], seed)
+        parts[number] = round(verdict.earned, 3)
+        said = [(q.name, q.diagnosis) for q in verdict.questions]
+        answered += sum(code != "empty" for _, code in said)
+        codes += [f"{number}:{name} {code}" for name, code in said if code not in ("", "empty")]
+        remarks += [f"{number}: {note}" for note in verdict.notes]
+        unseen |= bool(verdict.notes) or any(code == "too large" for _, code in said)
+    if read.seed is None:
+        remarks.append(f"the file names no seed: graded as seed {seed}.")
+    others = task.namesakes.get(path, ())
+    if others:
+        remarks.insert(0, f"the same student as in {', '.join(others)}: decide which one counts.")
+    status = TWICE if others else PARTLY if unseen else GRADED
+    earned = round(sum(parts.values()), 3)
+    return Mark(path.name, read.student, seed, earned, worth, status, f"{answered} of {asked}",
+                parts=parts, diagnoses="; ".join(codes), remarks=" ".join(remarks),
+                counted=counted, fingerprint=fingerprint)  # fmt: skip
+
+
+def _rows_of(table: Path, numbers: Sequence[str]) -> dict[str, Mapping[str, str]]:
+    """Fingerprint -> row of a table that an earlier run wrote; nothing if it is another table."""
+    if not table.exists():
+        return {}
+    head = [*HEAD, *numbers, *TAIL]
+    try:
+        if table.suffix == ".json":
+            data = read_json_text(read_text(table), table.name)
+            found = data["rows"] if isinstance(data, dict) else []
+            rows = [{str(key): _as_text(key, x) for key, x in row.items()} for row in found]
+        else:
+            with table.open(encoding="utf-8-sig", newline="") as file:
+                rows = list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError, csv.Error, GeomtorsionError, KeyError, TypeError,
+            AttributeError):  # fmt: skip
+        return {}
+    return {row["fingerprint"]: row for row in rows if list(row) == head and row["fingerprint"]}
+
+
+def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, object]:
+    """A row with its numbers as numbers."""
+    kinds = dict.fromkeys(("earned", "percent", *numbers), float) | {"seed": int, "points": int}
+    return {key: kinds.get(key, str)(text) for key, text in row.items()}
+
+
+def _as_text(key: str, value: object) -> str:
+    """A value of a row as it stands in the table."""
+    if isinstance(value, float):
+        return f"{value:.1f}" if key == "percent" else f"{value:g}"
+    return str(value)
+
+
+def _write(
+    table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
+) -> None:
+    """Write the table aside and put it in place at once: it is never half a table."""
+    table.parent.mkdir(parents=True, exist_ok=True)
+    with written(table) as aside, aside.open("w", encoding="utf-8", newline="") as file:
+        if table.suffix == ".json":
+            whole = {
+                "counted": list(numbers),
+                "chosen": chosen,
+                "rows": [_as_values(row, numbers) for row in rows],
+            }
+            json.dump(whole, file, indent=1, ensure_ascii=False)
+        else:
+            writer = csv.DictWriter(file, [*HEAD, *numbers, *TAIL], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)

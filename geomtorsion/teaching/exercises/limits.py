@@ -1,0 +1,222 @@
+"""limits: how large an answer may be, so that none keeps the examiner busy."""
+
+from __future__ import annotations
+
+import cmath
+import contextlib
+import math
+import operator
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from math import comb
+
+import sympy
+
+from geomtorsion.errors import LimitError
+from geomtorsion.exact.limits import LARGEST_MULTIPLE
+from geomtorsion.exact.syntax import Node, parse
+from geomtorsion.exact.tokens import Limits, Source
+from geomtorsion.teaching.exercises.numeric import INVERSE
+
+# What a person writes is far below these; what a machine writes to annoy is above them. Powers are
+# as high as exact work takes them: how long they are multiplied out is what `check_weight` counts.
+ANSWER = Limits(characters=4000, depth=30, exponent=LARGEST_MULTIPLE, digits=80)
+
+
+@dataclass(frozen=True)
+class Most:
+    """How much is read, compared and shown.
+
+    characters: of one answer with all its components. entries: of one answer.
+    levels: of lists inside one another, more than any tensor here has indices. equations: of one.
+    terms: of an answer, multiplied out; equation_terms: of one of several equations, which are
+    combined to solve them. roots: different ones. argument: size of a constant that a function is
+    taken of; power: to which a constant may be raised, if it is no whole number.
+    file: bytes of a file of answers. name: letters of a student's. seed: the largest variant.
+    remark: letters of a cell in the table of marks. named: wrong components that are named.
+    mistakes: that are listed with a solution.
+    """
+
+    characters: int = 20_000
+    entries: int = 500
+    levels: int = 6
+    equations: int = 12
+    terms: int = 5_000_000
+    equation_terms: int = 5000
+    roots: int = 4
+    argument: float = 1e4
+    power: float = 100
+    file: int = 200_000
+    name: int = 200
+    seed: int = 10**9
+    remark: int = 300
+    named: int = 4
+    mistakes: int = 6
+
+
+MOST = Most()
+_CONSTANTS: Mapping[str, complex] = {"pi": math.pi, "π": math.pi, "E": math.e, "I": 1j}
+# Functions that shrink what they are given: any argument will do.
+_TAME = ("sqrt", "cbrt", "log", "ln")
+_ENDLESS = complex(math.inf)
+_CIRCULAR = (sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sec, sympy.csc)
+
+
+def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> None:
+    """Refuse an expression that would be very long if it were multiplied out.
+
+    Raises
+    ------
+    LimitError
+        more than `largest` terms, or more than MOST.roots roots, are to be expected.
+
+    Examples
+    --------
+    >>> x, y, z = sympy.symbols("x y z")
+    >>> check_weight((x + y + z) ** 6, "answer")
+    >>> check_weight((x + y + z + 1) ** 24 / (x - y + 2 * z - 1) ** 24, "answer")
+    Traceback (most recent call last):
+    geomtorsion.errors.LimitError: answer: multiplied out, this would have more than...
+    """
+    radicals = {
+        power.base for power in expr.atoms(sympy.Pow) if power.exp.is_Rational and power.exp.q > 1
+    }
+    if len({base for base in radicals if not base.is_number}) > MOST.roots:
+        raise LimitError(
+            f"{where}: it contains more than {MOST.roots} different roots. Write it shorter."
+        )
+    # Counted, not expanded: expanding is what has to be avoided.
+    above, below = _weight(expr, {})
+    if above * below > largest:
+        raise LimitError(
+            f"{where}: multiplied out, this would have more than {largest:,} terms. "
+            "Write it shorter."
+        )
+
+
+def _weight(expr: sympy.Expr, known: dict[sympy.Expr, tuple[int, int]]) -> tuple[int, int]:
+    """Bounds on the terms of numerator and denominator, multiplied out."""
+    if expr not in known:
+        above, below = _counted(expr, known)
+        known[expr] = min(above, 10**12), min(below, 10**12)
+    return known[expr]
+
+
+def _counted(expr: sympy.Expr, known: dict[sympy.Expr, tuple[int, int]]) -> tuple[int, int]:
+    if expr.is_Add:
+        parts = [_weight(argument, known) for argument in expr.args]
+        below = 1
+        for bottom in {sympy.denom(argument) for argument in expr.args}:
+            below = min(below * _weight(bottom, known)[0], 10**12)
+        return sum(top for top, _ in parts) * below, below
+    if expr.is_Mul:
+        above = below = 1
+        for argument in expr.args:
+            top, bottom = _weight(argument, known)
+            above, below = min(above * top, 10**12), min(below * bottom, 10**12)
+        return above, below
+    if expr.is_Pow and expr.exp.is_Rational:
+        top, bottom = _weight(expr.base, known)
+        # What a root reduces to stays below its degree.
+        n = max(abs(int(expr.exp)), int(expr.exp.q), 1)
+        grown = _power(top, n), _power(bottom, n)
+        return grown if expr.exp > 0 else (grown[1], grown[0])
+    if isinstance(expr, _CIRCULAR):
+        return _multiples(expr.args[0]), 2 if isinstance(expr, _CIRCULAR[2:]) else 1
+    inner = [_weight(argument, known) for argument in expr.args]
+    return max((max(pair) for pair in inner), default=1), 1
+
+
+def _power(terms: int, n: int) -> int:
+    """Terms of the n-th power of a sum."""
+    return comb(min(terms, 10**4) + n - 1, n) if terms > 1 else 1
+
+
+def _multiples(angle: sympy.Expr) -> int:
+    """Terms of the cosine of a sum of multiples of angles."""
+    found = 1
+    for term in sympy.Add.make_args(angle):
+        factor = abs(term.as_coeff_Mul()[0])
+        size = int(max(factor.p, factor.q)) if factor.is_Rational else 1
+        found = min(2 * found * (size // 2 + 1), 10**12)
+    return found // 2 if found > 1 else 1
+
+
+def check_constants(text: str, symbols: Collection[str], where: str, limits: Limits) -> None:
+    """Refuse functions and powers of constants beyond all use, before anything exact is made.
+
+    An exact cosh(cosh(300000)) is a number with more digits than any memory has room for, and even
+    to ask for its sign takes for ever.
+
+    Raises
+    ------
+    LimitError
+        A function of a constant above MOST.argument, or a constant to a power that is no whole
+        number, above MOST.power.
+    ExpressionError
+        The text is no expression.
+
+    Examples
+    --------
+    >>> check_constants("sin(100*pi) + x^2", ["x"], "answer", Limits())
+    >>> check_constants("sec(cosh(9^9))", ["x"], "answer", Limits())
+    Traceback (most recent call last):
+    geomtorsion.errors.LimitError: answer: cosh of a number above 10,000. Write it shorter.
+    """
+    # What is too deep is refused by the parser proper, which says so.
+    with contextlib.suppress(RecursionError, MemoryError):
+        _estimate(parse(Source(text, where), symbols, limits, decimals=True), symbols, where)
+
+
+def _estimate(node: Node, symbols: Collection[str], where: str) -> complex | None:
+    """The value of a part as a float; None for what contains a symbol or has no value."""
+    if node.kind == "number":
+        return _computed(complex, float(node.text))
+    if node.kind == "name":
+        return None if node.text in symbols else _CONSTANTS.get(node.text)
+    values = [_estimate(part, symbols, where) for part in node.parts]
+    if node.kind == "sum":
+        return _computed(lambda *terms: sum(map(operator.mul, node.signs, terms)), *values)
+    if node.kind == "product":
+        return _computed(
+            lambda *factors: math.prod(map(operator.pow, factors, node.signs)), *values
+        )
+    if node.kind == "power":
+        exponent = values[-1]
+        if exponent is not None and abs(exponent) > MOST.power and not _is_whole(exponent):
+            raise LimitError(
+                f"{where}: a power above {MOST.power} that is no whole number. Write it shorter."
+            )
+        return _computed(operator.pow, *values)
+    for value in values:
+        if value is not None and node.text not in _TAME and not abs(value) <= MOST.argument:
+            raise LimitError(
+                f"{where}: {node.text[:20]} of a number above {MOST.argument:,.0f}. "
+                "Write it shorter."
+            )
+    return _computed(_function(node.text), *values) if len(values) == 1 else None
+
+
+def _is_whole(value: complex) -> bool:
+    return math.isfinite(value.real) and value == round(value.real)
+
+
+def _function(name: str) -> Callable[[complex], complex] | None:
+    """A function of one number by its name in an answer."""
+    plain = {"ln": "log", "cbrt": "sqrt"}.get(name, INVERSE.get(name, name))
+    function = getattr(cmath, plain, None)
+    if name not in INVERSE or function is None:
+        return function
+    return lambda value: 1 / function(value) if function(value) else _ENDLESS
+
+
+def _computed(function: Callable[..., complex] | None, *values: complex | None) -> complex | None:
+    """A value, endless where floats end, None where there is none."""
+    if function is None or None in values:
+        return None
+    try:
+        return complex(function(*values))
+    except OverflowError:
+        return _ENDLESS
+    except (ArithmeticError, ValueError):
+        return None

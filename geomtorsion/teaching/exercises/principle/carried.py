@@ -1,0 +1,117 @@
+"""6.5: the velocity of a body in its own frame, eq. (2) of the paper."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import equations_of_motion
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.principle.euler import omegas
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """No force for seed 0; other seeds: a thruster fixed in the body."""
+    mass = sp.Symbol("M", positive=True)
+    push = [sp.S.Zero] * 3
+    if seed:
+        push[draw.randrange(3)] = sp.Integer(draw.choice((1, 2, 3, -1, -2)))
+    speeds = sp.symbols("V1 V2 V3", real=True)
+    turns = omegas()
+    said = (
+        "No force acts on it."
+        if seed == 0
+        else f"A thruster fixed in it pushes with $F = ({', '.join(map(str, push))})$ along the "
+        "axes of the body, through its centre of mass."
+    )
+
+    def rates(principle: str = "closed_in_coordinates", force: bool = True) -> list[sp.Expr]:
+        u = sp.symbols("u1:7")
+        energy = sp.Add(*(x**2 / 2 for x in u[:3])) + mass * sp.Add(*(x**2 / 2 for x in u[3:]))
+        forces = [0, 0, 0, *(push if force else (0, 0, 0))]
+        found = equations_of_motion(load("r3xso3").frame, energy, forces, principle)
+        table = dict(zip(u, (*turns, *speeds), strict=True))
+        return [value.xreplace(table) for value in found.accelerations[3:]]
+
+    def expected() -> list[Mistake]:
+        cross = rates(force=False)
+        turned = [right - 2 * term for right, term in zip(rates(), cross, strict=True)]
+        return [
+            Mistake("naive", rates("naive")),
+            Mistake(
+                "principle",
+                rates("closed_in_image"),
+                "These are the autoparallels of the six-dimensional frame, screws; a body that is "
+                "left alone flies straight on.",
+            ),
+            Mistake(
+                "axes",
+                turned,
+                "The sign of $\\Omega\\times V$ is that of axes turning the other way.",
+            ),
+            Mistake("forgotten", cross, "The force is missing."),
+            Mistake(
+                "forgotten",
+                [term + mass * (right - term) for right, term in zip(rates(), cross, strict=True)],
+                "The force is still to be divided by the mass.",
+            ),
+        ]
+
+    return Variant(
+        statement=(
+            "A body of mass $M$ turns with the angular velocity $\\Omega$ and moves with the "
+            "velocity $V$ of its centre of mass, both taken along the axes of the **body**. " + said
+        ),
+        questions=(
+            Question(
+                name="equations",
+                kind="equations",
+                prompt="Three equations for `V1'`, `V2'`, `V3'` in `V1`, `V2`, `V3`, `Omega1`, "
+                "`Omega2`, `Omega3` and `M`, separated by semicolons.",
+                domain=Domain((*turns, *speeds, mass)),
+                answer=rates,
+                errors=expected,
+                unknowns=("V1'", "V2'", "V3'"),
+                generic=("sign",),
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"In space $\dot p = f$. What does the body see of a vector that stands still in "
+            "space?",
+            r"$\dot P + \Omega\times P = F$ with $P = MV$.",
+        ),
+        worked=lambda: _worked(mass, push),
+    )
+
+
+def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
+    """A vector that stands still in space, seen from the body."""
+    speeds = sp.symbols("V1 V2 V3", real=True)
+    turning = [-x for x in by_hand.cross(omegas(), speeds)]
+    rates = [x + f / mass for x, f in zip(turning, push, strict=True)]
+    return (
+        Step(
+            r"A vector that stands still in space goes round the other way in the body: "
+            r"$\dot P = -\Omega\times P$. With a force, $\dot P + \Omega\times P = F$, $P = MV$."
+        ),
+        Step(
+            r"The product is "
+            f"$$-\\Omega\\times V = {tex.matrix([[x] for x in turning])}.$$"
+        ),
+        Step(
+            f"With $F = ({', '.join(map(str, push))})$, divided by the mass: "
+            f"$$\\dot V = {tex.matrix([[x] for x in rates])}.$$",
+            "equations",
+            rates,
+        ),
+    )

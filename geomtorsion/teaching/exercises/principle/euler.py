@@ -1,0 +1,114 @@
+"""6.1: Euler's equations, eq. (1) of the paper."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import equations_of_motion
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    steps,
+    tex,
+)
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Moments as letters for seed 0, as numbers for other seeds."""
+    frame = load("so3").frame
+    turns = omegas()
+    letters = sp.symbols("I1 I2 I3", positive=True)
+    moments = letters if seed == 0 else tuple(map(sp.Integer, draw.sample(range(1, 8), 3)))
+    known = letters if seed == 0 else ()
+    values = ",\\ ".join(f"I_{k + 1} = {tex.tex(x)}" for k, x in enumerate(moments))
+    given = "" if seed == 0 else f" with ${values}$"
+    return Variant(
+        statement=(
+            r"A body turns freely about its centre of mass. Its kinetic energy is "
+            r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + given + r", where "
+            r"$\Omega$ is its angular velocity along its own axes. Vary the action with the angles "
+            "held at the ends (Hamilton's principle, carried out in the frame of the body)."
+        ),
+        questions=(
+            Question(
+                name="equations",
+                kind="equations",
+                prompt="Three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
+                "semicolons, in any equivalent form.",
+                domain=Domain((*turns, *known)),
+                answer=lambda: turning(frame, moments),
+                errors=lambda: [
+                    Mistake("naive", turning(frame, moments, "naive")),
+                    Mistake(
+                        "axes",
+                        turning(load("so3_right").frame, moments),
+                        "The sign of the gyroscopic terms is that of axes fixed in space; "
+                        "$L' = -\\Omega\\times L$ holds in the body.",
+                    ),
+                    Mistake(
+                        "principle",
+                        turning(frame, moments, "closed_in_image"),
+                        "These are the autoparallels: Kleinert's principle with variations that "
+                        "close in the image.",
+                    ),
+                ],
+                unknowns=tuple(f"Omega{k}'" for k in (1, 2, 3)),
+                generic=("sign", "factor"),
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"$\frac{\mathrm{d}}{\mathrm{d}t} p_k = 2S_{kj}{}^i\,u^j p_i$ with "
+            r"$p_i = \partial L/\partial u^i$ and $2S_{ijk} = -\epsilon_{ijk}$.",
+            r"As vectors: $\dot L = -\Omega\times L$ with $L = (I_1\Omega_1, I_2\Omega_2, "
+            r"I_3\Omega_3)$.",
+            r"The first: $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
+        ),
+        worked=lambda: _worked(moments),
+    )
+
+
+def omegas() -> tuple[sp.Symbol, ...]:
+    """The angular velocity as symbols."""
+    return sp.symbols("Omega1 Omega2 Omega3", real=True)
+
+
+def turning(
+    frame: Frame, moments: tuple[sp.Expr, ...], principle: str = "closed_in_coordinates"
+) -> list[sp.Expr]:
+    """Omega'_k of a free body, by the equations of motion of the library."""
+    u = sp.symbols("u1 u2 u3")
+    energy = sp.Add(*(m * x**2 / 2 for m, x in zip(moments, u, strict=True)))
+    found = equations_of_motion(frame, energy, principle=principle).accelerations
+    table = dict(zip(u, omegas(), strict=True))
+    return [value.xreplace(table) for value in found]
+
+
+def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
+    """A vector product."""
+    turns = omegas()
+    momenta = [m * w for m, w in zip(moments, turns, strict=True)]
+    change = [-x for x in by_hand.cross(turns, momenta)]
+    rates = [sp.factor(x / m) for x, m in zip(change, moments, strict=True)]
+    return (
+        Step(
+            r"The momenta are $p_i = \partial L/\partial\Omega_i$: $p = ("
+            f"{', '.join(map(tex.tex, momenta))})$."
+        ),
+        Step(
+            r"With $2S_{ijk} = -\epsilon_{ijk}$ the equations $\dot p_k = 2S_{kj}{}^i\,\Omega^j "
+            r"p_i$ say $\dot p = -\Omega\times p$: "
+            f"$$\\dot p = {tex.matrix([[sp.factor(x)] for x in change])}.$$"
+        ),
+        Step(
+            f"Divided by the moments: $$\\dot\\Omega = {tex.matrix([[x] for x in rates])}.$$",
+            "equations",
+            rates,
+        ),
+    )

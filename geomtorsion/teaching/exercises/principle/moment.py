@@ -1,0 +1,114 @@
+"""6.2: the moment of the weight of a top, in the frame of the body."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import equations_of_motion
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    scaled,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import attitude, seen_from_space
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Centre of mass on the third axis for seed 0; other seeds: elsewhere in the body."""
+    frame = load("so3").frame
+    weight = sp.Symbol("W", positive=True)
+    place = (0, 0, 1) if seed == 0 else draw.choice(
+        ((1, 0, 0), (0, 1, 0), (0, 0, 2), (1, 0, 1), (0, 1, 1), (1, 0, 2), (0, 2, 1), (1, 1, 0))
+    )  # fmt: skip
+    potential = weight * (attitude("so3") * sp.Matrix(place))[2]
+    n = frame.dimension
+
+    def moment() -> list[sp.Expr]:
+        u = sp.symbols("u1 u2 u3")
+        energy = sp.Add(*(x**2 / 2 for x in u)) - potential
+        return list(equations_of_motion(frame, energy).accelerations)
+
+    def pushed(table: Frame, legs: bool = True) -> list[sp.Expr]:
+        slopes = [-potential.diff(x) for x in frame.coordinates]
+        rows = table.legs if legs else table.coframe
+        return [
+            sp.Add(*((rows[mu, k] if legs else rows[k, mu]) * slopes[mu] for mu in range(n)))
+            for k in range(n)
+        ]
+
+    return Variant(
+        statement=(
+            "The attitude of a top that turns about a fixed point is "
+            r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, its body-fixed coframe "
+            f"$$e = {tex.coframe(frame)}.$$ "
+            f"Its centre of mass is at $({', '.join(map(str, place))})$ in the body, its weight "
+            "times the unit of length is $W$: the potential energy is "
+            f"\n\n$$V = {tex.tex(potential)}.$$"
+        ),
+        questions=(
+            Question(
+                name="moment",
+                kind="components",
+                prompt=r"The moment of the weight along the axes of the **body**, "
+                r"$M_k = -E_k{}^\mu\,\partial_\mu V$.",
+                domain=Domain.of(frame, weight),
+                answer=moment,
+                errors=lambda: [
+                    Mistake(
+                        "basis",
+                        [-potential.diff(x) for x in frame.coordinates],
+                        r"These are $-\partial_\mu V$, components in the coordinates.",
+                    ),
+                    Mistake("inverse", pushed(frame, legs=False)),
+                    Mistake("axes", pushed(seen_from_space("so3"))),
+                    Mistake(
+                        "sign",
+                        scaled(moment(), -1),
+                        "The sign is wrong: the weight pulls down the slope of $V$.",
+                    ),
+                ],
+                shape=(3,),
+                label="M",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            "The moment does the work $M_k\\Omega^k$ per time, and that is $-\\dot V$.",
+            r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the centre of mass and $n$ "
+            "the upward vertical as the body sees it.",
+            r"The vertical is the last row of $R$: "
+            f"$$n = {tex.matrix(attitude('so3')[2, :].tolist())}.$$",
+        ),
+        worked=lambda: _worked(place, weight),
+    )
+
+
+def _worked(place: tuple[int, ...], weight: sp.Symbol) -> tuple[Step, ...]:
+    """A vector product with the vertical as the body sees it."""
+    vertical = list(attitude("so3")[2, :])
+    moment = [by_hand.tidy(-weight * x) for x in by_hand.cross(place, vertical)]
+    return (
+        Step(
+            "The upward vertical, seen from the body, is the last row of $R$: "
+            f"$$n = {tex.matrix([vertical])}.$$"
+        ),
+        Step(
+            r"When the body turns by $\Omega$, $n$ changes by $-\Omega\times n$, and $V = W\,"
+            r"l\cdot n$ by $-W\,l\cdot(\Omega\times n) = W\,\Omega\cdot(l\times n)$. The work "
+            r"is $M\cdot\Omega = -\dot V$, so that $M = -W\,l\times n$."
+        ),
+        Step(
+            f"With $l = ({', '.join(map(str, place))})$: "
+            f"$$M = {tex.matrix([[x] for x in moment])}.$$",
+            "moment",
+            moment,
+        ),
+    )

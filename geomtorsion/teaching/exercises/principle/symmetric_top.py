@@ -1,0 +1,116 @@
+"""6.4: the free symmetric top, seen from the body and from space."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import equations_of_motion
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.principle.euler import omegas, turning
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """Letters for seed 0; other seeds: moments as numbers."""
+    w, v = sp.symbols("w v", positive=True)
+    if seed == 0:
+        across, along = sp.symbols("A C", positive=True)
+    else:
+        across, along = map(sp.Integer, draw.sample(range(1, 7), 2))
+    letters = tuple(x for x in (across, along) if x.is_Symbol)
+    domain = Domain((*letters, w, v))
+    turns = omegas()
+
+    def in_body() -> sp.Expr:
+        first = turning(load("so3").frame, (across, across, along))[0]
+        return -first.diff(turns[1]).subs(turns[2], w)
+
+    def in_space() -> sp.Expr:
+        u = sp.symbols("u1 u2 u3")
+        energy = (across * (u[0] ** 2 + u[1] ** 2) + along * u[2] ** 2) / 2
+        momenta = equations_of_motion(load("so3").frame, energy).momenta
+        square = sp.Add(*(p**2 for p in momenta)).subs({u[0]: v, u[1]: 0, u[2]: w})
+        return sp.sqrt(square) / across
+
+    return Variant(
+        statement=(
+            f"A free top has the moments $I_1 = I_2 = {tex.tex(across)}$ and "
+            f"$I_3 = {tex.tex(along)}$. Its angular velocity along its own axes is "
+            r"$\Omega = (v, 0, w)$ at first, with $v, w > 0$."
+        ),
+        questions=(
+            Question(
+                name="body",
+                kind="expression",
+                prompt=r"Seen from the **body** the angular velocity runs round the third axis: "
+                r"$\dot\Omega_1 = -\lambda\,\Omega_2$, $\dot\Omega_2 = \lambda\,\Omega_1$. "
+                r"What is $\lambda$?",
+                domain=domain,
+                answer=in_body,
+                errors=lambda: [
+                    Mistake("axes", in_space(), "That is how fast the axis runs round in space.")
+                ],
+            ),
+            Question(
+                name="space",
+                kind="expression",
+                prompt="Seen from **space** the third axis runs round the angular momentum. With "
+                "which angular velocity?",
+                domain=domain,
+                answer=in_space,
+                errors=lambda: [
+                    Mistake("axes", in_body(), "That is how fast it runs round in the body."),
+                    Mistake(
+                        "forgotten",
+                        along * w / across,
+                        "Only the part of the angular momentum along the axis is counted.",
+                    ),
+                ],
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"$\Omega_3$ is constant; what remains of Euler's equations is linear.",
+            r"In space $L$ is constant, and $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$ with $n$ "
+            "the axis: only the first part moves the axis.",
+            r"$|L|^2 = I_1^2 v^2 + I_3^2 w^2$.",
+        ),
+        worked=lambda: _worked(across, along, w, v),
+    )
+
+
+def _worked(across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol) -> tuple[Step, ...]:
+    """A linear equation in the body, a constant vector in space."""
+    inside = (along - across) * w / across
+    outside = sp.sqrt(across**2 * v**2 + along**2 * w**2) / across
+    return (
+        Step(
+            r"Euler's third equation is $I_3\dot\Omega_3 = (I_1 - I_2)\,\Omega_1\Omega_2 = 0$: "
+            r"$\Omega_3 = w$ for ever."
+        ),
+        Step(
+            r"The first is $I_1\dot\Omega_1 = (I_1 - I_3)\,w\,\Omega_2$, that is $\dot\Omega_1 = "
+            r"-\lambda\,\Omega_2$ with $\lambda = (I_3 - I_1)\,w/I_1 = "
+            f"{tex.tex(inside)}$.",
+            "body",
+            inside,
+        ),
+        Step(
+            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$ with the axis $n$; turning about $n$ "
+            r"does not move $n$, so that the axis goes round $L$ with $|L|/I_1$."
+        ),
+        Step(
+            r"$|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, and the angular velocity is "
+            f"${tex.tex(outside)}$.",
+            "space",
+            outside,
+        ),
+    )

@@ -1,0 +1,112 @@
+"""6.3: what a variation does to the velocities of a frame, eq. (17) of the paper."""
+
+from random import Random
+
+import sympy as sp
+
+from geomtorsion.action import variation
+from geomtorsion.geometry import Frame
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import (
+    Domain,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    by_hand,
+    normal,
+    scaled,
+    steps,
+    tex,
+)
+from geomtorsion.teaching.exercises.families import ANGLES, group, seen_from_space
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """so3 for seed 0; other seeds: other angles and other groups."""
+    name = "so3" if seed == 0 else draw.choice((*sorted(ANGLES), "", ""))
+    frame = load(name).frame if name else group(draw, seed)
+    images = sp.symbols("dPhi1 dPhi2 dPhi3", real=True)
+    u = sp.symbols("u1 u2 u3", real=True)
+
+    def terms(over: Frame, principle: str = "closed_in_coordinates") -> list[sp.Expr]:
+        found = variation(over, principle)
+        table = dict(zip((*found.velocities, *found.images), (*u, *images), strict=True))
+        pairs = zip(found.changes, found.image_rates, strict=True)
+        return [(change - rate).xreplace(table) for change, rate in pairs]
+
+    def expected() -> list[Mistake]:
+        right = normal(terms(frame))
+        mistakes = [
+            Mistake(
+                "sign",
+                scaled(right, -1),
+                "The sign is wrong: $u$ and $\\delta\\Phi$ have been exchanged.",
+            ),
+            Mistake("factor", scaled(right, sp.Rational(1, 2)), "The 2 before $S$ is missing."),
+            Mistake("naive", normal(terms(frame, "naive"))),
+        ]
+        if name:
+            mistakes.append(Mistake("axes", terms(seen_from_space(name))))
+        return mistakes
+
+    return Variant(
+        statement=(
+            f"Over the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a path has the "
+            r"velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by $\delta q^\mu$, and "
+            r"$\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. Because the forms are not closed, the "
+            r"velocities change by more than $\frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i$:"
+            "\n\n"
+            r"$$\bar\delta u^i = \frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i + "
+            r"2S_{kj}{}^i\,u^j\,\delta\Phi^k.$$"
+        ),
+        questions=(
+            Question(
+                name="terms",
+                kind="components",
+                prompt=r"The second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, 3$, in "
+                "`u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
+                domain=Domain((*u, *images)),
+                answer=lambda: terms(frame),
+                errors=expected,
+                shape=(3,),
+                label="delta u",
+                points=2,
+            ),
+        ),
+        hints=steps(
+            r"$\delta(e^i{}_\mu\dot q^\mu) - \frac{\mathrm{d}}{\mathrm{d}t}(e^i{}_\mu\delta q^\mu)"
+            r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
+            r"Write $\delta q = E\,\delta\Phi$ and $\dot q = E\,u$: the curl becomes "
+            r"$2S_{kj}{}^i$, the first index with $\delta\Phi$.",
+        ),
+        worked=lambda: _worked(frame, u, images),
+    )
+
+
+def _worked(
+    frame: Frame, u: tuple[sp.Symbol, ...], images: tuple[sp.Symbol, ...]
+) -> tuple[Step, ...]:
+    """The structure constants, summed over two indices."""
+    table = by_hand.anholonomy(frame)
+    half = {key: value for key, value in table.items() if key[0] < key[1]}
+    terms = [
+        by_hand.tidy(
+            sum(x * u[j] * images[k] for (k, j, m), x in table.items() if m == i) or sp.S.Zero
+        )
+        for i in range(3)
+    ]
+    shown = {d: sp.Symbol(f"Phi{k}") for k, d in enumerate(images, 1)}
+    return (
+        Step(f"The forms are not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(
+            r"In the frame, $\mathrm{d}e^i = \tfrac12\,2S_{kj}{}^i\,e^k\wedge e^j$ with "
+            f"$${by_hand.listed('2S', half)},$$ and the opposite with the lower indices exchanged."
+        ),
+        Step(
+            r"Summed over $k$ and $j$, with $\Phi_k$ for $\delta\Phi^k$: "
+            f"$${tex.matrix([[x.subs(shown)] for x in terms])}.$$",
+            "terms",
+            terms,
+        ),
+    )

@@ -1,0 +1,327 @@
+"""Question: what is asked, how it is answered, and which mistakes are likely."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import permutations
+from math import degrees, radians
+from typing import Any
+
+import numpy as np
+import sympy
+
+from geomtorsion.checks import cut
+from geomtorsion.geometry import Tensor
+from geomtorsion.teaching.exercises.compare import Index, Value
+from geomtorsion.teaching.exercises.domain import Domain
+
+KINDS = ("expression", "components", "equations", "number", "choice")
+HALF = sympy.Rational(1, 2)
+BOTH = "It is off by a factor 2, and the sign is wrong as well."
+ANGLES = ("rad", "deg")
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A wrong answer that is recognised.
+
+    code: one of `diagnoses.TITLES`. value: the wrong answer, in any form `normal` understands.
+    message: what to say about it, where the exercise knows better than the code.
+    """
+
+    code: str
+    value: Any
+    message: str = ""
+
+
+def _none() -> Iterable[Mistake]:
+    return ()
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """One thing that is asked.
+
+    name: key of the answer. kind: one of KINDS. prompt: Markdown with LaTeX.
+    domain: symbols that may be used, with what holds between them.
+    answer: computes the right answer with the library, when it is first needed.
+    errors: computes the wrong answers that this exercise expects.
+    shape: numbers of components, as (3, 3, 3); () for a single one.
+    label: what one component is called in messages, such as "Gamma".
+    marks: where each index stands, "_" below and "^" above, in order: "__^" for Gamma_ab^c.
+    symmetry: "antisymmetric" or "symmetric" in the first two indices: half may be given.
+    unknowns: of equations: what stands before the sign of equality, such as "Omega1'".
+    unit, tolerance: of numbers; the tolerance is relative to the largest component.
+    options: of choices: key -> text.
+    generic: mistakes looked for without being named by the exercise.
+    remarks: code of a generic mistake -> what to add here to what is said of it everywhere.
+    points: what a right answer is worth.
+    """
+
+    name: str
+    kind: str
+    prompt: str
+    answer: Callable[[], object]
+    domain: Domain = field(default_factory=Domain)
+    errors: Callable[[], Iterable[Mistake]] = _none
+    shape: tuple[int, ...] = ()
+    label: str = ""
+    marks: str = ""
+    symmetry: str = ""
+    unknowns: tuple[str, ...] = ()
+    unit: str = ""
+    tolerance: float = 1e-3
+    options: Mapping[str, str] = field(default_factory=dict)
+    generic: tuple[str, ...] = ("sign", "factor", "permuted", "counted")
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    points: int = 1
+
+    @cached_property
+    def solution(self) -> Value:
+        """The right answer as index -> expression or number; what is missing is zero."""
+        return normal(self.answer())
+
+    @property
+    def exact(self) -> bool:
+        """Whether a number has to be given exactly: its tolerance is there for floats only."""
+        # Nobody asks for a number in digits like these.
+        return self.tolerance < 1e-6
+
+    @cached_property
+    def mistakes(self) -> tuple[Mistake, ...]:
+        """Wrong answers that are recognised, in the order in which they are tried."""
+        return all_mistakes(self)
+
+
+def normal(value: object) -> Value:
+    """Index -> component, from a tensor, a mapping, nested lists, or a single expression.
+
+    Examples
+    --------
+    >>> normal([0, 5]), normal([[1, 0], [0, 2]]), normal(3)
+    ({(1,): 5}, {(0, 0): 1, (1, 1): 2}, {(): 3})
+    """
+    if isinstance(value, Tensor):
+        return {**value.nonzero(), **value.undecided()}
+    if isinstance(value, Mapping):
+        pairs = {key if isinstance(key, tuple) else (key,): x for key, x in value.items()}
+        return {key: x for key, x in pairs.items() if not _is_zero(x)}
+    if isinstance(value, sympy.MatrixBase):
+        value = sympy.Matrix(value).tolist()
+    elif isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        found: dict[Index, Any] = {}
+        for k, entry in enumerate(value):
+            found |= {(k, *key): x for key, x in normal(entry).items()}
+        return found
+    return {} if _is_zero(value) else {(): value}
+
+
+def _is_zero(value: object) -> bool:
+    return not isinstance(value, str) and value == 0
+
+
+def deviation(question: Question, given: Value, right: Value) -> float:
+    """Largest difference, in tolerances of the question."""
+    size = max((abs(float(x)) for x in right.values()), default=0.0)
+    allowed = question.tolerance * (size or 1.0)
+    keys = {*given, *right}
+    return (
+        max((abs(float(given.get(k, 0)) - float(right.get(k, 0))) for k in keys), default=0.0)
+        / allowed
+    )
+
+
+def all_mistakes(question: Question) -> tuple[Mistake, ...]:
+    """What the exercise expects, then what can happen everywhere; none equals the solution."""
+    found: list[Mistake] = []
+    for mistake in question.errors():
+        value = normal(mistake.value)
+        if _is_other(question, value) and not _repeats(found, mistake.code, value):
+            found.append(Mistake(mistake.code, value, mistake.message))
+    # Where the exercise knows why a value is wrong, nothing more general is said about it.
+    own = tuple(found)
+    for mistake in _generic(question):
+        value = normal(mistake.value)
+        if _is_other(question, value) and not any(_agree(question, value, m.value) for m in own):
+            found.append(Mistake(mistake.code, value, mistake.message))
+    return tuple(found)
+
+
+def _is_other(question: Question, value: Value) -> bool:
+    """Whether a wrong answer differs from the right one."""
+    if question.kind == "number":
+        return deviation(question, value, question.solution) > 1
+    return value != question.solution
+
+
+def _agree(question: Question, one: Value, two: Value) -> bool:
+    """Whether two wrong answers are the same one."""
+    return one == two or (question.kind == "number" and deviation(question, one, two) <= 1)
+
+
+def _repeats(found: Iterable[Mistake], code: str, value: Value) -> bool:
+    return any(known.code == code and known.value == value for known in found)
+
+
+def _generic(question: Question) -> Iterator[Mistake]:
+    """Sign, factor 2, permuted indices, and degrees for radians."""
+    if question.kind == "choice":
+        return
+    right = question.solution
+    wanted = question.generic
+    if question.unit in ANGLES:
+        for turned in (degrees, radians):
+            yield Mistake("degrees", {key: turned(float(x)) for key, x in right.items()})
+    if "sign" in wanted:
+        yield Mistake("sign", scaled(right, -1))
+    if "factor" in wanted:
+        yield Mistake("factor", scaled(right, 2))
+        yield Mistake("factor", scaled(right, HALF))
+    if {"sign", "factor"} <= set(wanted):
+        yield from (Mistake("factor", scaled(right, x), BOTH) for x in (-2, -HALF))
+    if "permuted" in wanted and question.kind == "components":
+        yield from (Mistake("permuted", value) for value in permuted(right, question.shape))
+
+
+def scaled(value: object, factor: sympy.Expr | float) -> Value:
+    """Every component times a factor.
+
+    Examples
+    --------
+    >>> scaled([1, 0, 3], 2)
+    {(0,): 2, (2,): 6}
+    """
+    return {
+        key: float(factor) * x if isinstance(x, float) else factor * x
+        for key, x in normal(value).items()
+    }
+
+
+def permuted(value: Value, shape: tuple[int, ...]) -> Iterator[Value]:
+    """The components with their indices in every other order."""
+    rank = len(shape)
+    # Indices of different ranges cannot be exchanged.
+    if rank < 2 or len(set(shape)) > 1:
+        return
+    for order in permutations(range(rank)):
+        if order != tuple(range(rank)):
+            yield reordered(value, order)
+
+
+def reordered(value: object, order: tuple[int, ...]) -> Value:
+    """Components with their indices in another order; order[k] comes k-th.
+
+    Examples
+    --------
+    >>> reordered([[1, 2], [0, 3]], (1, 0))
+    {(0, 0): 1, (1, 0): 2, (1, 1): 3}
+    """
+    return {tuple(key[k] for k in order): x for key, x in normal(value).items()}
+
+
+_NAME = re.compile(r"(\S+) is neither a coordinate nor a declared parameter$", re.MULTILINE)
+_DECLARE = re.compile(r"(?:Otherwise d|D)eclare \S+ as a parameter\.\Z")
+_FUNCTION = re.compile(r"(?:Otherwise d|D)eclare it as an unknown function with .*\Z")
+_SMALLER = re.compile(r"Name it as a parameter.*\Z")
+_PRIMES = re.compile(r"([^\W\d]\w*)\s*(['′’]{1,2}|″)")
+ASKED = {
+    "expression": "an expression",
+    "components": "components, indices counted from 1",
+    "equations": "equations, separated by semicolons",
+    "number": "a number",
+    "choice": "one of",
+}
+
+
+def how_to_answer(question: Question, *, options: bool = True) -> str:
+    """One line of Markdown: kind of answer, symbols, tolerance, and what can be chosen.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> how_to_answer(load("3.2").questions[0])
+    'an expression in `phi1`, `phi2`'
+    """
+    text = ASKED[question.kind]
+    if question.kind == "choice":
+        said = (f"`{k}`" + f" ({x})" * options for k, x in question.options.items())
+        return f"{text} {', '.join(said)}"
+    if question.kind == "number":
+        if question.shape:
+            text = f"{question.shape[0]} numbers `[x, y, ...]`"
+        unit = f" in {question.unit}" if question.unit else ""
+        if question.exact:
+            return f"{text}{unit}, exactly"
+        return f"{text}{unit}, relative tolerance {question.tolerance:.2g}"
+    if question.kind == "components":
+        matrix = " or a matrix `[[...], [...]]`" if len(question.shape) == 2 else ""
+        text = f"{text}, as `{example(question)}`{matrix},"
+    names = ", ".join(f"`{name}`" for name in symbol_names(question))
+    return f"{text} in {names}" if names else f"{text} without symbols"
+
+
+def symbol_names(question: Question) -> tuple[str, ...]:
+    """The names that may be used, rates written with primes."""
+    return tuple(shown_name(symbol.name) for symbol in question.domain.symbols)
+
+
+def example(question: Question) -> str:
+    """How components may be written."""
+    rank = len(question.shape)
+    if rank == 1:
+        return "1 = ...; 2 = ..."
+    first, second = ",".join(["1"] * rank), ",".join([*["1"] * (rank - 1), "2"])
+    return f"{first} = ...; {second} = ..."
+
+
+def plain_name(text: str) -> str:
+    """Derivatives as names of symbols: r'' becomes r_dd.
+
+    Examples
+    --------
+    >>> plain_name("Omega1' + r''")
+    'Omega1_d + r_dd'
+    """
+    return _PRIMES.sub(
+        lambda match: f"{match[1]}_{'d' * (len(match[2]) + (match[2] == '″'))}", text
+    )
+
+
+def shown_name(text: str) -> str:
+    """The same backwards.
+
+    Examples
+    --------
+    >>> shown_name("Omega1_d + r_dd")
+    "Omega1' + r''"
+    """
+    return re.sub(r"(\w+?)_(d{1,2})\b", lambda match: match[1] + "'" * len(match[2]), text)
+
+
+def advice(question: Question, message: str, given: str = "") -> str:
+    """A message of the parser, with advice that fits an answer, in which nothing can be declared.
+
+    given: what was written; it is shown where the message shows something else, as it was read.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> question = load("3.2").questions[0]
+    >>> advice(question, "Did you mean phi2? Otherwise declare phi as a parameter.")
+    'Did you mean phi2? Names that may occur here: phi1, phi2.'
+    """
+    names = ", ".join(symbol_names(question))
+    allowed = f"Names that may occur here: {names}." if names else "No names occur in this answer."
+    message = _NAME.sub(r"\1 is no name that occurs in this answer", message)
+    message = _DECLARE.sub(allowed, message)
+    message = _FUNCTION.sub("Write it with sin, cos, tan, exp, log, sqrt and the like.", message)
+    message = _SMALLER.sub("Write a smaller one.", shown_name(message))
+    lines = message.splitlines()
+    if len(lines) < 2 or not given or cut(given, 80) in lines[1]:
+        return message
+    return f"{message}\nThat is how your answer was read: {cut(given, 80)}"

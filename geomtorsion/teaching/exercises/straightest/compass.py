@@ -1,0 +1,123 @@
+"""4.4: steering by compass against the great circle."""
+
+from functools import cache
+from math import atan2, cos, log, pi, radians, sin, tan
+from random import Random
+
+from geomtorsion.curves import CurveProblem, autoparallel, geodesic
+from geomtorsion.geometry import cartan
+from geomtorsion.ode import solve
+from geomtorsion.spaces import load
+from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps
+
+
+def make(draw: Random, seed: int) -> Variant:
+    """A ship on the unit sphere; the seed chooses where, whither and how far."""
+    frame = load("s2").frame
+    colatitude = 1.0 if seed == 0 else draw.choice((0.8, 0.9, 1.0, 1.1))
+    course = 60 if seed == 0 else draw.choice((50, 60, 70, 75, 105, 110))
+    last = 1.0 if seed == 0 else draw.choice((0.6, 0.8, 1.0, 1.2))
+    # Course from north to east: north is against the colatitude.
+    u = [-cos(radians(course)), sin(radians(course))]
+    given = {"start": [colatitude, 0.0], "frame_velocity": u, "parameters": {"R": 1}}
+    steered, great = autoparallel(cartan(frame), **given), geodesic(frame, **given)
+
+    @cache
+    def longitude(problem: CurveProblem) -> float:
+        return float(solve(problem, [last]).coordinates[-1, 1])
+
+    def gap() -> float:
+        one, two = (solve(p, [last]).coordinates[-1] for p in (steered, great))
+        cosine = cos(one[0]) * cos(two[0]) + sin(one[0]) * sin(two[0]) * cos(one[1] - two[1])
+        return float(max(-1.0, min(1.0, cosine)))
+
+    return Variant(
+        statement=(
+            "A ship on the unit sphere starts at colatitude "
+            f"$\\theta = {colatitude:g}$, longitude $0$, on the course ${course}$ degrees (from "
+            f"north to east), with speed 1, and sails for the time ${last:g}$. Once it keeps the "
+            "compass course: the straightest line of the compass frame. Once it sails along the "
+            "great circle: the shortest line."
+        ),
+        questions=(
+            Question(
+                name="compass",
+                kind="number",
+                prompt="The longitude reached by compass, in radians.",
+                unit="rad",
+                answer=lambda: longitude(steered),
+                errors=lambda: [
+                    Mistake("levi-civita", longitude(great), "That is along the great circle.")
+                ],
+                tolerance=1e-3,
+            ),
+            Question(
+                name="circle",
+                kind="number",
+                prompt="The longitude reached on the great circle, in radians.",
+                unit="rad",
+                answer=lambda: longitude(great),
+                errors=lambda: [
+                    Mistake("cartan", longitude(steered), "That is by the compass course.")
+                ],
+                tolerance=1e-3,
+            ),
+            Question(
+                name="cosine",
+                kind="number",
+                prompt="How far apart the two ends are: the cosine of the angle between them, "
+                "seen from the centre.",
+                answer=gap,
+                tolerance=1e-4,
+                generic=(),
+            ),
+        ),
+        hints=steps(
+            r"By compass: $\dot\theta = -\cos\kappa$ and $\dot\phi = \sin\kappa/\sin\theta$ with "
+            r"constant $\kappa$.",
+            r"$\phi = -\tan\kappa\,[\ln\tan(\theta/2)]$ between start and end.",
+            "On the great circle take the start as a unit vector and the velocity as another: "
+            r"$x(t) = x_0\cos t + v_0\sin t$.",
+            f"The angle course in radians is {course}*pi/180, about {course * pi / 180:.4f}.",
+        ),
+        worked=lambda: _worked(colatitude, radians(course), last),
+    )
+
+
+def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
+    """The loxodrome in closed form, the great circle in space."""
+    end = colatitude - cos(course) * last
+    along = tan(course) * log(tan(colatitude / 2) / tan(end / 2))
+    start = (sin(colatitude), 0.0, cos(colatitude))
+    speed = (-cos(course) * cos(colatitude), sin(course), cos(course) * sin(colatitude))
+    x, y, z = (a * cos(last) + b * sin(last) for a, b in zip(start, speed, strict=True))
+    ship = (sin(end) * cos(along), sin(end) * sin(along), cos(end))
+    cosine = x * ship[0] + y * ship[1] + z * ship[2]
+    return (
+        Step(
+            r"By compass $\dot\theta = -\cos\kappa$, so that the colatitude at the end is "
+            f"$\\theta = {end:.6g}$."
+        ),
+        Step(
+            r"From $\dot\phi = \sin\kappa/\sin\theta$ follows $\phi = "
+            r"\tan\kappa\,\ln(\tan(\theta_0/2)/\tan(\theta/2))$, here "
+            f"${along:.6g}$.",
+            "compass",
+            along,
+        ),
+        Step(
+            r"On the great circle $x(t) = x_0\cos t + v_0\sin t$ with the start "
+            f"$x_0 = ({', '.join(f'{a:.5g}' for a in start)})$ and the velocity "
+            f"$v_0 = ({', '.join(f'{a:.5g}' for a in speed)})$: at the end "
+            f"$({x:.5g}, {y:.5g}, {z:.5g})$, at the longitude ${atan2(y, x):.6g}$.",
+            "circle",
+            atan2(y, x),
+        ),
+        Step(
+            "The other end is at "
+            f"$({', '.join(f'{a:.5g}' for a in ship)})$; the scalar product of both is "
+            f"${cosine:.6g}$.",
+            "cosine",
+            cosine,
+        ),
+    )

@@ -1,0 +1,288 @@
+"""worker pool: processes with limits of time and memory; one that exceeds them is replaced.
+
+Such a process runs `main("MODULE:FUNCTION")`: it calls the function with one JSON request per line
+of standard input and writes one JSON reply per line.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from geomtorsion.errors import LimitError
+
+# What crosses the pipe: a dictionary of what JSON knows.
+Json = Mapping[str, Any]
+# Seconds that a process may take to start, however busy the machine is.
+STARTING = 120.0
+# Bytes of address space of one process; compiled integrators reserve far more than they use.
+MEMORY = 6 * 2**30
+READY = "ready"
+# Not by -m: the package imports this module, and runpy would warn that it comes a second time.
+_BEGIN = f"import sys; from {__name__} import main; main(sys.argv[1])"
+EXCEEDED = "exceeded"
+
+
+class PoolBusyError(LimitError):
+    """No worker became free in time."""
+
+
+class Worker:
+    """One process: `ask` sends a request and waits for the reply, or ends the process."""
+
+    def __init__(self, function: str, *, errors_shown: bool = False) -> None:
+        # -P: nothing that lies about in the working folder is imported (a sympy.py among answers
+        # that are graded); but this very package is, wherever it was imported from here.
+        paths = [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH", "")]
+        self.process: subprocess.Popen[str] = subprocess.Popen(
+            [sys.executable, "-P", "-c", _BEGIN, function],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=None if errors_shown else subprocess.DEVNULL,
+            encoding="utf-8",
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
+            # Ctrl-C is for the one who asked; this process ends with its parent.
+            start_new_session=True,
+        )
+        self._replies: queue.Queue[str] = queue.Queue()
+        self._ready = False
+        threading.Thread(target=self._listen, args=(self.process.stdout,), daemon=True).start()
+
+    def _listen(self, stream: IO[str]) -> None:
+        # A thread reads, since pipes have no time-out on every system.
+        with contextlib.suppress(ValueError, OSError):
+            for line in stream:
+                self._replies.put(line)
+        self._replies.put("")
+
+    def ask(self, request: Json, seconds: float) -> Json:
+        """The reply; the time counts from when the process is ready.
+
+        Raises
+        ------
+        TimeoutError
+            There is no reply in time; the process has been ended.
+        ChildProcessError
+            The process has ended.
+        """
+        line = ""
+        try:
+            assert self.process.stdin is not None
+            self.process.stdin.write(json.dumps(request, default=str) + "\n")
+            self.process.stdin.flush()
+            if not self._ready:
+                self._ready = bool(self._replies.get(timeout=STARTING))
+            if self._ready:
+                line = self._replies.get(timeout=seconds)
+        except queue.Empty:
+            self.end()
+            raise TimeoutError(f"no reply within {seconds:g} s") from None
+        except (OSError, ValueError):
+            # The pipe is broken, or was closed while it was written to: no line came.
+            pass
+        if not line:
+            self.end()
+            raise ChildProcessError("the process ran out of memory or was ended")
+        return json.loads(line)
+
+    @property
+    def lives(self) -> bool:
+        """Whether it can still be asked."""
+        return self.process.poll() is None
+
+    def end(self) -> None:
+        """End the process, at once."""
+        self.process.kill()
+        self.process.wait()
+        for stream in (self.process.stdin, self.process.stdout):
+            if stream is not None:
+                # What was still to be written has no reader any more.
+                with contextlib.suppress(OSError):
+                    stream.close()
+
+
+class WorkerPool:
+    """Processes that call one function; any number of threads may ask, each waits its turn.
+
+    Parameters
+    ----------
+    function
+        What a worker calls with each request, as "package.module:name".
+    size
+        Number of processes; each starts when it is first needed.
+    patience
+        Seconds that a request waits for a free worker.
+    errors_shown
+        Whether what workers print to standard error is seen.
+
+    Examples
+    --------
+    >>> with WorkerPool("geomtorsion.teaching.exercises.examiner:reply") as pool:
+    ...     pool.ask({"number": "1.1", "seed": 0}, seconds=60)
+    {'prepared': True}
+    """
+
+    def __init__(
+        self, function: str, size: int = 1, patience: float = 60.0, *, errors_shown: bool = False
+    ) -> None:
+        self.function = function
+        self.size = size
+        self.patience = patience
+        self.errors_shown = errors_shown
+        self.workers: set[Worker] = set()
+        self._lock = threading.Lock()
+        self._free: queue.Queue[Worker | None] = queue.Queue()
+        for _ in range(size):
+            self._free.put(None)
+
+    def __enter__(self) -> WorkerPool:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def ask(self, request: Json, seconds: float) -> Json:
+        """What the function gives; a worker that ends is replaced for whoever comes next.
+
+        Raises
+        ------
+        PoolBusyError
+            No worker became free in time.
+        TimeoutError
+            The function took longer than `seconds`.
+        ChildProcessError
+            The worker ended.
+        """
+        try:
+            worker = self._free.get(timeout=self.patience)
+        except queue.Empty:
+            raise PoolBusyError(
+                f"everybody asks at once, and after {self.patience:g} s it was still not your "
+                "turn. Wait a moment, then change something."
+            ) from None
+        try:
+            worker = self._living(worker)
+            return worker.ask(request, seconds)
+        finally:
+            self._free.put(worker)
+
+    def _living(self, worker: Worker | None) -> Worker:
+        """The worker, or a new one in its place."""
+        if worker is not None and worker.lives:
+            return worker
+        new = Worker(self.function, errors_shown=self.errors_shown)
+        with self._lock:
+            if worker is not None:
+                worker.end()
+                self.workers.discard(worker)
+            self.workers.add(new)
+        return new
+
+    def warm(
+        self,
+        requests: Iterable[Json],
+        done: Callable[[Json, Json], object],
+    ) -> None:
+        """Start all workers; then, in the background, let each answer these requests in turn.
+
+        What is compiled for the first request of a kind serves all that follow. All workers but
+        the one that warms up stay free. done: is given each request with its reply.
+        """
+        for _ in range(self.size):
+            self._free.put(self._living(self._free.get()))
+        listed = list(requests)
+
+        def rehearse() -> None:
+            seen: set[Worker | None] = set()
+            # Workers come round in turn; whoever is busy all the time is warm without this.
+            for _ in range(2 * self.size):
+                worker = self._free.get()
+                if worker not in seen:
+                    seen.add(worker)
+                    for request in listed:
+                        if worker is None or not worker.lives:
+                            break
+                        with contextlib.suppress(TimeoutError, ChildProcessError):
+                            done(request, worker.ask(request, STARTING))
+                self._free.put(worker)
+
+        threading.Thread(target=rehearse, daemon=True).start()
+
+    def close(self) -> None:
+        """End all workers; the next request starts new ones."""
+        with self._lock:
+            for worker in self.workers:
+                worker.end()
+            self.workers.clear()
+
+
+def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str]) -> None:
+    """Say that this process is ready, then answer requests, one a line, until they end.
+
+    A request that needs more memory or depth than there is gets `{"exceeded": which}`.
+    """
+    replies.write(READY + "\n")
+    replies.flush()
+    for line in requests:
+        reply = answered(function, json.loads(line))
+        replies.write(json.dumps(reply) + "\n")
+        replies.flush()
+
+
+def answered(function: Callable[[Json], Json], request: Json) -> Json:
+    """What a function gives, or `{"exceeded": which}`."""
+    try:
+        return function(request)
+    except MemoryError:
+        return {EXCEEDED: "memory"}
+    except RecursionError:
+        return {EXCEEDED: "depth"}
+
+
+def limit_memory() -> None:
+    """Bound the address space of this process, where the system can do that."""
+    try:
+        # Not on Windows.
+        import resource
+    except ImportError:
+        return
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    bound = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
+    with contextlib.suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (bound, hard))
+
+
+def _end_with_parent() -> None:
+    """End this process, in the midst of whatever it does, when its parent is gone."""
+    parent = os.getppid()
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def main(function: str) -> None:
+    """Serve standard input and output; whatever else prints goes to standard error."""
+    limit_memory()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    # A library that prints would otherwise write into the middle of a reply.
+    os.dup2(2, 1)
+    requests = os.fdopen(os.dup(0), encoding="utf-8")
+    module, _, name = function.partition(":")
+    serve(getattr(import_module(module), name), requests, replies)

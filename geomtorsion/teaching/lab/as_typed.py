@@ -1,0 +1,57 @@
+"""as typed: an expression in a field, written for the library or as on paper."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.exact import parse_expression
+from geomtorsion.exact.names import NOT_SMOOTH
+from geomtorsion.exact.tokens import Limits
+from geomtorsion.teaching.exercises.notation import written_out
+
+# What a person types by hand stays far below these.
+LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
+
+
+def read_typed(
+    text: str, symbols: Mapping[str, sp.Symbol], functions: Mapping[str, Any], where: str
+) -> sp.Expr:
+    """An expression; zero where nothing was typed.
+
+    What the library reads means what it does everywhere. Anything else is read as answers of
+    exercises are: products without a sign, functions without brackets, LaTeX, signs of other keys.
+
+    Raises
+    ------
+    ExpressionError
+        It can be read in no way, or in two.
+    LimitError
+        It is longer or deeper than what a person types.
+
+    Examples
+    --------
+    >>> r, theta = sp.symbols("r theta")
+    >>> names = {"r": r, "theta": theta}
+    >>> read_typed("-2r² sin^2 θ", names, {}, "here") == -2 * r**2 * sp.sin(theta) ** 2
+    True
+    """
+    text = text.strip() or "0"
+    try:
+        return parse_expression(text, symbols, functions, where=where, limits=LIMITS)
+    except LimitError:
+        raise
+    except ExpressionError as error:
+        if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
+            raise
+        # In two ways: that says more than that a sign is missing.
+        plain = written_out(text, symbols, where)
+        try:
+            return parse_expression(plain, symbols, functions, where=where, limits=LIMITS)
+        except (ExpressionError, LimitError):
+            # It is told about as it was typed.
+            raise error from None

@@ -1,0 +1,133 @@
+"""atoms: a crystal in a plane in which circuits are clicked, and their images that do not close."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion.loops import Cochain
+from geomtorsion.teaching.exercises.worker_pool import Json
+
+# Name of a crystal -> its edge dislocations: place, and b along x of the displacement put in.
+CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
+    "one edge dislocation": ((0.0, 0.0, 1),),
+    "two of the same": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
+    "two opposite ones": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
+    "none": (),
+}
+# Half the numbers of columns and rows.
+SIZE = (8, 6)
+_STYLE = """
+* { box-sizing: border-box; }
+body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff; }
+.bar { display: flex; flex-wrap: wrap; gap: 6px 10px; align-items: center; margin: 4px 2px 6px; }
+select, button { font: inherit; padding: 3px 10px; border: 1px solid #1f5fa8; border-radius: 6px;
+  background: #fff; color: #1f5fa8; cursor: pointer; max-width: 100%; }
+.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); gap: 8px; }
+figure { margin: 0; min-width: 0; }
+figcaption { text-align: center; font-weight: 600; font-size: 14px; }
+svg { display: block; width: 100%; height: auto; max-height: 21rem; touch-action: manipulation; }
+#crystal { cursor: pointer; }
+svg:focus-visible, button:focus-visible, select:focus-visible { outline: 3px solid #1f5fa8; }
+p { margin: 6px 2px; min-height: 2.8em; }
+"""
+
+
+@cache
+def crystal(name: str) -> Json:
+    """Atoms of a square lattice with dislocations in it, and the lattice vectors of their bonds.
+
+    Equation
+    --------
+    x = X + u(X), u the displacement of edge dislocations [HirthLothe1982], (3-45); its jump at the
+    cut is a lattice vector. The label of a bond is the lattice vector nearest to it.
+
+    Returns
+    -------
+    atoms: places, shape (n, 2). bonds: [first, second, dx, dy] of nearest neighbours, whole
+    numbers, from the first to the second.
+
+    Examples
+    --------
+    >>> perfect = crystal("none")
+    >>> len(perfect["atoms"]), len(perfect["bonds"])
+    (221, 412)
+    """
+    columns, rows = (np.arange(-n, n + 1) for n in SIZE)
+    # No line goes through an atom.
+    perfect = np.array(
+        [(x + 0.5 * (len(CRYSTALS[name]) % 2), y + 0.5) for y in rows for x in columns]
+    )
+    moved = perfect + sum(_displacement(perfect, one) for one in CRYSTALS[name])
+    bonds = []
+    for first in range(len(moved)):
+        steps = moved[first + 1 :] - moved[first]
+        labels = np.rint(steps)
+        near = np.flatnonzero(np.abs(labels).sum(axis=1) == 1)
+        bonds += [[first, first + 1 + int(k), *map(int, labels[k])] for k in near]
+    return {"atoms": moved.round(3).tolist(), "bonds": bonds}
+
+
+def _displacement(places: np.ndarray, line: Sequence[float], poisson: float = 0.34) -> np.ndarray:
+    """Displacement of an edge dislocation, shape (n, 2), in copper; its cut runs to the left."""
+    x, y = (places - line[:2]).T
+    square = x**2 + y**2
+    across = np.arctan2(y, x) + x * y / (2 * (1 - poisson) * square)
+    along = (1 - 2 * poisson) * np.log(square) + (x**2 - y**2) / square
+    return line[2] / (2 * np.pi) * np.stack([across, -along / (4 * (1 - poisson))], axis=1)
+
+
+def closure(name: str, path: Sequence[int]) -> list[int]:
+    """b of a closed path from atom to atom, in lattice vectors, from start to finish.
+
+    Examples
+    --------
+    >>> closure("none", [0, 1, 18, 17])
+    [0, 0]
+    """
+    made = crystal(name)
+    bonds = np.array(made["bonds"])
+    labels = Cochain.of_edges(bonds[:, :2], bonds[:, 2:], labels=range(len(made["atoms"])))
+    return labels.around(list(path)).vector.tolist()
+
+
+def atoms() -> Json:
+    """The picture as an HTML document with all it needs: click atoms, see the image beside them.
+
+    Returns
+    -------
+    space: the document. title: what it is called.
+
+    Examples
+    --------
+    >>> page = atoms()["space"]
+    >>> "http" in page.replace("http://www.w3.org", ""), page.count("<svg")
+    (False, 2)
+    """
+    data = json.dumps({name: crystal(name) for name in CRYSTALS}, separators=(",", ":"))
+    options = "".join(f"<option>{escape(name)}</option>" for name in CRYSTALS)
+    script = Path(__file__).with_name("atoms.js").read_text("utf-8")
+    title = "A circuit from atom to atom"
+    page = (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f"<title>{title}</title><style>{_STYLE}</style></head><body>"
+        '<div class="bar"><label>crystal <select id="which">'
+        f'{options}</select></label><button id="example" type="button">Show a circuit</button>'
+        '<button id="back" type="button">Step back</button>'
+        '<button id="anew" type="button">Begin anew</button></div>'
+        '<p id="said" role="status"></p><div class="pair"><figure>'
+        "<figcaption>The crystal: click from atom to atom</figcaption>"
+        '<svg id="crystal" tabindex="0" role="application" aria-label="crystal; arrow keys step '
+        'from atom to atom"></svg></figure>'
+        "<figure><figcaption>The same steps in a perfect lattice</figcaption>"
+        '<svg id="image" role="img" aria-label="the steps in a perfect lattice"></svg></figure>'
+        "</div>"
+        f'<script type="application/json" id="data">{data}</script>'
+        f"<script>{script}</script></body></html>"
+    )
+    return {"space": page, "title": title}

@@ -1,0 +1,250 @@
+"""closure failure: a circle, its image in the frame that does not close, and by how much, twice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+import sympy as sp
+
+from geomtorsion.codegen import graph
+from geomtorsion.curves import edges_of
+from geomtorsion.geometry import cartan
+from geomtorsion.loops import Hodograph, Loop, burgers_vector, develop, forms, hodograph
+from geomtorsion.pictures.loops import GAP, START
+from geomtorsion.pictures.style import SERIES, Stroke, arrow, number, sense
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
+from geomtorsion.teaching.lab.plot import beside, mark, plane, svg
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import is_round_the_axis, space_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from geomtorsion.geometry import Frame
+    from geomtorsion.loops import BurgersVector
+
+PATH, IMAGE = SERIES[0], SERIES[2]
+
+
+def closure_failure(
+    space: str, centre: Sequence[float], radius: float, plane: Sequence[int]
+) -> Json:
+    """A circle about a point of a shipped space and its Burgers vector, drawn and tabulated.
+
+    Parameters
+    ----------
+    centre, radius
+        In coordinates.
+    plane
+        Two coordinates, by number.
+
+    Returns
+    -------
+    pictures: two svg elements. table: HTML, one row a component. sentence: what is seen.
+    b, expected: b^i and 2 S_{mn}^i A at the centre, as numbers. error: bound on that of b.
+
+    Examples
+    --------
+    >>> found = closure_failure("heisenberg", [0, 0, 0], 0.5, [0, 1])
+    >>> max(abs(x - y) for x, y in zip(found["b"], found["expected"])) < 1e-12
+    True
+    """
+    frame = space_of(space).frame
+    values = dict(first_motion(frame).parameters)
+    first, second = plane
+    if is_round_the_axis(space, centre, plane):
+        return _round_the_axis(frame, values, [float(x) for x in centre], float(radius))
+    loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
+    b = burgers_vector(frame, loop, parameters=values)
+    expected = density(frame, b, first, second)
+    names = [greek_name(symbol.name) for symbol in frame.coordinates]
+    # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.
+    drawn = hodograph(b, 160)
+    return {
+        "pictures": [_path_picture(drawn, names, first, second), _image_picture(drawn, b)],
+        "table": _table(b, expected),
+        "sentence": _sentence(b, expected, names, (first, second)) + _outside(frame, b),
+        "b": np.real(b.vector).tolist(),
+        "expected": expected,
+        "error": float(b.error),
+    }
+
+
+def _round_the_axis(
+    frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float
+) -> Json:
+    """The same for a circle about the axis of polar coordinates: legs may come back turned."""
+    s = sp.Symbol("s", real=True)
+    begin = centre[1]
+    curve = [sp.Rational(radius), sp.Rational(begin) + s, *map(sp.Rational, centre[2:])]
+    loop = Loop.parametric(curve, s, (0, 2 * sp.pi), periods={1: 2 * sp.pi})
+    found = develop(cartan(frame), loop, parameters=values)
+    angles = begin + np.linspace(0, 2 * np.pi, PAGE.samples)
+    names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
+    legs = graph(names, [frame.coframe[i, 1] for i in range(len(centre))]).numpy()
+    place = [radius, angles, *centre[2:], *(values[p.name] for p in frame.parameters)]
+    rates = [np.broadcast_to(row, PAGE.samples) for row in legs(*place)]
+    image = scipy.integrate.cumulative_simpson(rates, x=angles, initial=0)
+    circle = radius * np.array([np.cos(angles), np.sin(angles)])
+    closed = bool(np.hypot(*found.burgers[:2]) <= found.error)
+    turn = found.angle
+    said = (
+        f"The legs come back turned by {turn:.6g} rad (the Frank vector of the line): this is a "
+        "disclination, and b depends on where the loop begins."
+        if abs(turn) > found.turn_error + found.error
+        else "The legs come back as they were, and b = 0 for circles about the axis; torsion is "
+        "spread about it, so that other loops have a b."
+    )
+    rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
+    return {
+        "pictures": [
+            _loop(circle, "The loop about the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
+            _image(image[:2], _image_title(closed), ("X¹", "X²"), closed=closed),
+        ],
+        "table": table(("", "b"), rows, "Burgers vector at the start of the loop"),
+        "sentence": said,
+        "b": found.burgers.tolist(),
+        "expected": [0.0] * len(centre),
+        "error": float(found.error),
+    }
+
+
+def _outside(frame: Frame, b: BurgersVector) -> str:
+    """What is said of a loop that leaves the domain of its coordinates; nothing of others."""
+    at = b.loop.points(PAGE.samples)
+    names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
+    place = [*np.real(at), *(b.parameters[p.name] for p in frame.parameters)]
+    for edge in edges_of(frame):
+        [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
+        if np.min(inside) < 0:
+            return (
+                f" The circle leaves these coordinates ({edge.condition}): beyond, the coframe is "
+                "only continued."
+            )
+    return ""
+
+
+def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:
+    """2 S_{mn}^i A at the centre of a loop: what a small one has, frame components.
+
+    Equation
+    --------
+    2 S_{mn}^i = d_m e^i_n - d_n e^i_m, A the oriented area of the loop in its plane.
+    """
+    compiled = forms(frame, b.parameters)
+    result = np.zeros(frame.dimension)
+    if compiled.curl is not None:
+        curls = np.real(compiled.curl.at(np.array(b.loop.centre)[:, None])[:, 0])
+        m, n = compiled.pairs[:, compiled.curl.columns]
+        sign = ((m == first) & (n == second)) * 1.0 - ((m == second) & (n == first)) * 1.0
+        np.add.at(result, compiled.curl.rows, sign * curls)
+    area = float(b.loop.area[first, second])
+    return [float(x) * area for x in result]
+
+
+def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str) -> str:
+    """A loop round the origin, with its base point and its sense."""
+    figure, axes = plane(title, labels, equal=True)
+    _curve(axes, points, PATH)
+    mark(axes, (0.0, 0.0), START, "X", centre)
+    mark(axes, points[:, 0], START, "o", "start = end")
+    return svg(figure)
+
+
+def _image(points: np.ndarray, title: str, labels: tuple[str, str], *, closed: bool) -> str:
+    """The image of a loop; where it is not closed with an arrow from its start to its end."""
+    figure, axes = plane(title, labels, equal=True)
+    _curve(axes, points, IMAGE)
+    start, end = points[:, 0], points[:, -1]
+    if not closed:
+        arrow(axes, start, end, GAP, 2.4)
+        beside(axes, (start + end) / 2, GAP, "b")
+        mark(axes, end, GAP, "^", "end")
+    mark(axes, start, START, "o", "start")
+    return svg(figure)
+
+
+def _curve(axes: Axes, points: np.ndarray, stroke: Stroke) -> None:
+    axes.plot(*points, **stroke.line)
+    sense(axes, points, stroke.color)
+
+
+def _image_title(closed: bool) -> str:
+    return f"Its image in the frame: {'it closes' if closed else 'it does not close'}"
+
+
+def _path_picture(drawn: Hodograph, names: list[str], first: int, second: int) -> str:
+    """The loop in its plane, in coordinates."""
+    unit = f", in {drawn.unit}" if drawn.unit else ""
+    labels = [f"{names[k]} − centre{unit}" for k in (first, second)]
+    title = "The loop, in coordinates: it closes"
+    return _loop(drawn.path[[first, second]], title, (labels[0], labels[1]), "centre")
+
+
+def _image_picture(drawn: Hodograph, b: BurgersVector) -> str:
+    """The image in the frame, seen from the side from which the gap is widest."""
+    curve = np.real(drawn.image)
+    widths = np.ptp(curve, axis=1)
+    gap = np.abs(curve[:, -1] - curve[:, 0])
+    # The gap must be seen: its largest component, and the widest of the other directions.
+    main = int(gap.argmax()) if gap.max() > 1e-9 * widths.max() else int(widths.argmax())
+    others = [k for k in range(len(widths)) if k != main]
+    i, k = sorted((main, max(others, key=lambda j: widths[j])))
+    grown = "" if drawn.magnified == 1 else f", gap × {number(drawn.magnified)}"
+    unit = f", in {drawn.unit}" if drawn.unit else ""
+    labels = (f"X{raised(i)}{unit}", f"X{raised(k)}{unit}")
+    title = _image_title(b.vanishes) + grown
+    return _image(curve[[i, k]], title, labels, closed=b.vanishes)
+
+
+def _table(b: BurgersVector, expected: Sequence[float]) -> str:
+    """Both routes, component by component, and what a small loop has."""
+    flux = b.check.flux
+    rows = []
+    for k, value in enumerate(np.real(b.vector)):
+        rows.append(
+            [
+                f"b{raised(k)}",
+                shown(value, b.error),
+                shown(np.real(b.check.line)[k], b.check.line_error),
+                "–" if flux is None else shown(np.real(flux)[k], b.check.flux_error or 0.0),
+                shown(expected[k], 0.0),
+            ]
+        )
+    heads = ("", "b", "round the loop", "flux of torsion", "2 S A at the centre")
+    return table(heads, rows, "Burgers vector, frame components")
+
+
+def _sentence(
+    b: BurgersVector, expected: Sequence[float], names: Sequence[str], plane: tuple[int, int]
+) -> str:
+    """What the pictures show, in words."""
+    around = names_text([names[k] for k in plane])
+    area = float(b.loop.area[plane])
+    said = f"Area A = {number(float(f'{area:.6g}'))} in {around}. "
+    if b.vanishes:
+        return (
+            said
+            + f"The image closes: b = 0, error below {b.error:.0e}. Two routes: {b.check.text}."
+        )
+    said += f"|b| = {b.magnitude:.6g}, error below {b.error:.0e}. "
+    if b.enclosed and not any(expected):
+        defects = names_text([str(defect) for defect in b.enclosed])
+        return (
+            f"{said}Inside: {defects}. Where the loop runs there is no torsion, so flux and 2 S A "
+            "are 0: all of b sits on the line."
+        )
+    largest = max(abs(x) for x in expected)
+    if largest:
+        miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
+        said += (
+            f"2 S A misses it by {miss:.1%}" if miss > 1e-3 else f"2 S A misses it by {miss:.0e}"
+        )
+        said += ": the smaller the loop, the better it is. "
+    return f"{said}Two routes: {b.check.text}."

@@ -1,0 +1,355 @@
+"""controls: sliders and lists of the page, made of what a worker tells of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.kept import Kept, written
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import drawable
+from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
+from geomtorsion.teaching.lab.views import TABS, TETRAD, intro
+
+if TYPE_CHECKING:
+    from marimo import ui
+
+# Radii of circles, from those that only the flux route can do to those that are easily seen.
+RADII = (
+    1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45,
+    0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0,
+)  # fmt: skip
+# Spaces in which moments of inertia mean something, with the frame vectors that turn.
+BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 3, "r3xso3": 3}
+
+
+# What a space of a list is where the address of the page names none.
+FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
+# Thresholds of grains, degrees, and what stands for no other symmetry than that of the file.
+THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
+AS_IN_FILE = "as in the file"
+# Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
+BODY = {"I": (1.0, 2.0, 3.0), "w": (0.1, 2.0, 0.1), "tilt": 0.3, "t": 12.0}
+_ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
+
+
+def tabs(mo: ModuleType, kept: Kept) -> ui.tabs:
+    """The six tabs, which hold nothing but tell which is open."""
+    opened = kept.one_of("tab", list(TABS), TETRAD)
+    return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS}, value=opened)
+
+
+def spaces(mo: ModuleType, chosen: str, kept: Kept, key: str) -> ui.dropdown:
+    """A list of the spaces that can be drawn."""
+    options = drawable()
+    wanted = kept.one_of(key, list(options.values()), chosen)
+    [first] = [title for title, name in options.items() if name == wanted]
+    return mo.ui.dropdown(options, value=first, label="space")
+
+
+def with_unit(name: str) -> str:
+    """A coordinate with its unit, where its name says that it is an angle.
+
+    Examples
+    --------
+    >>> with_unit("phi1"), with_unit("x")
+    ('φ1 in rad', 'x')
+    """
+    unit = " in rad" if name.rstrip("0123456789") in _ANGLES else ""
+    return f"{greek_name(name)}{unit}"
+
+
+# -- loops -------------------------------------------------------------------------------------
+
+
+def centre(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
+    """A slider for each coordinate of a centre."""
+    ranges = [(low, high) for low, high, _ in info["loop_ranges"]]
+    usual = [_between(x, *ends) for x, ends in zip(info["loop_centre"], ranges, strict=True)]
+    at = kept.numbers("centre", ranges, usual)
+    return mo.ui.dictionary(
+        {
+            name: mo.ui.slider(low, high, step, value=x, label=with_unit(name), show_value=True)
+            for name, (low, high, step), x in zip(
+                info["coordinates"], info["loop_ranges"], at, strict=True
+            )
+        }
+    )
+
+
+def _between(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
+
+
+def radius(mo: ModuleType, kept: Kept) -> ui.slider:
+    """A slider for the radius of a circle, tiny ones included."""
+    wanted = kept.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
+    return mo.ui.slider(steps=list(RADII), value=float(wanted), label="radius", show_value=True)
+
+
+def plane(mo: ModuleType, info: Json, kept: Kept) -> ui.dropdown:
+    """A list of the planes of two coordinates."""
+    shown = [greek_name(name) for name in info["coordinates"]]
+    options = {f"{shown[i]}, {shown[k]}": (i, k) for i, k in info["planes"]}
+    wanted = kept.one_of("plane", list(options), next(iter(options)))
+    return mo.ui.dropdown(options, value=wanted, label="plane")
+
+
+def kept_loop(
+    info: Json, where: Mapping[str, float], size: float, plane: tuple[int, int]
+) -> dict[str, tuple[str, str]]:
+    """What the address keeps of a loop."""
+    shown = [greek_name(name) for name in info["coordinates"]]
+    i, k = info["planes"][0]
+    return {
+        "loop": (info["name"], FIRST_LOOP),
+        "centre": (written(list(where.values())), written(info["loop_centre"])),
+        "radius": (f"{size:g}", f"{PAGE.radius:g}"),
+        "plane": (f"{shown[plane[0]]}, {shown[plane[1]]}", f"{shown[i]}, {shown[k]}"),
+    }
+
+
+# -- a map that is given ------------------------------------------------------------------------
+
+
+def upload(mo: ModuleType) -> ui.file:
+    """A field for one file of a map; what is longer than it says does not come in."""
+    ends = ".npz .csv .ctf .ang .txt .png .tif .tiff .npy".split()
+    label = f"a file, up to {PAGE.upload / 1e6:g} MB"
+    return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
+
+
+def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
+    """How a file of orientations is read: grains, the phase that is shown, its symmetry."""
+    known = facts.get("settings") or {}
+    if not known:
+        return mo.ui.dictionary({})
+    phases = {"all": 0} | {f"{number}: {name}": number for number, name in known["phases"]}
+    groups = {AS_IN_FILE: ""} | {name: name for name in known["groups"]}
+    return mo.ui.dictionary(
+        {
+            "threshold": mo.ui.slider(
+                steps=list(THRESHOLDS), value=known["threshold"], show_value=True,
+                label="grains differ by, in degrees",
+            ),
+            "phase": mo.ui.dropdown(phases, value="all", label="phase"),
+            "laue": mo.ui.dropdown(groups, value=AS_IN_FILE, label="its Laue group"),
+        }
+    )  # fmt: skip
+
+
+def map_measure(mo: ModuleType) -> ui.radio:
+    """Whether places and sizes are counted in pixels or measured in the unit of the map."""
+    options = {"pixels": False, "unit of the map": True}
+    return mo.ui.radio(options, value="pixels", label="measure in", inline=True)
+
+
+def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
+    """A slider for each coordinate of the middle of a square, one for its side."""
+    if "shape" not in facts:
+        return mo.ui.dictionary({})
+    least = facts["least"]
+    sliders = {}
+    for name, count, start, step, at in zip(
+        facts["names"], facts["shape"], facts["starts"], facts["steps"], facts["middle"],
+        strict=True,
+    ):  # fmt: skip
+        ends = sorted((start, start + step * (count - 1))) if measured else (0, count - 1)
+        sliders[name] = mo.ui.slider(
+            steps=_stations(ends[0], count, abs(step) if measured else 1),
+            value=_stations(ends[0], count, abs(step) if measured else 1)[at],
+            label=f"middle {name}{_map_unit(facts, measured)}",
+            show_value=True,
+        )
+    step = abs(facts["steps"][0]) if measured else 1
+    sides = _stations(least * step, facts["most"] - least + 1, step)
+    sliders["side"] = mo.ui.slider(
+        steps=sides,
+        value=sides[facts["side"] - least],
+        label=f"side{_map_unit(facts, measured)}",
+        show_value=True,
+    )
+    return mo.ui.dictionary(sliders)
+
+
+def _stations(first: float, count: int, step: float) -> list[float]:
+    """Values of a slider, with as many digits as anybody wants to read."""
+    return [float(f"{first + step * k:.9g}") for k in range(count)]
+
+
+def _map_unit(facts: Json, measured: bool) -> str:
+    """What a slider of a map counts in."""
+    if not measured:
+        return " in pixels"
+    return f" in {facts['unit']}" if facts["unit"] else ""
+
+
+def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
+    """Sliders as the arguments of the task for circuits in a map: node and cells.
+
+    Examples
+    --------
+    >>> facts = {"names": ["x", "y"], "starts": [10.0, 0.0], "steps": [0.5, -2.0]}
+    >>> map_case(facts, {"x": 12.0, "y": -6.0, "side": 1.5}, True)
+    {'centre': [4, 3], 'side': 3}
+    >>> map_case(facts, {"x": 4, "y": 3, "side": 3}, False)
+    {'centre': [4, 3], 'side': 3}
+    """
+    at = [places[name] for name in facts["names"]]
+    side = places["side"]
+    if measured:
+        scales = zip(at, facts["starts"], facts["steps"], strict=True)
+        at = [(x - start) / step for x, start, step in scales]
+        side /= abs(facts["steps"][0])
+    return {"centre": [round(k) for k in at], "side": round(side)}
+
+
+# -- curves -------------------------------------------------------------------------------------
+
+
+def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
+    """A slider for the velocity along each frame vector, one for the time."""
+    usual, t = list(info["velocity"]), info["t"]
+    most = [max(PAGE.fastest, abs(value)) for value in usual]
+    at = kept.numbers("velocity", [(-x, x) for x in most], usual)
+    [end] = kept.numbers("t", [(t / 20, 2 * t)], [t])
+    sliders = {}
+    for k, (value, limit) in enumerate(zip(at, most, strict=True)):
+        step = PAGE.step if abs(value / PAGE.step - round(value / PAGE.step)) < 1e-9 else 0.0001
+        sliders[f"u{k}"] = mo.ui.slider(
+            -limit, limit, step, value=value, label=f"u{k + 1}", show_value=True
+        )
+    sliders["t"] = mo.ui.slider(
+        t / 20, 2 * t, t / 20, value=end, label="time t", show_value=True, debounce=False
+    )
+    return mo.ui.dictionary(sliders)
+
+
+def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
+    """A slider for each moment of inertia; none where there is no body."""
+    count = BODIES.get(space, 0)
+    at = kept.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
+    return mo.ui.dictionary(
+        {
+            f"I{k}": mo.ui.slider(0.5, 4, 0.25, value=at[k], label=f"I{k + 1}", show_value=True)
+            for k in range(count)
+        }
+    )
+
+
+def kept_path(
+    info: Json, speeds: Mapping[str, float], inertia: Mapping[str, float]
+) -> dict[str, tuple[str, str]]:
+    """What the address keeps of two curves."""
+    speed = [value for name, value in speeds.items() if name != "t"]
+    own = list(inertia.values())
+    return {
+        "path": (info["name"], FIRST_PATH),
+        "velocity": (written(speed), written(info["velocity"])),
+        "t": (written([speeds["t"]]), written([info["t"]])),
+        "moments": (written(own), written([1.0] * len(own))),
+    }
+
+
+def path_case(
+    space: str, speeds: Mapping[str, float], inertia: Mapping[str, float]
+) -> dict[str, object]:
+    """Sliders as the arguments of the task for paths.
+
+    Examples
+    --------
+    >>> path_case("s2", {"u0": 0.5, "u1": 1.0, "t": 2.0}, {})
+    {'space': 's2', 'velocity': [0.5, 1.0], 't': 2.0, 'moments': None}
+    """
+    speed = [value for name, value in speeds.items() if name != "t"]
+    own = list(inertia.values())
+    # Equal unit moments are the metric of the frame itself; who does not turn keeps its own.
+    given = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
+    return {"space": space, "velocity": speed, "t": speeds["t"], "moments": given}
+
+
+def loop_case(space: str, where: Mapping[str, float], size: float, plane: tuple[int, int]) -> Json:
+    """Sliders as the arguments of the task for loops."""
+    return {
+        "space": space, "centre": list(where.values()), "radius": size, "plane": list(plane),
+    }  # fmt: skip
+
+
+def case_kind(mo: ModuleType, kept: Kept) -> ui.radio:
+    """Which case is to be measured."""
+    options = {
+        "the loop": "loop",
+        "the straightest path": "straightest",
+        "the shortest path": "shortest",
+        "the top": "top",
+    }
+    wanted = kept.one_of("measure", list(options.values()), "loop")
+    [first] = [title for title, kind in options.items() if kind == wanted]
+    return mo.ui.radio(options, value=first, label="measure", inline=True)
+
+
+# -- the top ------------------------------------------------------------------------------------
+
+
+def body(mo: ModuleType, kept: Kept) -> ui.dictionary:
+    """Sliders for moments of inertia, angular velocity, tilt and time."""
+    slider = mo.ui.slider
+    inertia = kept.numbers("body", [(0.5, 4)] * 3, BODY["I"])
+    rates = kept.numbers("omega", [(-20, 20)] * 3, BODY["w"])
+    [tilt] = kept.numbers("tilt", [(0, 3)], [BODY["tilt"]])
+    [time] = kept.numbers("time", [(1, 30)], [BODY["t"]])
+    sliders = {
+        f"I{k}": slider(0.5, 4, 0.1, value=x, label=f"I{k} in kg m²", show_value=True)
+        for k, x in enumerate(inertia, 1)
+    }
+    sliders |= {
+        f"w{k}": slider(-20, 20, 0.1, value=x, label=f"ω{k} in rad/s", show_value=True)
+        for k, x in enumerate(rates, 1)
+    }
+    sliders["tilt"] = slider(0, 3, 0.05, value=tilt, label="tilt in rad", show_value=True)
+    sliders["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
+    return mo.ui.dictionary(sliders)
+
+
+def switches(mo: ModuleType, kept: Kept) -> ui.dictionary:
+    """A switch for each effect."""
+    on = kept.some_of("effects", list(SWITCHES), ())
+    return mo.ui.dictionary(
+        {name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()}
+    )
+
+
+def watched(mo: ModuleType, kept: Kept) -> ui.dropdown:
+    """What is drawn, and what the plan is made for."""
+    options = {text: name for name, text in WATCHED.items()}
+    wanted = kept.one_of("watch", list(WATCHED), "nutation")
+    return mo.ui.dropdown(options, value=WATCHED[wanted], label="to watch")
+
+
+def kept_top(
+    numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str
+) -> dict[str, tuple[str, str]]:
+    """What the address keeps of the top."""
+    return {
+        "body": (written([numbers[f"I{k}"] for k in (1, 2, 3)]), written(BODY["I"])),
+        "omega": (written([numbers[f"w{k}"] for k in (1, 2, 3)]), written(BODY["w"])),
+        "tilt": (written([numbers["tilt"]]), written([BODY["tilt"]])),
+        "time": (written([numbers["t"]]), written([BODY["t"]])),
+        "effects": (",".join(name for name, on in effects.items() if on), ""),
+        "watch": (watch, "nutation"),
+    }
+
+
+def top_case(numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str) -> Json:
+    """Sliders and switches as the arguments of the task for the top."""
+    return {
+        "moments": [numbers[f"I{k}"] for k in (1, 2, 3)],
+        "omega": [numbers[f"w{k}"] for k in (1, 2, 3)],
+        "tilt": numbers["tilt"],
+        "t": numbers["t"],
+        "effects": [name for name, wanted in effects.items() if wanted],
+        "watch": [watch],
+    }

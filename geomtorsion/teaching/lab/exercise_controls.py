@@ -1,0 +1,108 @@
+"""exercise controls: the list of exercises, and a form with a field for each question."""
+
+from __future__ import annotations
+
+from html import escape
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from geomtorsion.teaching.exercises.limits import MOST
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.kept import Kept
+
+if TYPE_CHECKING:
+    from marimo import ui
+
+
+def exercises(mo: ModuleType, listing: Json, kept: Kept) -> ui.dropdown:
+    """A list of all exercises."""
+    every = {k: v for chapter in listing.get("chapters", {}).values() for k, v in chapter.items()}
+    options = {f"{number} {title}": number for number, title in every.items()}
+    wanted = kept.one_of("exercise", list(options.values()), next(iter(options.values()), None))
+    first = next((title for title, number in options.items() if number == wanted), None)
+    return mo.ui.dropdown(options, value=first, label="exercise")
+
+
+def seed(mo: ModuleType, kept: Kept) -> ui.number:
+    """A field for the variant."""
+    [wanted] = kept.numbers("variant", [(0, MOST.seed)], [0])
+    return mo.ui.number(0, MOST.seed, 1, value=int(wanted), label="variant")
+
+
+def variant(typed: float | None) -> float:
+    """The seed that is asked for; the exercise refuses what is no whole number, and says why.
+
+    Examples
+    --------
+    >>> variant(3.0), variant(3.7), variant(None)
+    (3, 3.7, 0)
+    """
+    number = typed or 0
+    return int(number) if float(number).is_integer() else number
+
+
+def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
+    """A field for each question; what is in them is checked when it is sent."""
+    fields, parts = {}, []
+    for number, question in enumerate(exercise.get("questions", ())):
+        key = f"q{number}"
+        typed = kept.text(_answer_key(exercise, number), "")
+        fields[key] = _field(mo, question, typed)
+        # Braces are places for fields in the template.
+        prompt = question["prompt"].replace("{", "{{").replace("}", "}}")
+        how = f'<p class="note">{escape(question["how"])}</p>'
+        parts.append(f'<div class="sideways">{prompt}{{{key}}}{how}</div>')
+    template = mo.Html(f'<div class="lab">{"".join(parts)}</div>')
+    return template.batch(**fields)
+
+
+def _answer_key(exercise: Json, number: int) -> str:
+    """Under which name an answer is kept: of one exercise in one variant alone."""
+    return f"answer{exercise['number']}.{exercise['seed']}.{number + 1}"
+
+
+def kept_exercise(exercise: Json, first: str, values: Json) -> dict[str, tuple[str, str]]:
+    """What the address keeps of an exercise: which it is, and the answers as they stand."""
+    if "number" not in exercise:
+        return {}
+    typed = {
+        _answer_key(exercise, k): (str(values.get(f"q{k}") or ""), "")
+        for k in range(len(exercise["questions"]))
+    }
+    return {
+        "exercise": (exercise["number"], first),
+        "variant": (str(exercise["seed"]), "0"),
+        **typed,
+    }
+
+
+def _field(mo: ModuleType, question: Json, typed: str = "") -> ui.dropdown | ui.text | ui.text_area:
+    # Each key is sent at once: what is checked is what stands there when the button is pressed.
+    label = question["name"] + (f" in {question['unit']}" if question["unit"] else "")
+    if question["kind"] == "choice":
+        options = {text: key for key, text in question["options"].items()}
+        first = next((text for text, key in options.items() if typed and key == typed), None)
+        return mo.ui.dropdown(options, value=first, label=label)
+    if question["kind"] in ("components", "equations"):
+        return mo.ui.text_area(value=typed, label=label, rows=2, full_width=True, debounce=False)
+    return mo.ui.text(value=typed, label=label, full_width=True, debounce=False)
+
+
+def given(exercise: Json, values: Json) -> dict[str, str]:
+    """Fields of the form by the names of the questions.
+
+    Examples
+    --------
+    >>> given({"questions": [{"name": "legs"}]}, {"q0": "1"})
+    {'legs': '1'}
+    """
+    names = [question["name"] for question in exercise["questions"]]
+    return {name: str(values.get(f"q{k}") or "") for k, name in enumerate(names)}
+
+
+def next_hint(mo: ModuleType, exercise: Json) -> ui.button:
+    """A button that counts the hints taken."""
+    most = exercise.get("hints", 0)
+    return mo.ui.button(
+        value=0, on_click=lambda taken: min(taken + 1, most), label="Next hint", kind="neutral"
+    )

@@ -1,0 +1,235 @@
+"""export: the pages of the lab as files that need no server, for the web site of a course."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from html import escape
+from os import PathLike
+from pathlib import Path
+
+from geomtorsion import checks
+from geomtorsion.files import written
+from geomtorsion.pictures.formula import FONT_SOURCE, font_face
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab import views
+from geomtorsion.teaching.lab.controls import path_case
+from geomtorsion.teaching.lab.space_info import space_info
+from geomtorsion.teaching.lab.tasks import task
+
+Progress = Callable[[str], object]
+# The browser is told to load nothing at all.
+POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
+)
+POLICY += FONT_SOURCE
+TETRADS = ("so3", "flat_polar", "s2", "heisenberg", "schwarzschild")
+LOOPS = ("so3", "heisenberg", "s2")
+RADII = (1e-9, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
+# Space and moments of inertia.
+PATHS: tuple[tuple[str, tuple[float, ...]], ...] = (
+    ("r3xso3", ()), ("so3", (1, 2, 3)), ("s2", ()), ("flat_polar", ()), ("heisenberg", ()),
+)  # fmt: skip
+TOPS: Mapping[str, Json] = {
+    "A body that tumbles": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
+    "A symmetric body": {"moments": (1, 1, 1.8), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
+    "A heavy top": {
+        "moments": (0.5, 0.5, 0.9), "omega": (0, 0, 8), "tilt": 0.5, "t": 8,
+        "effects": ("gravity", "pivot"),
+    },
+    "A body with a wheel": {
+        "moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12, "effects": ("rotor",),
+    },
+}  # fmt: skip
+_SLIDE = """
+for (const slider of document.querySelectorAll("input[data-slides]")) {
+  const slides = document.getElementById(slider.dataset.slides).children;
+  const show = () => [...slides].forEach((e, k) => { e.hidden = k !== Number(slider.value); });
+  slider.addEventListener("input", show);
+  show();
+}
+"""
+_BODY = """
+body { margin: 0; background: #fff; color-scheme: light dark; }
+@media (prefers-color-scheme: dark) { body { background: #16191f; } }
+main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
+.lab nav { display: flex; flex-wrap: wrap; gap: 0.3rem 1rem; margin: 0.4rem 0 1rem; }
+.lab label { display: flex; gap: 0.8rem; align-items: center; margin: 0.4rem 0; }
+.lab input[type="range"] { flex: 1; max-width: 30rem; accent-color: #1f5fa8; }
+"""
+
+
+def write_pages(
+    directory: str | PathLike[str], progress: Progress = lambda _: None
+) -> tuple[Path, ...]:
+    """Write index.html and a page for each tab; give their paths, the index first.
+
+    Everything is inside the pages: style, pictures, mathematics (MathML) and the scripts that turn
+    pictures and move sliders. Nothing is written before everything is computed.
+    """
+    directory = checks.file_name(directory, "directory")
+    made = pages(progress)
+    paths = []
+    with written(directory, is_folder=True) as target:
+        for name, html in made.items():
+            paths.append(target / name)
+            paths[-1].write_text(html, "utf-8")
+    return tuple(paths)
+
+
+def pages(progress: Progress = lambda _: None) -> dict[str, str]:
+    """File name -> page, the index first."""
+    makers = {
+        views.TETRAD: tetrads, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
+        views.COSTS: measured, views.EXERCISES: exercises,
+    }  # fmt: skip
+    found = {}
+    for tab, maker in makers.items():
+        progress(tab)
+        found[_file(tab)] = _page(tab, f"{views.intro(tab, still=True)}{maker()}")
+    links = "".join(
+        f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
+        for tab, text in views.TABS.items()
+    )
+    note = "<p>Made by geomtorsion; <code>geomtorsion lab</code> serves the same to play with.</p>"
+    return {"index.html": _page("Torsion lab", f"<ul>{links}</ul>{note}"), **found}
+
+
+def _file(tab: str) -> str:
+    """Name of the file of a tab.
+
+    >>> _file("The top")
+    'the-top.html'
+    """
+    return f"{tab.lower().replace(' ', '-')}.html"
+
+
+def _page(title: str, inner: str) -> str:
+    """A whole page."""
+    links = "".join(f'<a href="{_file(tab)}">{escape(tab)}</a>' for tab in views.TABS)
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+        f"<title>{escape(title)}</title><style>{font_face()}{views.style()}{_BODY}</style></head>\n"
+        f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">Torsion lab'
+        f"</a>{links}</nav>{inner}</main><script>{_SLIDE}{views.copying()}</script></body></html>\n"
+    )
+
+
+def tetrads() -> str:
+    """Some tetrads with their geometry."""
+    parts = []
+    for name in TETRADS:
+        known = space_info(name)
+        reply = task("tetrad")(
+            coordinates=", ".join(known["coordinates"]),
+            parameters=", ".join(known["parameters"]),
+            entries=known["coframe"],
+            signature=known["signature"],
+        )
+        story = f"<p>{escape(known['story'])}</p>"
+        opened = " open" if name == TETRADS[0] else ""
+        parts.append(
+            f'<details{opened} id="{name}"><summary><strong>{escape(name)}: '
+            f"{escape(known['title'])}</strong></summary>{story}{_forms(known)}"
+            f"{_nameless(views.tetrad(reply))}</details>"
+        )
+    return "".join(parts)
+
+
+def _forms(known: Json) -> str:
+    """The one-forms as they would be typed."""
+    rows = []
+    for i, row in enumerate(known["coframe"], 1):
+        terms = [
+            f"({text}) d{greek_name(name)}" if text != "1" else f"d{greek_name(name)}"
+            for text, name in zip(row, known["coordinates"], strict=True)
+            if text != "0"
+        ]
+        rows.append(f"row {i}:  {' + '.join(terms)}")
+    return f'<pre class="plan">{escape(chr(10).join(rows))}</pre>'
+
+
+def loops() -> str:
+    """Loops of several radii, behind a slider."""
+    parts = []
+    for name in LOOPS:
+        known = space_info(name)
+        slides = []
+        for radius in RADII:
+            plane = known["planes"][0]
+            reply = task("loop")(space=name, centre=known["start"], radius=radius, plane=plane)
+            shown = _nameless(views.loop(reply) + views.loop_below(reply))
+            slides.append(f"<section><h3>radius {radius:g}</h3>{shown}</section>")
+        parts.append(
+            f"<h2>{escape(name)}: {escape(known['title'])}</h2><label>radius "
+            f'<input type="range" data-slides="loops-{name}" min="0" max="{len(RADII) - 1}" '
+            f'value="4"></label><div id="loops-{name}">{"".join(slides)}</div>'
+        )
+    parts.append(_nameless(views.atoms(task("atoms")())))
+    return "".join(parts)
+
+
+def curves() -> str:
+    """The straightest and the shortest curve in some spaces."""
+    parts = []
+    for name, moments in PATHS:
+        known = space_info(name)
+        speeds = {f"u{k}": value for k, value in enumerate(known["velocity"])} | {"t": known["t"]}
+        inertia = {f"I{k}": value for k, value in enumerate(moments)}
+        reply = task("paths")(**path_case(name, speeds, inertia))
+        with_moments = f", moments of inertia {moments}" if moments else ""
+        shown = _nameless(views.paths(reply) + views.paths_below(reply))
+        title = f"{name}: {known['title']}{with_moments}"
+        parts.append(f"<h2>{escape(title)}</h2>{shown}")
+    return "".join(parts)
+
+
+def tops() -> str:
+    """Some bodies that turn."""
+    parts = []
+    for title, case in TOPS.items():
+        reply = task("top")(**case)
+        shown = views.top(reply) + views.top_below(reply)
+        parts.append(f"<h2>{escape(title)}</h2>{_nameless(shown)}")
+    return "".join(parts)
+
+
+def measured() -> str:
+    """What accuracy costs, measured while the page was written."""
+    known = space_info("so3")
+    loop = {"space": "so3", "centre": known["start"], "radius": 0.3, "plane": known["planes"][0]}
+    path = {"space": "so3", "velocity": known["velocity"], "t": known["t"], "moments": [1, 2, 3]}
+    replies = [
+        task("costs")(kind="loop", case=loop),
+        task("costs")(kind="shortest", case=path),
+    ]
+    return "".join(_nameless(views.costs(reply)) for reply in replies)
+
+
+def exercises() -> str:
+    """All exercises with their hints; answers are checked by the command line or the page."""
+    parts = []
+    for chapter, listed in task("listing")()["chapters"].items():
+        parts.append(f"<h2>{escape(chapter)}</h2>")
+        for number in listed:
+            reply = task("exercise")(number=number)
+            hints = task("hints")(number=number, seed=0, count=reply["hints"])["hints"]
+            asked = "".join(f"<li>{question['prompt']}</li>" for question in reply["questions"])
+            steps = "".join(f"<li>{hint}</li>" for hint in hints)
+            stated = _nameless(views.exercise(reply))
+            parts.append(
+                f'<section class="card" id="e{number}">{stated}<ul>{asked}</ul>'
+                f"<details><summary>{len(hints)} hints</summary><ol>{steps}</ol></details>"
+                f"<p class='note'>Check: <code>geomtorsion exercises check {number} \"...\"</code>"
+                "</p></section>"
+            )
+    return "".join(parts)
+
+
+def _nameless(html: str) -> str:
+    """The same without the names of its parts, for pages on which it stands several times."""
+    # An id may stand once on a page.
+    return re.sub(r' id="[a-z-]+"', "", html)

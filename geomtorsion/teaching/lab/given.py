@@ -1,0 +1,354 @@
+"""given: what the page needs of a map or an image that somebody gives, whatever it was made by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from geomtorsion.errors import OrientationError
+from geomtorsion.loops import Loop
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.maps import LAUE_GROUPS, Circuit, OrientationMap
+from geomtorsion.materials.measured import LatticeField
+from geomtorsion.pictures.style import number
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.numbers import raised, table
+from geomtorsion.teaching.lab.settings import PAGE
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where nodes lie.
+
+    shape: nodes along x and y. starts, steps: coordinates of the first node and from one to the
+    next. names: of the axes. unit: of coordinates.
+    """
+
+    shape: tuple[int, int]
+    starts: tuple[float, float]
+    steps: tuple[float, float]
+    names: tuple[str, str]
+    unit: str
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Picture of all nodes: numbers, shape (y, x), or colours, shape (y, x, 3).
+
+    title: what they show. unit: of numbers, which are not finite where they are not known.
+    side: of the circuits in whose middles numbers stand, 0 where they stand at nodes.
+    """
+
+    pixels: np.ndarray
+    title: str
+    side: int = 0
+    unit: str = ""
+
+
+class Given(Protocol):
+    """A map or an image."""
+
+    @property
+    def layout(self) -> Layout:
+        """Where its nodes lie."""
+        ...
+
+    @property
+    def least(self) -> int:
+        """Cells along the side of the smallest circuit."""
+        ...
+
+    @property
+    def about(self) -> str:
+        """What it is, in words."""
+        ...
+
+    @property
+    def settings(self) -> Json:
+        """What can be chosen about how it is read; empty where nothing can."""
+        ...
+
+    def shown(self, side: int) -> Shown:
+        """What lies below a circuit of so many cells along its side."""
+        ...
+
+    def circuit(self, corner: Sequence[int], side: int) -> Json:
+        """sentence, table, b, noise, interpolation and unit of a square circuit."""
+        ...
+
+
+@dataclass(frozen=True)
+class GivenFrame:
+    """A sampled frame."""
+
+    frame: SampledFrame
+
+    @property
+    def layout(self) -> Layout:
+        """Its first two axes."""
+        (x, y), names = self.frame.axes[:2], self.frame.names
+        starts, steps = (float(x[0]), float(y[0])), self.frame.steps
+        return Layout(
+            (len(x), len(y)), starts, (float(steps[0]), float(steps[1])), (names[0], names[1]),
+            self.frame.unit,
+        )  # fmt: skip
+
+    @property
+    def least(self) -> int:
+        """Cells along the side of the smallest circuit."""
+        return 1
+
+    @property
+    def about(self) -> str:
+        """Its nodes, its noise, its holes."""
+        found = self.frame
+        noise = "unknown" if found.sigma is None else found.sigma_source
+        holes = f"; holes: {len(found.holes)}" if found.holes else ""
+        sizes = " × ".join(str(len(axis)) for axis in found.axes)
+        what = f"a sampled frame of {sizes} nodes; its noise: {noise}{holes}"
+        more = "; circuits lie in the middle of its other axes" if len(found.axes) > 2 else ""
+        return what + more
+
+    @property
+    def settings(self) -> Json:
+        """Nothing can be chosen."""
+        return {}
+
+    def shown(self, side: int) -> Shown:
+        """|b| per area, in the middle of the other axes."""
+        cells = self.frame.burgers_map(side)
+        others = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
+        sizes = np.sqrt((cells.vectors**2).sum(axis=0)) / cells.area
+        density = sizes[(slice(None), slice(None), *others)]
+        return _dense(density, self.layout, side, self.frame.vector_unit)
+
+    def circuit(self, corner: Sequence[int], side: int) -> Json:
+        """From x to y."""
+        found = self.frame
+        axes = zip(found.axes, found.steps, corner, strict=False)
+        low = [float(a[0]) + h * k for a, h, k in axes]
+        high = [a + h * side for a, h in zip(low, found.steps, strict=False)]
+        (x0, x1), (y0, y1) = (sorted(pair) for pair in zip(low, high, strict=True))
+        rest = [float(axis[len(axis) // 2]) for axis in found.axes[2:]]
+        corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
+        remark = "" if found.sigma is not None else "Nothing is known of the noise of this map."
+        other = b.interpolation_error + b.quadrature_error
+        heads = [f"b{raised(k)}" for k in range(found.rows)]
+        return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, remark, side)
+
+
+@dataclass(frozen=True)
+class GivenOrientations:
+    """An orientation map; colours show one phase, or all for 0."""
+
+    map: OrientationMap
+    phase: int = 0
+
+    @property
+    def layout(self) -> Layout:
+        """x along rows, y along columns."""
+        rows, columns = self.map.shape
+        return Layout((columns, rows), (0.0, 0.0), self.map.steps, ("x", "y"), self.map.unit)
+
+    @property
+    def least(self) -> int:
+        """Cells along the side of the smallest circuit."""
+        return 1
+
+    @property
+    def about(self) -> str:
+        """Its pixels, phases with their Laue groups, and grains."""
+        rows, columns = self.map.shape
+        phases = ", ".join(f"{one.name}: {one.laue}" for one in self.map.phases.values())
+        count = self.map.grains.count
+        grains = f"{count} grain{'s' * (count != 1)} at {self.map.threshold:g}°"
+        return f"an orientation map of {rows} × {columns} pixels ({phases}), {grains}"
+
+    @property
+    def settings(self) -> Json:
+        """Threshold, phases and Laue groups."""
+        phases = [[key, one.name] for key, one in self.map.phases.items()]
+        return {"threshold": self.map.threshold, "phases": phases, "groups": list(LAUE_GROUPS)}
+
+    def shown(self, side: int) -> Shown:
+        """|b| per area of circuits within grains of the phase."""
+        density = self.map.burgers_map(side).per_area
+        if self.phase:
+            density = np.where(self.map.phase[:-side, :-side] == self.phase, density, np.nan)
+        return _dense(density.T, self.layout, side, self.map.unit)
+
+    def circuit(self, corner: Sequence[int], side: int) -> Json:
+        """Crystal axes, lengths in the unit of the map."""
+        column, row = corner
+        if min(corner) < 0:
+            raise OrientationError(
+                f"the circuit leaves the map: its corner would be at column {column}, row {row}. "
+                "Choose another place, or a smaller one."
+            )
+        b = self.map.burgers(Circuit.square((row, column), side))
+        noise = np.sqrt(np.diagonal(b.rotation.T @ b.covariance @ b.rotation).clip(0))
+        remark = (
+            f"Grain {b.grain}, {b.phase.name}; components along the axes of the crystal. The error "
+            "of interpolation is far below the noise."
+        )
+        heads = [f"b{raised(k)}" for k in range(3)]
+        return _answer(b.vector, noise, heads, None, b.unit, b.significance, remark, side)
+
+
+@dataclass(frozen=True, eq=False)
+class GivenImage:
+    """A picture of a lattice; lengths are in pixels."""
+
+    field: LatticeField
+
+    @property
+    def layout(self) -> Layout:
+        """x to the right, y upwards, from the lower left pixel."""
+        columns, rows = self.field.image.field.shape
+        return Layout((columns, rows), (0.0, 0.0), (1.0, 1.0), ("x", "y"), "px")
+
+    @property
+    def least(self) -> int:
+        """Cells along the side of the smallest circuit."""
+        return 2
+
+    @property
+    def about(self) -> str:
+        """Its pixels, its lattice, its holes."""
+        columns, rows = self.layout.shape
+        lengths = np.hypot(*self.field.phases.lattice.T)
+        return (
+            f"a picture of {columns} × {rows} pixels of a lattice with vectors of {lengths[0]:.4g} "
+            f"and {lengths[1]:.4g} pixels; {self.field.phases.holes.mean():.1%} of it is holes"
+        )
+
+    @property
+    def settings(self) -> Json:
+        """Nothing can be chosen."""
+        return {}
+
+    @cached_property
+    def _pixels(self) -> np.ndarray:
+        """The picture, no finer than the page shows it; holes are red."""
+        values, holes = self.field.image.field.T, self.field.phases.holes.T
+        every = -(-max(values.shape) // PAGE.across)
+        rows, columns = (n // every * every for n in values.shape)
+        blocks = (rows // every, every, columns // every, every)
+        means = values[:rows, :columns].reshape(blocks).mean(axis=(1, 3))
+        touched = holes[:rows, :columns].reshape(blocks).any(axis=(1, 3))
+        # A few pixels that are very bright or dark hide nothing.
+        low, high = np.percentile(means, [1, 99])
+        share = np.clip((means - low) / ((high - low) or 1.0), 0, 1)
+        grey = np.rint(255 * share).astype(np.uint8)
+        found = np.repeat(grey[..., None], 3, axis=2)
+        found[touched] = found[touched] // 2 + np.array([127, 40, 30], np.uint8)
+        return found
+
+    def shown(self, side: int) -> Shown:
+        """The picture itself."""
+        return Shown(self._pixels, "the picture; red: no lattice is seen there")
+
+    def circuit(self, corner: Sequence[int], side: int) -> Json:
+        """Whole numbers, and the chance that noise has changed one."""
+        x, y = corner
+        corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
+        b = self.field.phases.burgers(Loop.polygon([list(map(float, p)) for p in corners]))
+        numbers = ", ".join(number(float(n)) for n in b.whole.tolist())
+        rows = [
+            [f"b{raised(k)}", number(float(n)), *(number(float(f"{v:.4g}")) for v in vector)]
+            for k, (n, vector) in enumerate(zip(b.whole.tolist(), b.lattice.tolist(), strict=True))
+        ]
+        heads = ("", "whole number", "of the vector: x", "y")
+        sentence = (
+            f"Circuit of {side} × {side} pixels: b = ({numbers}) in lattice vectors, exactly; the "
+            f"chance that noise has changed a number is {b.chance:.1g}. |b| = {b.magnitude:.4g} "
+            f"pixels, to {b.error:.1g}."
+        )
+        return {
+            "sentence": sentence,
+            "table": table(heads, rows, "Burgers vector of the circuit, in lattice vectors"),
+            "b": b.whole.tolist(),
+            "noise": [b.chance] * 2,
+            "interpolation": b.error,
+            "unit": "lattice vectors",
+        }
+
+
+def given_of(
+    found: SampledFrame | OrientationMap | LatticeField, phase: int = 0
+) -> GivenFrame | GivenOrientations | GivenImage:
+    """What a file holds, as the page needs it."""
+    if isinstance(found, OrientationMap):
+        return GivenOrientations(found, phase if phase in found.phases else 0)
+    return GivenImage(found) if isinstance(found, LatticeField) else GivenFrame(found)
+
+
+def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Shown:
+    """Values of circuits in the nodes in their middles."""
+    whole = np.full(layout.shape, np.nan)
+    half = side // 2
+    whole[half : half + density.shape[0], half : half + density.shape[1]] = density
+    # Pixels run as coordinates do, also where an axis descends.
+    turned = whole[:: int(np.sign(layout.steps[0])), :: int(np.sign(layout.steps[1]))]
+    title = f"|b| per area, circuits of {side} × {side} cells"
+    return Shown(turned.T, title, side, density_unit(vectors, layout.unit))
+
+
+def density_unit(vectors: str, lengths: str) -> str:
+    """The unit of b per area.
+
+    Examples
+    --------
+    >>> density_unit("um", "um"), density_unit("nm", "um"), density_unit("", "")
+    ('1/um', 'nm/um²', '')
+    """
+    if not lengths or not vectors:
+        return ""
+    return f"1/{lengths}" if vectors == lengths else f"{vectors}/{lengths}²"
+
+
+def _answer(
+    vector: np.ndarray,
+    noise: np.ndarray,
+    heads: Sequence[str],
+    interpolation: float | None,
+    unit: str,
+    significance: float,
+    remark: str,
+    side: int,
+) -> Json:
+    """A Burgers vector with its errors, component by component, in words and as a table.
+
+    interpolation: of the largest component, None where it is far below the noise. significance:
+    |b| against its errors. remark: what else is to be said.
+    """
+    behind = f" {unit}" if unit else ""
+    size, most = float(np.linalg.norm(vector)), float(np.max(noise))
+    said = f"Circuit of {side} × {side} cells: |b| = {size:.4g}{behind}"
+    said += f"; noise {most:.1e}{behind} in its noisiest component"
+    if interpolation is not None:
+        said += f", interpolation {interpolation:.1e}{behind}"
+    if np.isfinite(significance):
+        # Noise alone: |b| against sigma is the root of the number of components.
+        alone = len(vector) ** 0.5
+        times = number(float(f"{significance:.3g}"))
+        said += f". Against its errors |b| is {times}; errors alone give {alone:.1f}"
+    other = "–" if interpolation is None else f"{interpolation:.1e}"
+    rows = [
+        [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", other]
+        for head, value, sigma in zip(heads, vector.tolist(), noise.tolist(), strict=True)
+    ]
+    caption = f"Burgers vector of the circuit{f' in {unit}' if unit else ''}"
+    return {
+        "sentence": f"{said}. {remark}".rstrip(),
+        "table": table(("", "b", "noise", "interpolation"), rows, caption),
+        "b": vector.tolist(),
+        "noise": noise.tolist(),
+        "interpolation": interpolation,
+        "unit": unit,
+    }

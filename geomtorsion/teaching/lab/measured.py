@@ -1,0 +1,166 @@
+"""measured: a square circuit in a map or image that is given: Burgers vector, errors, picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from geomtorsion.errors import FileFormatError, GeomtorsionError
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.given import Given, Shown, given_of
+from geomtorsion.teaching.lab.plot import plane, svg
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.uploads import read_map, title_of
+
+# Bright with a dark edge: seen on every colour of the map.
+LINE, EDGE, UNKNOWN = "#ffffff", "#a3201a", "#cdd0d5"
+
+
+def map_facts(
+    content: bytes, name: str, threshold: float | None = None, phase: int = 0, laue: str = ""
+) -> Json:
+    """What a map is, and where circuits may lie in it.
+
+    Parameters
+    ----------
+    content
+        The bytes of the file; what they are is seen in them.
+    name
+        Of the file, for messages.
+    threshold, phase, laue
+        Of orientation maps: grains differ by more, degrees; the phase that colours show, 0 for all;
+        its Laue group, empty as in the file.
+
+    Returns
+    -------
+    sentence: what it is. shape: nodes along x and y. starts, steps: coordinates of the first node
+    and from one to the next, in `unit`. names: of the axes. middle, side: of the first circuit,
+    numbers of nodes and of cells; most: cells that its side may have. settings: what can be chosen
+    about how the file is read. problem: why it can only be read with another choice.
+
+    Raises
+    ------
+    GeomtorsionError
+        The file is nothing that the page reads.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rows = ["x,y,e_0_0,e_0_1"]
+    >>> rows += [f"{x},{y},{-y / 2},{x / 2}" for x in range(9) for y in range(8)]
+    >>> text = "\\n".join(rows).encode()
+    >>> found = map_facts(text, "a.csv")
+    >>> found["shape"], found["middle"], found["side"], found["most"]
+    ([9, 8], [4, 4], 1, 7)
+    """
+    title = title_of(name)
+    problem = ""
+    try:
+        found = _read(content, title, threshold, phase, laue)
+    except FileFormatError as error:
+        # With any symmetry for its phases the file may be sound all the same.
+        if laue or "its symmetry is not known" not in str(error):
+            raise
+        found = _read(content, title, threshold, 0, "-1")
+        problem = f"{str(error).partition(' Give it')[0]} Choose a Laue group below."
+    layout = found.layout
+    most = min(layout.shape) - 1
+    facts = {
+        "sentence": f"{title} is {found.about}.",
+        "unit": layout.unit,
+        "shape": list(layout.shape),
+        "starts": list(layout.starts),
+        "steps": list(layout.steps),
+        "names": list(layout.names),
+        "middle": [n // 2 for n in layout.shape],
+        "side": max(found.least, min(layout.shape) // PAGE.parts),
+        "least": found.least,
+        "most": most,
+        "settings": found.settings,
+    }
+    return facts | {"problem": problem} if problem else facts
+
+
+def map_circuit(
+    content: bytes,
+    name: str,
+    centre: Sequence[int],
+    side: int,
+    threshold: float | None = None,
+    phase: int = 0,
+    laue: str = "",
+) -> Json:
+    """A square circuit in a map, and |b| per area of all circuits of its size.
+
+    Parameters
+    ----------
+    content, name, threshold, phase, laue
+        As for `map_facts`.
+    centre
+        The node in its middle, numbers along x and y from 0.
+    side
+        Cells along its side.
+
+    Returns
+    -------
+    picture: svg, the map and its scale. refused: why the circuit has no b, where it has
+    none. Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
+
+    Raises
+    ------
+    GeomtorsionError
+        The file is nothing that the page reads, or the side is longer than the map.
+
+    Examples
+    --------
+    >>> rows = ["x,y,e_0_0,e_0_1"]
+    >>> rows += [f"{x},{y},{-y / 2},{x / 2}" for x in range(9) for y in range(8)]
+    >>> found = map_circuit("\\n".join(rows).encode(), "a.csv", [4, 4], 3)
+    >>> [round(x, 9) for x in found["b"]]
+    [9.0]
+    """
+    found = _read(content, title_of(name), threshold, phase, laue)
+    corner = [int(k) - int(side) // 2 for k in centre]
+    reply: dict[str, object] = {"picture": _picture(found, found.shown(side), corner, side)}
+    try:
+        return {**reply, **found.circuit(corner, side)}
+    except GeomtorsionError as error:
+        return {**reply, "refused": str(error)}
+
+
+def _read(content: bytes, title: str, threshold: float | None, phase: int, laue: str) -> Given:
+    """What is in the file, read as was chosen."""
+    return given_of(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
+
+
+def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> str:
+    """The map with the circuit; beside it the scale."""
+    layout = found.layout
+    (x, y), (dx, dy) = layout.starts, layout.steps
+    unit = f" in {layout.unit}" if layout.unit else ""
+    labels = (f"{layout.names[0]}{unit}", f"{layout.names[1]}{unit}")
+    figure, axes = plane(shown.title, labels, equal=True)
+    # Whoever has a figure has matplotlib.
+    from matplotlib import colormaps
+    from matplotlib.patches import Patch
+
+    def at(i: float, k: float) -> tuple[float, float]:
+        return x + dx * i, y + dy * k
+
+    # A value at even sides stands for the node in the middle, and covers a step about it.
+    shift = 0.5 * (shown.side % 2)
+    last = (layout.shape[0] - 0.5 + shift, layout.shape[1] - 0.5 + shift)
+    ends = zip(at(shift - 0.5, shift - 0.5), at(*last), strict=True)
+    (left, right), (bottom, top) = (sorted(pair) for pair in ends)
+    image = axes.imshow(
+        shown.pixels, origin="lower", extent=(left, right, bottom, top), interpolation="none",
+        cmap=colormaps["viridis"].with_extremes(bad=UNKNOWN), vmin=0.0, zorder=2,
+    )  # fmt: skip
+    if shown.pixels.ndim == 2:
+        figure.colorbar(image, ax=axes, shrink=0.86, label=shown.unit)
+        grey = Patch(color=UNKNOWN, label="hole, boundary or edge")
+        figure.legend(handles=[grey], loc="outside lower center", frameon=False)
+    i, k = corner
+    square = [at(i, k), at(i + side, k), at(i + side, k + side), at(i, k + side), at(i, k)]
+    for color, width in ((EDGE, 4.0), (LINE, 1.8)):
+        axes.plot(*zip(*square, strict=True), color=color, linewidth=width, gid="circuit")
+    return svg(figure)

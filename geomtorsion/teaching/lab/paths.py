@@ -1,0 +1,191 @@
+"""paths: the straightest and the shortest curve from one start, and their distance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.spaces import solve_pair
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.numbers import table
+from geomtorsion.teaching.lab.plot import key, mark, plane, svg
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import space_of
+from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
+
+if TYPE_CHECKING:
+    from geomtorsion.spaces import Pair
+
+LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}
+
+
+def paths(
+    space: str, velocity: Sequence[float], t: float, moments: Sequence[float] | None = None
+) -> Json:
+    """Both curves of a shipped space from its usual start.
+
+    Parameters
+    ----------
+    velocity
+        u^i along the frame vectors.
+    t
+        last value of the curve parameter.
+    moments
+        kinetic metric of the geodesic, one number for each frame vector.
+
+    Returns
+    -------
+    space: an HTML document with the curves, to be turned; or picture: an svg element where the
+    space is a plane. distance: svg. table, sentence: HTML and text. largest: of the distances.
+
+    Examples
+    --------
+    >>> paths("flat_polar", [0.3, 1.0], 2.0)["largest"] > 0.5
+    True
+    """
+    pair = solve_pair(
+        space_of(space),
+        frame_velocity=[float(x) for x in velocity],
+        t=float(t),
+        # JSON has whole numbers where a slider stands on one; the solver wants floats.
+        moments=None if moments is None else [float(x) for x in moments],
+        accuracy=PAGE.accuracy,
+        samples=PAGE.samples,
+    )
+    largest = float(pair.distance.max())
+    return {
+        **_drawn(pair),
+        "distance": _distance(pair),
+        "table": _table(pair),
+        "sentence": _sentence(pair, largest),
+        "largest": largest,
+    }
+
+
+def _drawn(pair: Pair) -> Json:
+    """The curves where they can be seen best."""
+    embedding = pair.embedding
+    name = f"paths {pair.space.name}"
+    if embedding is not None and len(embedding.place) == 3:
+        places = _places(pair)
+        radius = _radius(places) if embedding.isometric else 0.0
+        scene = Film(
+            name, embedding.title.capitalize(), _three(embedding.axes), _curves(places),
+            times=_times(pair), globe=radius, equal=embedding.isometric,
+        )  # fmt: skip
+        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+    if embedding is not None and len(embedding.place) == 2:
+        return {"picture": _plane(_places(pair), embedding.axes, "In the plane", equal=True)}
+    if embedding is not None and embedding.attitude is not None:
+        scene = Film(
+            name, "Where the axes 1 and 3 of the body point", ("x", "y", "z"), _axes(pair),
+            times=_times(pair), globe=1.0, note="Pale: behind the globe.",
+        )  # fmt: skip
+        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+    names = tuple(greek_name(symbol.name) for symbol in pair.symbols)
+    places = pair.coordinates
+    if len(names) == 2:
+        return {"picture": _plane(places, names, "In the chart", equal=False)}
+    title = f"In the chart: {', '.join(names[:3])}"
+    first = {curve: points[:, :3] for curve, points in places.items()}
+    scene = Film(name, title, _three(names), _curves(first), times=_times(pair))
+    return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+
+
+def _places(pair: Pair) -> dict[str, np.ndarray]:
+    assert pair.embedding is not None
+    return {
+        curve: pair.embedding.places(points, pair.parameters)
+        for curve, points in pair.coordinates.items()
+    }
+
+
+def _three(names: Sequence[str]) -> tuple[str, str, str]:
+    first, second, third = names[:3]
+    return first, second, third
+
+
+def _radius(places: dict[str, np.ndarray]) -> float:
+    """Radius of the sphere on which all points lie, or zero."""
+    lengths = np.concatenate([np.linalg.norm(points, axis=1) for points in places.values()])
+    return float(lengths.max()) if np.ptp(lengths) < 1e-6 * lengths.max() else 0.0
+
+
+def _times(pair: Pair) -> list[float]:
+    return thinned(pair.times.tolist())
+
+
+def _curves(places: dict[str, np.ndarray]) -> tuple[Curve, ...]:
+    return tuple(
+        Curve(thinned(points.tolist()), STROKES[curve], LABELS[curve])
+        for curve, points in places.items()
+    )
+
+
+def _axes(pair: Pair) -> tuple[Curve, ...]:
+    """Traces of two body axes on the unit sphere, for both curves."""
+    found = []
+    for curve, points in pair.coordinates.items():
+        assert pair.embedding is not None
+        turns = pair.embedding.attitudes(points, pair.parameters)
+        for axis in (0, 2):
+            look = STROKES[curve]
+            label = LABELS[curve] if axis == 2 else ""
+            trace = thinned(turns[:, :, axis].tolist())
+            found.append(Curve(trace, look, label, tip=str(axis + 1)))
+    return tuple(found)
+
+
+def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, equal: bool) -> str:
+    figure, axes = plane(title, (names[0], names[1]), equal=equal)
+    for curve, points in places.items():
+        axes.plot(*points.T, **STROKES[curve].line, label=LABELS[curve])
+        ends(axes, points, STROKES[curve])
+    key(figure, axes)
+    return svg(figure)
+
+
+def _distance(pair: Pair) -> str:
+    """Their distance over time; on a logarithmic axis where they are one."""
+    times = pair.times[: len(pair.distance)]
+    if pair.coincide:
+        figure, axes = plane("Distance: the two are one, to the accuracy", ("t", "distance"))
+        axes.plot(times, visible(pair.distance), **SERIES[3].line)
+        axes.axhline(PAGE.accuracy, **SERIES[5].line, label="accuracy asked for")
+        axes.set_yscale("log")
+        key(figure, axes)
+        return svg(figure)
+    figure, axes = plane("Distance of the two over time", ("t", "distance"))
+    stroke, last = SERIES[0], (times[-1], pair.distance[-1])
+    axes.plot(times, pair.distance, **stroke.line)
+    mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))
+    return svg(figure)
+
+
+def _table(pair: Pair) -> str:
+    """What each solution cost and how accurate it is."""
+    rows = [
+        [
+            LABELS[curve],
+            solution.engine,
+            f"{solution.error:.0e}",
+            f"{solution.cost.run_seconds * 1e3:.3g} ms",
+            number(float(solution.times[-1])),
+        ]
+        for curve, solution in pair.curves.items()
+    ]
+    return table(("", "engine", "error", "time", "reached t"), rows, "How they were computed")
+
+
+def _sentence(pair: Pair, largest: float) -> str:
+    if pair.coincide:
+        said = f"Straightest and shortest are one curve here, to {largest:.0e}."
+    else:
+        said = f"Straightest and shortest part: by {largest:.4g} at most."
+    kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
+    ends = [f"The {kinds[curve]} path: {reason}" for curve, reason in pair.stops.items()]
+    return " ".join([said, *ends])

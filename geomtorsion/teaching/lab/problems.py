@@ -1,0 +1,165 @@
+"""problems: exercises as the page shows them, and what it says about an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from geomtorsion.errors import LimitError
+from geomtorsion.teaching import exercises
+from geomtorsion.teaching.exercises.prose import html_of, latex_of
+from geomtorsion.teaching.exercises.question import example, how_to_answer, symbol_names
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab import views
+from geomtorsion.teaching.lab.settings import PAGE
+
+if TYPE_CHECKING:
+    from geomtorsion.teaching.exercises import Question
+
+# Kind of a question -> how it is answered.
+HOW = {
+    "expression": "an expression, such as sin(phi2)/2",
+    "components": "index = value, such as {example}; or nested lists; indices from 1; what is left "
+    "out {rest}",
+    "equations": "equations with semicolons between, such as r'' = 0; phi'' = -phi'*r'/r",
+    "number": "a number, such as 0.25 or pi/4; several as [1, 2, 3]",
+    "choice": "one of the list",
+}
+
+
+def how(question: Question) -> str:
+    """How a question is answered, and with which names.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching import exercises
+    >>> how(exercises.load("3.2").questions[0])
+    'an expression, such as sin(phi2)/2. Names that may occur: phi1, phi2'
+    >>> how(exercises.load("1.1").questions[0]).partition(";")[0]
+    'index = value, such as 1,1 = ...'
+    """
+    text = HOW[question.kind]
+    if question.kind == "components":
+        rest = "follows by symmetry, or is zero" if question.symmetry else "is zero"
+        text = text.format(example=example(question), rest=rest)
+    if question.kind == "number":
+        return f"{text}; {how_to_answer(question).rpartition(', ')[2]}"
+    if question.kind == "choice":
+        return text
+    names = ", ".join(symbol_names(question))
+    return f"{text}. Names that may occur: {names}" if names else f"{text}. No names occur in it"
+
+
+def listing() -> Json:
+    """All exercises by chapter; loads none of them.
+
+    Examples
+    --------
+    >>> list(listing()["chapters"])[0]
+    '1. Frames and anholonomy'
+    """
+    titles = exercises.titles()
+    return {
+        "chapters": {
+            f"{number}. {title}": {
+                name: what for name, what in titles.items() if name.partition(".")[0] == number
+            }
+            for number, title in exercises.CHAPTERS
+        }
+    }
+
+
+def statement(number: str, seed: int = 0) -> Json:
+    """An exercise without its solution; statement and prompts as HTML, formulas as MathML.
+
+    Examples
+    --------
+    >>> found = statement("1.1")
+    >>> found["title"], [question["name"] for question in found["questions"]], found["hints"]
+    ('The legs of a coframe', ['legs'], 3)
+    """
+    found = exercises.load(number, seed)
+    asked = [question.prompt for question in found.questions]
+    return {
+        "number": found.number,
+        "title": found.title,
+        "chapter": found.chapter,
+        "level": found.level,
+        "seed": found.seed,
+        "statement": html_of(found.statement),
+        "copy": _copy_button([found.statement, *asked], "statement and questions"),
+        "questions": [
+            {
+                "name": question.name,
+                "kind": question.kind,
+                "prompt": html_of(question.prompt),
+                "unit": question.unit,
+                "options": dict(question.options),
+                "how": how(question),
+            }
+            for question in found.questions
+        ],
+        "hints": len(found.hints),
+    }
+
+
+def hints(number: str, seed: int, count: int) -> Json:
+    """The first hints of an exercise, as HTML.
+
+    Examples
+    --------
+    >>> len(hints("1.1", 0, 2)["hints"])
+    2
+    """
+    taken = exercises.load(number, seed).hints[:count]
+    return {"hints": [html_of(hint) for hint in taken], "copy": _copy_button(taken, "hints")}
+
+
+def _copy_button(texts: Sequence[str], what: str) -> str:
+    """A button that copies texts as LaTeX; nothing where there is no formula in them."""
+    if not any("$" in text for text in texts):
+        return ""
+    return views.copy_button("\n\n".join(map(latex_of, texts)), what)
+
+
+def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
+    """What is said about answers, question by question, as HTML; an empty one is not looked at.
+
+    Raises
+    ------
+    LimitError
+        An answer is longer than any that is needed.
+
+    Examples
+    --------
+    >>> answer("2.1", 0, {"connection": "1,2,2 = 1/r"})["right"]
+    True
+    >>> answer("2.1", 0, {"connection": "2,1,2 = 1/r"})["questions"][0]["diagnosis"]
+    'permuted'
+    """
+    given = {name: text for name, text in answers.items() if text.strip()}
+    for name, text in given.items():
+        if len(text) > PAGE.answer:
+            raise LimitError(
+                f"{name}: the answer has {len(text):,} characters; {PAGE.answer:,} are enough for "
+                "every exercise. Write it shorter."
+            )
+    verdict = exercises.load(number, seed).check(given)
+    return {
+        "right": verdict.right,
+        "earned": verdict.earned,
+        "points": verdict.points,
+        "notes": list(verdict.notes),
+        "questions": [
+            {
+                "name": one.name,
+                "right": one.right,
+                "score": one.score,
+                "message": html_of(one.message),
+                "copy": _copy_button([one.message], one.name),
+                "diagnosis": one.diagnosis,
+            }
+            for one in verdict.questions
+            if one.name in given
+        ],
+    }

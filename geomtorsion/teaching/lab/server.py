@@ -1,0 +1,475 @@
+"""server: the page, served to this machine, or with a token to others."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import secrets
+import socket
+from collections import Counter
+from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import SplitResult, urlsplit
+
+from geomtorsion.errors import LimitError, MissingExtraError
+from geomtorsion.pictures.formula import font_face
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.tasks import common_runner
+from geomtorsion.teaching.lab.views import copying
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+# The browser itself is told to load nothing from anywhere else.
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self'; worker-src 'self' blob:; frame-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'self'; form-action 'self'"
+)
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# Where the values of controls arrive; a file is one, so that here requests may be longer.
+CONTROL = "/api/kernel/set_ui_element_value"
+# (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
+# path that ends with * stands for all that begin so.
+ROUTES: Mapping[tuple[str, str], str] = {
+    ("GET", "/"): "the page itself",
+    ("GET", "/assets/*"): "scripts, styles and fonts of marimo's front end",
+    ("GET", "/favicon.ico"): "the icon of the window",
+    ("GET", "/apple-touch-icon.png"): "the icon on a telephone",
+    ("GET", "/manifest.json"): "the page as it is kept on a telephone",
+    ("GET", "/android-chrome-192x192.png"): "the icon that it names, loaded with it",
+    ("GET", "/android-chrome-512x512.png"): "the same, larger",
+    ("GET", "/public-files-sw.js"): "a script that the front end registers when it begins",
+    ("GET", "/health"): "whether the server is still there, asked when the page begins",
+    ("GET", "/auth/login"): "where a token is asked for, if there is one",
+    ("POST", "/auth/login"): "the token that was typed",
+    ("POST", CONTROL): "a slider was moved, a text typed, a file of a map given",
+    ("WEBSOCKET", "/ws"): "the session: what the cells show",
+}
+# How the message begins that ends the first run of a session, or says that it goes on.
+_BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
+_FULL = (
+    "<!doctype html><meta charset=utf-8><title>Torsion lab</title><p>The lab is full: {most} pages "
+    "are open. Close one and load this page again.</p>"
+)
+
+
+class AccessControl:
+    """An ASGI application before another: hosts, origins, sizes and the number of sessions.
+
+    hosts: names by which the page may be called; empty: any. A page of another site that is open
+    in the same browser has another origin, and is refused. sessions: open at once; each: of one
+    client, which is an address on the network. ending: awaited before the server ends.
+    """
+
+    def __init__(
+        self,
+        app: App,
+        hosts: Iterable[str] = LOOPBACK,
+        sessions: int = PAGE.sessions,
+        ending: Callable[[], Awaitable[None]] | None = None,
+        each: int = PAGE.each,
+    ) -> None:
+        self.app = app
+        self.ending = ending
+        self.hosts: frozenset[str] = frozenset(hosts)
+        self.sessions = sessions
+        self.each = each
+        # Client -> sessions that it has open.
+        self.open: Counter[str] = Counter()
+        self._opening = asyncio.Lock()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuse a request, or hand it on."""
+        if scope["type"] == "lifespan":
+            await self._life(receive, send)
+            return
+        headers = {
+            key.decode("latin-1").lower(): value.decode("latin-1")
+            for key, value in scope["headers"]
+        }
+        reason = self._refused(scope, headers)
+        # A browser that takes too long has gone; its connection ends with this call.
+        with suppress(TimeoutError):
+            await self._answered(scope, receive, send, reason)
+
+    async def _answered(
+        self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
+    ) -> None:
+        """Answer a request, or say why not."""
+        if scope["type"] == "websocket":
+            await self._session(scope, receive, send, reason)
+        elif reason:
+            await _tell(send, *reason)
+        elif scope["path"] == "/":
+            # The page is read anew for each browser, see `_opened`. It is sent when the lock is
+            # free again: a browser that does not read it delays nobody else.
+            answer: list[MutableMapping[str, Any]] = []
+
+            async def kept(message: MutableMapping[str, Any]) -> None:
+                answer.append(message)
+
+            async with self._opening:
+                await asyncio.wait_for(self.app(scope, _no_body(), kept), PAGE.opening)
+            for message in answer:
+                await _guarded(send)(message)
+        else:
+            await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
+
+    async def _life(self, receive: Receive, send: Send) -> None:
+        """Begin and end of the server."""
+        await receive()
+        await send({"type": "lifespan.startup.complete"})
+        await receive()
+        if self.ending is not None:
+            await self.ending()
+        await send({"type": "lifespan.shutdown.complete"})
+
+    def _refused(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str] | None:
+        """Status and reason, or None for a request that may pass."""
+        host = headers.get("host", "")
+        name = _split(f"//{host}").hostname or ""
+        if self.hosts and name not in self.hosts:
+            return 421, f"This page is not served as {name!r}."
+        origin = headers.get("origin", "")
+        # The scheme may be changed on the way, the host and port may not.
+        if origin not in ("", "null") and _split(origin).netloc != host:
+            return 403, "Requests of other pages are not answered."
+        reads = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
+        if origin == "null" and not reads:
+            return 403, "Requests of pages without a name are not answered."
+        if not is_used(scope):
+            return 404, "The page has no use for this."
+        length = headers.get("content-length", "0")
+        most = most_bytes(scope)
+        if not length.isdecimal() or len(length) > 12 or int(length) > most:
+            return 413, f"A request may have {most:,} bytes."
+        if scope["path"] == "/":
+            most = self._full(scope)
+            return (503, _FULL.format(most=most)) if most else None
+        return None
+
+    def _full(self, scope: Scope) -> int:
+        """How many pages are open, of all clients or of this one, if there may be no more."""
+        client = _client(scope)
+        if self.open.total() >= self.sessions:
+            return self.sessions
+        return self.each if self.open[client] >= self.each else 0
+
+    async def _session(
+        self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
+    ) -> None:
+        """One session, counted from its start to its end."""
+        if reason or self._full(scope):
+            await receive()
+            await send({"type": "websocket.close", "code": 1013, "reason": "the lab is full"})
+            return
+        client = _client(scope)
+        self.open[client] += 1
+        try:
+            await self._opened(scope, receive, send)
+        finally:
+            self.open[client] -= 1
+
+    async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """A session that is read and run through before the next one begins to be.
+
+        marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
+        that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
+        """
+        begun = asyncio.Event()
+        outgoing: asyncio.Queue[MutableMapping[str, Any]] = asyncio.Queue()
+
+        async def watched(message: MutableMapping[str, Any]) -> None:
+            text = message.get("text") or ""
+            if text.startswith(_BEGUN):
+                begun.set()
+            outgoing.put_nowait(message)
+
+        async def passed_on() -> None:
+            while True:
+                message = await outgoing.get()
+                await asyncio.wait_for(send(message), PAGE.sending)
+                outgoing.task_done()
+
+        async with self._opening:
+            session = asyncio.ensure_future(self.app(scope, receive, watched))
+            # Messages wait in a queue: while a session begins, nobody waits for its browser, which
+            # may never read.
+            sender = asyncio.create_task(passed_on())
+            waiting = asyncio.create_task(begun.wait())
+            every = (session, sender, waiting)
+            try:
+                await asyncio.wait(every, timeout=PAGE.opening, return_when=asyncio.FIRST_COMPLETED)
+            except asyncio.CancelledError:
+                for task in every:
+                    task.cancel()
+                raise
+        try:
+            await asyncio.wait((session, sender), return_when=asyncio.FIRST_COMPLETED)
+            if session.done() and not sender.done():
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(outgoing.join(), PAGE.sending)
+        finally:
+            for task in (waiting, sender, session):
+                task.cancel()
+        await asyncio.gather(session, sender, return_exceptions=True)
+        error = None if session.cancelled() else session.exception()
+        if error is not None:
+            raise error from None
+
+
+def _client(scope: Scope) -> str:
+    """The address on the network of who asks."""
+    client = scope.get("client")
+    return str(client[0]) if client else ""
+
+
+def _no_body() -> Receive:
+    """A request of which all has arrived and nothing follows."""
+    given = False
+
+    async def receive() -> MutableMapping[str, Any]:
+        nonlocal given
+        if given:
+            # Who listens here waits for the browser to go; that is seen when the answer is sent.
+            await asyncio.Event().wait()
+        given = True
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    return receive
+
+
+def is_used(scope: Scope) -> bool:
+    """Whether a request is one of `ROUTES`.
+
+    Examples
+    --------
+    >>> is_used({"type": "http", "method": "GET", "path": "/assets/index.js"})
+    True
+    >>> is_used({"type": "http", "method": "POST", "path": "/api/home/workspace_files"})
+    False
+    """
+    method = "WEBSOCKET" if scope["type"] == "websocket" else scope.get("method", "GET")
+    # What may be read may be asked about.
+    method = "GET" if method == "HEAD" else method
+    path = scope["path"]
+    for allowed, pattern in ROUTES:
+        head = pattern.removesuffix("*")
+        if method == allowed and (path == head or (head != pattern and path.startswith(head))):
+            return True
+    return False
+
+
+def most_bytes(scope: Scope) -> int:
+    """How many bytes a request may have: more only where files arrive.
+
+    Examples
+    --------
+    >>> most_bytes({"path": CONTROL}) > most_bytes({"path": "/auth/login"}) == PAGE.body
+    True
+    """
+    return PAGE.carried if scope["path"] == CONTROL else PAGE.body
+
+
+def _split(address: str) -> SplitResult:
+    """An address in its parts, which are empty where it is none."""
+    try:
+        return urlsplit(address)
+    except ValueError:
+        return SplitResult("", "", "", "", "")
+
+
+def _bounded(receive: Receive, most: int) -> Receive:
+    """A body that ends where it becomes too long, whatever its header says."""
+    seen = 0
+
+    async def bounded() -> MutableMapping[str, Any]:
+        nonlocal seen
+        message = await receive()
+        seen += len(message.get("body", b""))
+        return {"type": "http.disconnect"} if seen > most else message
+
+    return bounded
+
+
+def _guarded(send: Send) -> Send:
+    """An answer with the policy in its head."""
+
+    async def guarded(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            more = [
+                (b"content-security-policy", POLICY.encode()),
+                (b"referrer-policy", b"no-referrer"),
+                (b"x-content-type-options", b"nosniff"),
+            ]
+            message = {**message, "headers": [*message.get("headers", []), *more]}
+        await asyncio.wait_for(send(message), PAGE.sending)
+
+    return guarded
+
+
+async def _tell(send: Send, status: int, text: str) -> None:
+    """A short answer in words."""
+    kind = b"text/html; charset=utf-8" if text.startswith("<") else b"text/plain; charset=utf-8"
+    await send(
+        {"type": "http.response.start", "status": status, "headers": [(b"content-type", kind)]}
+    )
+    await send({"type": "http.response.body", "body": text.encode()})
+
+
+# What the tabs begin with; the motions among it are compiled.
+_SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
+_TOP = {"moments": [1.0, 2.0, 3.0], "omega": [0.1, 2.0, 0.1], "tilt": 0.3, "t": 12.0}
+FIRST: tuple[tuple[str, Json], ...] = (
+    ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
+    ("paths", {**_SO3, "moments": None}),
+    ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),
+    ("top", {**_TOP, "effects": [], "watch": ["nutation"]}),
+)
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where the page is served.
+
+    host: name or number of an interface; port: 0 takes a free one.
+    token: what a browser must bring; made where the host is not this machine alone.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 2718
+    token: str = field(default="", repr=False)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether nobody but this machine can reach it.
+
+        Examples
+        --------
+        >>> Address("localhost").is_local, Address("0.0.0.0").is_local
+        (True, False)
+        """
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return self.host == "localhost"
+
+    def guarded(self) -> Address:
+        """The same with a token, if others can reach it.
+
+        Examples
+        --------
+        >>> bool(Address("0.0.0.0").guarded().token), Address().guarded().token
+        (True, '')
+        """
+        if self.is_local or self.token:
+            return self
+        return Address(self.host, self.port, secrets.token_urlsafe(18))
+
+    def url(self, port: int) -> str:
+        """What to type into a browser, token included."""
+        name = socket.gethostname() if self.host in ("0.0.0.0", "::") else self.host
+        name = f"[{name}]" if ":" in name else name
+        return f"http://{name}:{port}/" + (f"?access_token={self.token}" if self.token else "")
+
+
+def application(address: Address, sessions: int = PAGE.sessions) -> Any:
+    """The page as an ASGI application, behind its access control.
+
+    Raises
+    ------
+    MissingExtraError
+        marimo is not installed.
+    """
+    try:
+        # An extra, and 0.5 s.
+        import marimo
+    except ImportError:
+        raise MissingExtraError(
+            "the page needs marimo, which is not installed. Run `pip install 'geomtorsion[lab]'`; "
+            "`geomtorsion lab --export DIR` writes pages without it."
+        ) from None
+    builder = marimo.create_asgi_app(
+        quiet=True,
+        include_code=False,
+        token=address.token,
+        session_ttl=PAGE.reopening,
+        html_head=f"<style>{font_face()}</style><script>{copying()}</script>",
+    )
+    page = Path(__file__).with_name("page.py")
+    inner: Any = builder.with_app(path="", root=str(page)).build()
+    hosts = (*LOOPBACK, address.host) if address.is_local else ()
+    managers = [route.app.state.session_manager for route in inner.routes]
+
+    async def ending() -> None:
+        # A mounted application is not told that the server ends; its threads would go on.
+        for manager in managers:
+            await manager.shutdown()
+
+    return AccessControl(inner, hosts, sessions, ending)
+
+
+def serve(
+    address: Address,
+    ready: Callable[[str], object] = lambda _: None,
+    sessions: int = PAGE.sessions,
+) -> None:
+    """Serve until interrupted; ready hears the address once it is answered.
+
+    Raises
+    ------
+    LimitError
+        The port is taken, or the host is none of this machine.
+    MissingExtraError
+        marimo is not installed.
+    """
+    address = address.guarded()
+    app = application(address, sessions)
+    # It comes with marimo, whose absence has been told by now.
+    import uvicorn
+
+    taken = _socket(address)
+    port = taken.getsockname()[1]
+    common_runner().warm(FIRST)
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        timeout_graceful_shutdown=2,
+        ws_max_size=2**20,
+        # A class that begins at once keeps the machine busy longer than the usual 20 s.
+        ws_ping_timeout=120,
+        lifespan="on",
+    )
+    server = uvicorn.Server(config)
+    ready(address.url(port))
+    try:
+        server.run(sockets=[taken])
+    finally:
+        common_runner().close()
+
+
+def _socket(address: Address) -> socket.socket:
+    """A bound socket, so that the port is known before anything is served."""
+    family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
+    found = socket.socket(family, socket.SOCK_STREAM)
+    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        found.bind((address.host, address.port))
+    # A port that is no number of 16 bits is no error of the system.
+    except (OSError, OverflowError) as error:
+        found.close()
+        reason = getattr(error, "strerror", None) or error
+        raise LimitError(
+            f"{address.host}, port {address.port} cannot be used: {str(reason).rstrip('.')}. "
+            "Give another with --port; --port 0 takes one that is free."
+        ) from None
+    found.listen(128)
+    return found

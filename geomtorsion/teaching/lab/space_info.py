@@ -1,0 +1,196 @@
+"""space info: what controls need to know of a space: names, a start, and how far sliders may go."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.core.relational import Relational
+
+from geomtorsion.pictures.text import plain_text
+from geomtorsion.spaces import SPACES, load
+from geomtorsion.spaces.first_motion import first_motion
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.settings import PAGE
+
+if TYPE_CHECKING:
+    from geomtorsion.geometry import Frame
+    from geomtorsion.spaces import Space
+
+# Shown first, because a lesson begins with them.
+FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
+# Complex, or with unknown functions: there is nothing to draw.
+_UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "s7")
+# Too many coordinates, or complex: these are not typed either.
+_UNTYPED = ("kerr_kinnersley", "s7")
+# Where loops begin in spaces with a line: on it, so that the first circle goes round it.
+_LINES: Mapping[str, tuple[float, ...]] = dict.fromkeys(
+    (
+        *("screw_dislocation", "screw_core", "edge_dislocation", "edge_dislocation_elastic"),
+        *("wedge_disclination", "wedge_disclination_periodic"),
+    ),
+    (0.0, 0.0, 0.0),
+)
+# Of these the coordinates are polar ones about the line: radius and angle come first.
+POLAR = ("wedge_disclination", "wedge_disclination_periodic")
+
+
+@cache
+def space_of(name: str) -> Space:
+    """A shipped space, kept: what was derived for one request serves the next."""
+    return load(name)
+
+
+def drawable() -> dict[str, str]:
+    """Title of each space whose loops and motions can be drawn -> name, the usual ones first.
+
+    Examples
+    --------
+    >>> list(drawable().values())[:2]
+    ['so3', 's2']
+    """
+    titles = {name: title for name, _, title in SPACES if name not in _UNDRAWN}
+    order = [*FIRST, *(name for name in titles if name not in FIRST)]
+    return {f"{name}: {titles[name]}": name for name in order if name in titles}
+
+
+def typable() -> dict[str, str]:
+    """Title of each space whose tetrad can be typed -> name, those that can be drawn first.
+
+    Examples
+    --------
+    >>> "frw" in typable().values(), "frw" in drawable().values()
+    (True, False)
+    """
+    more = {
+        f"{name}: {title}": name
+        for name, _, title in SPACES
+        if name in _UNDRAWN and name not in _UNTYPED
+    }
+    return {**drawable(), **more}
+
+
+def space_form(space: str) -> Json:
+    """What is exact about a shipped space: its names and its tetrad as text.
+
+    Examples
+    --------
+    >>> found = space_form("flat_polar")
+    >>> found["coordinates"], found["coframe"], found["signature"]
+    (['r', 'phi'], [['1', '0'], ['0', 'r']], '++')
+    """
+    chosen = space_of(space)
+    frame = chosen.frame
+    n = frame.dimension
+    return {
+        "name": chosen.name,
+        "title": chosen.title,
+        "story": chosen.story,
+        "coordinates": [symbol.name for symbol in frame.coordinates],
+        "parameters": [symbol.name for symbol in frame.parameters],
+        "functions": _functions(frame),
+        "signature": _signature(frame),
+        "coframe": [[plain_text(frame.coframe[i, k]) for k in range(n)] for i in range(n)],
+        "planes": [list(pair) for pair in combinations(range(n), 2)],
+        "radius": radius_name(frame),
+    }
+
+
+def space_info(space: str) -> Json:
+    """Everything about a shipped space that a control is made of.
+
+    Examples
+    --------
+    >>> found = space_info("so3")
+    >>> found["coordinates"], found["start"], found["planes"][0]
+    (['phi1', 'phi2', 'phi3'], [0.3, 1.0, 0.2], [0, 1])
+    """
+    chosen = space_of(space)
+    frame = chosen.frame
+    first = first_motion(frame)
+    values = dict(first.parameters)
+    ranges = _ranges(frame, list(first.start), values)
+    centre = _LINES.get(chosen.name)
+    return {
+        **space_form(space),
+        "values": values,
+        "start": list(first.start),
+        "ranges": ranges,
+        "loop_centre": list(centre or first.start),
+        # Round a line a loop may go anywhere: the domain keeps to one side of it.
+        "loop_ranges": _loop_ranges(chosen.name, len(centre)) if centre else ranges,
+        "velocity": list(first.frame_velocity),
+        "t": first.t,
+    }
+
+
+def radius_name(frame: Frame) -> str:
+    """What the radius of a circle is called where nothing of the space is called so."""
+    return "rho" if any(symbol.name == "R" for symbol in frame.field.symbols) else "R"
+
+
+def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
+    """Whether a circle is meant about the axis of polar coordinates, where it is none in them.
+
+    Examples
+    --------
+    >>> [is_round_the_axis("wedge_disclination", [r, 0, 0], [0, 1]) for r in (0, 1)]
+    [True, False]
+    """
+    return space in POLAR and centre[0] == 0 and set(plane) == {0, 1}
+
+
+def _loop_ranges(name: str, count: int) -> list[list[float]]:
+    """How far the centre of a loop may go from a line; a radius goes one way only."""
+    found = [[-1.0, 1.0, PAGE.step] for _ in range(count)]
+    if name in POLAR:
+        found[0][0] = 0.0
+    return found
+
+
+def _functions(frame: Frame) -> list[str]:
+    """Unknown functions in the coframe, with their arguments."""
+    n = range(frame.dimension)
+    found = {f for i in n for k in n for f in frame.coframe[i, k].atoms(AppliedUndef)}
+    return sorted(plain_text(function) for function in found)
+
+
+def _signature(frame: Frame) -> str:
+    """The frame metric as signs, or as nothing where it is not diagonal with ones."""
+    n = frame.dimension
+    if any(frame.eta[i, k] != 0 for i in range(n) for k in range(i)):
+        return ""
+    signs = {1: "+", -1: "-"}
+    return "".join(signs.get(frame.eta[i, i], "?") for i in range(n))
+
+
+def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[list[float]]:
+    """For each coordinate how far a slider may go, both ways, within the domain."""
+    point = dict(zip(frame.coordinates, start, strict=True))
+    point |= {symbol: values[symbol.name] for symbol in frame.parameters if symbol.name in values}
+    found = []
+    for symbol, value in zip(frame.coordinates, start, strict=True):
+        # The start may lie on the edge of what another coordinate is bound to.
+        own = [relation for relation in frame.domain if symbol in relation.free_symbols]
+        step = PAGE.step * max(1.0, round(abs(value) / 2))
+        ends = []
+        for sign in (-1, 1):
+            count = 0
+            while count < PAGE.reach and _inside(
+                own, point, symbol, value + sign * (count + 1) * step
+            ):
+                count += 1
+            ends.append(round(value + sign * count * step, 9))
+        found.append([*ends, step])
+    return found
+
+
+def _inside(
+    own: list[Relational], point: dict[sp.Symbol, float], symbol: sp.Symbol, value: float
+) -> bool:
+    """Whether the relations of one coordinate hold where it has this value."""
+    return all(relation.subs(point | {symbol: value}) != sp.false for relation in own)

@@ -1,0 +1,240 @@
+"""tasks: what the page may ask for, each with its limit of time; nothing else is ever run."""
+
+from __future__ import annotations
+
+import atexit
+import base64
+import hashlib
+import json
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any, Protocol
+
+from geomtorsion.errors import GeomtorsionError, LimitError, UnknownNameError
+from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, Json, WorkerPool
+from geomtorsion.teaching.lab.settings import PAGE
+
+BROKEN = (
+    "this request could not be carried out: the worker ended. Nothing else is lost; "
+    "change the input and go on."
+)
+
+
+def too_long(seconds: str) -> str:
+    """What is said about a request that was stopped."""
+    return (
+        f"this takes longer than the {seconds} s that a request on this page may take, so it was "
+        "stopped. Ask for something smaller, or use the command line, which waits as long as you "
+        "do."
+    )
+
+
+def too_much(reply: Json) -> str:
+    """What is said about a request that needed more memory or depth than there is.
+
+    Examples
+    --------
+    >>> too_much({"exceeded": "memory"})
+    'this needs more memory than the page may use. Ask for less.'
+    """
+    return f"this needs more {reply[EXCEEDED]} than the page may use. Ask for less."
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something a worker can do: module and function, and the seconds it may take."""
+
+    module: str
+    function: str
+    seconds: float
+
+    def __call__(self, **arguments: Any) -> Json:
+        """Do it here and now, without a limit of time."""
+        done: Callable[..., Json] = getattr(import_module(self.module), self.function)
+        return done(**arguments)
+
+
+def _task(module: str, function: str, seconds: float) -> Task:
+    return Task(f"geomtorsion.teaching.lab.{module}", function, seconds)
+
+
+TASKS: Mapping[str, Task] = {
+    "space_info": _task("space_info", "space_info", 10),
+    "space_form": _task("space_info", "space_form", 10),
+    "tetrad": _task("tetrad", "tetrad", 10),
+    "loop": _task("closure_failure", "closure_failure", 8),
+    "atoms": _task("atoms", "atoms", 10),
+    "map_facts": _task("measured", "map_facts", 20),
+    "map_circuit": _task("measured", "map_circuit", 20),
+    "paths": _task("paths", "paths", 12),
+    "top": _task("top", "top", 15),
+    "costs": _task("costs", "costs", 40),
+    "exercise": _task("problems", "statement", 15),
+    "hints": _task("problems", "hints", 15),
+    "answer": _task("problems", "answer", 15),
+    "listing": _task("problems", "listing", 15),
+}
+
+
+def task(name: str) -> Task:
+    """The task of this name.
+
+    Raises
+    ------
+    UnknownNameError
+        There is none.
+
+    Examples
+    --------
+    >>> task("tetrad").seconds
+    10
+    """
+    if name not in TASKS:
+        raise UnknownNameError(f"no task is called {name!r}. There are: {', '.join(TASKS)}.")
+    return TASKS[name]
+
+
+def checked_length(text: str) -> str:
+    """A request as text, unless it is too long.
+
+    Raises
+    ------
+    LimitError
+        It is longer than any request of the page.
+    """
+    if len(text) > PAGE.request:
+        raise LimitError(
+            f"what was typed has {len(text):,} characters in all; the page reads up to "
+            f"{PAGE.request:,}. Write shorter expressions, or use a tetrad file."
+        )
+    return text
+
+
+def checked_file(content: bytes) -> bytes:
+    """The bytes of a file, unless there are too many.
+
+    Raises
+    ------
+    LimitError
+        There are more than the page takes.
+    """
+    if len(content) > PAGE.upload:
+        raise LimitError(
+            f"the file has {len(content):,} bytes; the page takes up to {PAGE.upload:,}. Cut a "
+            "smaller map out of it, or use it in Python, where it may be as large as memory allows."
+        )
+    return content
+
+
+def answer(request: Json) -> Json:
+    """What a task gives, or ``{"problem": message}``: what a worker calls.
+
+    Examples
+    --------
+    >>> answer({"task": "space_info", "arguments": {"space": "s2"}})["coordinates"]
+    ['theta', 'phi']
+    >>> answer({"task": "dance", "arguments": {}})["problem"].split(".")[0]
+    "no task is called 'dance'"
+    """
+    arguments = dict(request["arguments"])
+    if "attached" in request:
+        arguments["content"] = base64.b64decode(request["attached"])
+    try:
+        return task(request["task"])(**arguments)
+    except GeomtorsionError as error:
+        return {"problem": str(error)}
+
+
+class Runner(Protocol):
+    """Who carries tasks out."""
+
+    def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
+        """What a task gives, or ``{"problem": message}``."""
+        ...
+
+
+class TaskRunner:
+    """Hands the requests of all sessions to a pool of workers, and keeps what was answered.
+
+    limits: seconds by task, where they shall differ from those of the list of tasks.
+    Equal requests are carried out once: whoever asks second gets what is kept.
+    """
+
+    def __init__(
+        self, workers: int = 2, patience: float = 60.0, limits: Mapping[str, float] | None = None
+    ) -> None:
+        self.limits = dict(limits or {})
+        self.pool = WorkerPool(f"{__name__}:answer", workers, patience, errors_shown=True)
+        self.kept: OrderedDict[str, Json] = OrderedDict()
+        self._characters = 0
+        self._lock = threading.Lock()
+
+    def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
+        """What a task gives, or ``{"problem": message}``; never an error of this package.
+
+        A task that takes longer than it may is ended, with its process. attached: the bytes of a
+        file, which nobody but the task looks into; it gets them as `content`.
+        """
+        request: dict[str, Any] = {"task": name, "arguments": arguments}
+        sent: Json = request
+        seconds = 0.0
+        try:
+            if attached is not None:
+                # What is kept knows the file by its digest alone.
+                request["digest"] = hashlib.sha256(checked_file(attached)).hexdigest()
+                sent = request | {"attached": base64.b64encode(attached).decode()}
+            # The request as text is its own key: equal sliders, equal answer.
+            key = checked_length(json.dumps(request))
+            seconds = self.limits.get(name, task(name).seconds)
+            with self._lock:
+                if key in self.kept:
+                    self.kept.move_to_end(key)
+                    return self.kept[key]
+            found = self.pool.ask(sent, seconds)
+        except (LimitError, UnknownNameError) as error:
+            return {"problem": str(error)}
+        except TimeoutError:
+            return {"problem": too_long(f"{seconds:g}")}
+        except ChildProcessError:
+            return {"problem": BROKEN}
+        if EXCEEDED in found:
+            found = {"problem": too_much(found)}
+        self._keep(request, found)
+        return found
+
+    def _keep(self, request: Json, reply: Json) -> None:
+        """Keep an answer; the oldest go when there is too much."""
+        if "problem" in reply or EXCEEDED in reply:
+            return
+        key = json.dumps(request)
+        with self._lock:
+            self.kept[key] = reply
+            self._characters += _length(key, reply)
+            while self._characters > PAGE.kept:
+                self._characters -= _length(*self.kept.popitem(last=False))
+
+    def warm(self, requests: Sequence[tuple[str, Json]] = ()) -> None:
+        """Start all workers and let each do these tasks, in the background."""
+        self.pool.warm(({"task": n, "arguments": a} for n, a in requests), self._keep)
+
+    def close(self) -> None:
+        """End all workers."""
+        self.pool.close()
+
+
+def _length(key: str, reply: Json) -> int:
+    """About how many characters a kept answer has."""
+    return len(key) + sum(len(str(value)) for value in reply.values())
+
+
+@cache
+def common_runner() -> TaskRunner:
+    """The runner that all sessions of this process share; it ends with the process."""
+    runner = TaskRunner(max(2, min(4, os.cpu_count() or 2)))
+    atexit.register(runner.close)
+    return runner

@@ -1,0 +1,295 @@
+"""tetrad: a typed coframe, read entry by entry, and its geometry as mathematics."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from geomtorsion.errors import CoordinateError, GeomtorsionError, LimitError, SignatureError
+from geomtorsion.geometry import Frame
+from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities
+from geomtorsion.pictures.sections import aligned, section
+from geomtorsion.spaces import Space
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab import views
+from geomtorsion.teaching.lab.as_typed import read_typed
+from geomtorsion.teaching.lab.settings import PAGE
+
+if TYPE_CHECKING:
+    from geomtorsion.pictures.quantities import Quantity
+
+# Quantity -> how the page calls it; the first ones are shown unless others are asked for.
+OFFERED = {
+    "metric": "metric",
+    "cartan_connection": "Cartan connection",
+    "christoffel": "Levi-Civita connection",
+    "torsion": "torsion",
+    "contortion": "contortion",
+    "cartan_curvature": "curvature, Cartan",
+    "riemann": "curvature, Riemann",
+    "ricci": "Ricci tensor",
+    "scalar_curvature": "scalar curvature",
+    "anholonomy": "anholonomy",
+    "torsion_vector": "torsion vector",
+    "torsion_axial": "axial torsion",
+    "torsion_force": "torsion force",
+    "einstein": "Einstein tensor",
+    "weyl": "Weyl tensor",
+    "kretschmann": "Kretschmann scalar",
+}
+USUAL = tuple(OFFERED)[:9]
+_REAL = "this page takes real entries, a tetrad file others with complex = true"
+_NAME = re.compile(r"[^\W0-9]\w*")
+_PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
+_FUNCTION = re.compile(r"([^\W0-9]\w*)\s*\(([^()]*)\)")
+_SIGN = re.compile(r"[+-]1?|1")
+_ROW = re.compile(r"\b([Rr]ow) (\d+)")
+
+
+def tetrad(
+    coordinates: str,
+    entries: Sequence[Sequence[str]],
+    parameters: str = "",
+    signature: str = "",
+    show: Sequence[str] = USUAL,
+    functions: str = "",
+) -> Json:
+    """The geometry of a typed coframe as HTML, or what is wrong with which entry.
+
+    Parameters
+    ----------
+    coordinates, parameters
+        Names with commas or blanks between them; parameters are taken to be positive.
+    entries
+        e[i][mu] as text; rows are one-forms.
+    signature
+        One sign for each frame vector, such as "-+++"; all + if empty.
+    show
+        Names of quantities.
+    functions
+        Unknown functions with their arguments, such as ``a(t), f(r, theta)``.
+
+    Returns
+    -------
+    html: cards, empty if something is wrong. errors: "i,mu" -> what is wrong with that entry,
+    where i and mu count from 0; messages count rows from 1, as the page does.
+    problem: what is wrong with the whole, if it is no single entry's fault.
+
+    Examples
+    --------
+    >>> found = tetrad("r, phi", [["1", "0"], ["0", "r"]], show=["torsion"])
+    >>> found["errors"], "<mfrac>" in found["html"]
+    ({}, True)
+    >>> tetrad("r, phi", [["1", "0"], ["0", "rr"]])["errors"]["1,1"].splitlines()[0]
+    'rr is neither a coordinate nor a declared parameter'
+    >>> tetrad("t, x", [["1", "0"], ["0", "a(t)"]], functions="a(t)")["errors"]
+    {}
+    """
+    errors: dict[str, str] = {}
+    try:
+        names, constants = names_of(coordinates, "coordinates"), names_of(parameters, "parameters")
+        _check_names(names, constants)
+        symbols = {name: sp.Symbol(name, real=True) for name in names}
+        symbols |= {name: sp.Symbol(name, positive=True) for name in constants}
+        signs = signs_of(signature, len(names))
+        unknown = functions_of(functions, symbols)
+        rows = _read(entries, symbols, unknown, errors)
+        if errors:
+            return {"html": "", "errors": errors}
+        frame = Frame(
+            [symbols[name] for name in names],
+            rows,
+            signature=signs,
+            parameters=[symbols[name] for name in constants],
+            name="your tetrad",
+        )
+        return {"html": _cards(frame, show), "errors": {}}
+    except GeomtorsionError as error:
+        place = _PLACE.match(str(error))
+        if place:
+            text = from_one(str(error)[place.end() :])
+            return {"html": "", "errors": {f"{place[1]},{place[2]}": text}}
+        return {"html": "", "errors": errors, "problem": from_one(str(error))}
+
+
+def from_one(message: str) -> str:
+    """A message of the library, which counts from 0 as Python does, as the page counts: from 1.
+
+    Examples
+    --------
+    >>> from_one("Row 1 equals (2) * row 0 (rows counted from 0). coframe[0, 1] is odd.")
+    'Row 2 equals (2) * row 1. row 1, column 2 is odd.'
+    """
+    counted = _ROW.sub(lambda m: f"{m[1]} {int(m[2]) + 1}", message)
+    counted = _PLACE.sub(
+        lambda m: f"row {int(m[1]) + 1}, column {int(m[2]) + 1}{m[0][m[0].index(']') + 1 :]}",
+        counted,
+    )
+    # Here nobody can declare anything.
+    counted = counted.replace("declare it with complex=True", _REAL)
+    return counted.replace(" (rows counted from 0)", "")
+
+
+def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Expr]:
+    """Unknown functions in a line of text, by name.
+
+    Raises
+    ------
+    CoordinateError
+        Something in it is no function of coordinates and parameters, or a name is taken.
+
+    Examples
+    --------
+    >>> t, r = sp.symbols("t r", real=True)
+    >>> functions_of("a(t), f(t, r)", {"t": t, "r": r})
+    {'a': a(t), 'f': f(t, r)}
+    """
+    found: dict[str, sp.Expr] = {}
+    rest = re.sub(r"[,;\s]+", "", _FUNCTION.sub("", text))
+    if rest:
+        raise CoordinateError(
+            f"unknown functions: {rest[:40]!r} is no function with its arguments. Write each with "
+            "what it depends on: a(t), f(r, theta)."
+        )
+    for name, inside in _FUNCTION.findall(text):
+        arguments = names_of(inside, f"unknown function {name[:20]}")
+        strange = [argument for argument in arguments if argument not in symbols]
+        if not arguments or strange:
+            raise CoordinateError(
+                f"unknown functions: {name[:20]} depends on "
+                f"{', '.join(strange)[:40] or 'nothing'}. Write coordinates or parameters as its "
+                f"arguments: {', '.join(symbols)}."
+            )
+        if name in symbols or name in found:
+            raise CoordinateError(
+                f"unknown functions: {name[:20]} stands twice among coordinates, parameters and "
+                "functions. Name it once."
+            )
+        [checked] = names_of(name, "unknown functions")
+        found[checked] = sp.Function(checked)(*(symbols[argument] for argument in arguments))
+    return found
+
+
+def names_of(text: str, what: str = "names") -> list[str]:
+    """Names in a line of text.
+
+    Raises
+    ------
+    CoordinateError
+        Something in it is no name.
+
+    Examples
+    --------
+    >>> names_of("t, r theta")
+    ['t', 'r', 'theta']
+    """
+    found = [name for name in re.split(r"[,\s]+", text.strip()) if name]
+    for name in found:
+        if not _NAME.fullmatch(name) or len(name) > PAGE.name:
+            raise CoordinateError(
+                f"{what}: {name[:40]!r} is no name. Write letters first, then letters and digits, "
+                "with commas between names: r, theta, phi1."
+            )
+    return found
+
+
+def names_like(text: str, most: int) -> list[str]:
+    """A name for each word of a text; x1, x2, ... where a word is none, one where there is none.
+
+    Examples
+    --------
+    >>> names_like("r, <b>", 6), names_like("", 6)
+    (['r', 'x2'], ['x1'])
+    """
+    found = [name for name in re.split(r"[,\s]+", text.strip()) if name][:most] or [""]
+    return [
+        name if _NAME.fullmatch(name) and len(name) <= PAGE.name else f"x{k}"
+        for k, name in enumerate(found, 1)
+    ]
+
+
+def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
+    """One sign per frame vector, written as signs or as numbers 1 and -1; None for all plus.
+
+    Raises
+    ------
+    SignatureError
+        There are other letters than + and -, or not as many as frame vectors.
+
+    Examples
+    --------
+    >>> signs_of("- + + +", 4), signs_of("[-1, 1, 1]", 3)
+    ((-1, 1, 1, 1), (-1, 1, 1))
+    """
+    plain = re.sub(r"[\s,;()\[\]]", "", unicodedata.normalize("NFKC", text).replace("−", "-"))
+    if not plain:
+        return None
+    signs = ["-" if "-" in sign else "+" for sign in _SIGN.findall(plain)]
+    if _SIGN.sub("", plain) or len(signs) != dimension:
+        raise SignatureError(
+            f"signature: {dimension} signs + or - were needed, one for each row, but {text[:40]!r} "
+            f"came. Write {'-' + '+' * (dimension - 1)} or {'+' * dimension}."
+        )
+    return tuple(1 if sign == "+" else -1 for sign in signs)
+
+
+def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
+    if not names:
+        raise CoordinateError("coordinates: at least one name was needed, such as r, phi.")
+    if len(names) > PAGE.dimensions:
+        raise LimitError(
+            f"{len(names)} coordinates came; this page reads up to {PAGE.dimensions}. "
+            "`geomtorsion report FILE.toml` takes more."
+        )
+    every = [*names, *constants]
+    twice = next((name for name in every if every.count(name) > 1), None)
+    if twice:
+        raise CoordinateError(
+            f"{twice} stands twice among coordinates and parameters. Name it once."
+        )
+
+
+def _read(
+    entries: Sequence[Sequence[str]],
+    symbols: dict[str, sp.Symbol],
+    functions: Mapping[str, sp.Expr],
+    errors: dict[str, str],
+) -> list[list[sp.Expr]]:
+    """All entries as expressions; what cannot be read is noted under its place."""
+    rows = []
+    for i, row in enumerate(entries):
+        rows.append([])
+        for k, text in enumerate(row):
+            where = f"coframe[{i}, {k}]"
+            try:
+                value = read_typed(text, symbols, functions, where)
+            except GeomtorsionError as error:
+                errors[f"{i},{k}"] = from_one(_PLACE.sub("", str(error), count=1))
+                continue
+            rows[-1].append(value)
+    return rows
+
+
+def _cards(frame: Frame, show: Sequence[str]) -> str:
+    """Everything asked for, by section."""
+    # Sections are made of spaces; a typed frame becomes one without story or source.
+    space = Space("your tetrad", "your tetrad", "", "", frame)
+    chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
+    parts = []
+    for heading in ("", *SECTIONS):
+        found = [one for one in chosen if one.entry.section == heading]
+        if found:
+            title = f"<h3>{escape(heading)}</h3>" if heading else ""
+            parts.append(title + "".join(map(_card, found)))
+    return "".join(parts)
+
+
+def _card(quantity: Quantity) -> str:
+    """A section with a button that copies its formulas."""
+    button = views.copy_button(aligned(quantity), quantity.entry.title)
+    return section(quantity).removesuffix("</section>") + f"{button}</section>"

@@ -1,0 +1,178 @@
+"""tetrad controls: fields for one-forms, made anew when coordinates get other names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from geomtorsion.pictures.text import greek_name
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.kept import Kept
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import typable
+from geomtorsion.teaching.lab.tetrad import OFFERED, USUAL, names_like
+
+if TYPE_CHECKING:
+    from marimo import ui
+
+    from geomtorsion.teaching.lab.tasks import Runner
+
+BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
+# Fields for entries at most.
+MOST = PAGE.dimensions**2
+_LETTERS = ("x", "y", "z", "w")
+
+
+def first_start() -> str:
+    """The space that is there when the page is opened."""
+    return next(iter(typable().values()))
+
+
+def starts(mo: ModuleType, kept: Kept) -> ui.dropdown:
+    """Where to begin typing: an empty tetrad or that of a space."""
+    options: Json = {**typable(), **BLANK}
+    wanted = kept.one_of("start", list(options.values()), next(iter(options.values())))
+    [first] = [title for title, value in options.items() if value == wanted]
+    return mo.ui.dropdown(options, value=first, label="start from")
+
+
+def facts(start: str | int, runner: Runner) -> Json:
+    """The facts of a space, or of an empty tetrad of so many coordinates."""
+    return blank(start) if isinstance(start, int) else runner.ask("space_form", space=start)
+
+
+def tetrad_case(
+    values: Mapping[str, str], entries: Sequence[Sequence[str]], show: Sequence[str]
+) -> Json:
+    """Fields as the arguments of the task for tetrads."""
+    return {
+        "coordinates": values["coordinates"],
+        "parameters": values["parameters"],
+        "functions": values["unknown functions"],
+        "signature": values["signature"],
+        "entries": entries,
+        "show": show,
+    }
+
+
+def blank(n: int) -> Json:
+    """The facts of a space about which nothing is known: the identity."""
+    names = list(_LETTERS[:n])
+    return {"coordinates": names, "parameters": [], "functions": [], "signature": "", "coframe": []}
+
+
+def names(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
+    """Fields for coordinates, parameters, unknown functions and signature."""
+    hints = {
+        "coordinates": "r, phi", "parameters": "none", "unknown functions": "none; a(t), f(r)",
+        "signature": "all +",
+    }  # fmt: skip
+    return mo.ui.dictionary(
+        {
+            key: mo.ui.text(
+                value=kept.text(key.split()[-1], usual),
+                placeholder=hints[key],
+                label=key,
+                debounce=PAGE.pause,
+            )
+            for key, usual in _usual_names(info).items()
+        }
+    )
+
+
+def _usual_names(info: Json) -> dict[str, str]:
+    """What the fields for names hold where nothing was changed."""
+    signs = info["signature"]
+    return {
+        "coordinates": ", ".join(info["coordinates"]),
+        "parameters": ", ".join(info["parameters"]),
+        "unknown functions": ", ".join(info["functions"]),
+        "signature": signs if "?" not in signs else "",
+    }
+
+
+def entries(mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str]) -> ui.dictionary:
+    """A field for each entry of the coframe, by "i,k", with what is typed there already."""
+    n = len(coordinates)
+    return mo.ui.dictionary(
+        {
+            f"{i},{k}": mo.ui.text(
+                value=typed.get(f"{i},{k}", "1" if i == k else "0"),
+                label=f"row {i + 1}, d{greek_name(name)}",
+                debounce=PAGE.pause,
+                full_width=True,
+            )
+            for i in range(n)
+            for k, name in enumerate(coordinates)
+        }
+    )
+
+
+def typed(info: Json, kept: Kept) -> dict[str, str]:
+    """Entries of a coframe by "i,k": those of a space, or what the address of the page holds.
+
+    Examples
+    --------
+    >>> typed({"coframe": [["1", "0"], ["0", "r"]]}, Kept({"coframe": "1|0;0|r^2"}))
+    {'0,0': '1', '0,1': '0', '1,0': '0', '1,1': 'r^2'}
+    """
+    known = info["coframe"]
+    if "coframe" in kept.texts:
+        known = [row.split("|") for row in kept.texts["coframe"].split(";")]
+    size = range(PAGE.dimensions)
+    return {f"{i},{k}": known[i][k] for i in size[: len(known)] for k in size[: len(known[i])]}
+
+
+def coordinates(values: Mapping[str, str]) -> list[str]:
+    """Names of the columns, as far as they can be read: as many fields as there are.
+
+    Examples
+    --------
+    >>> coordinates({"coordinates": "r, phi, 2x"})
+    ['r', 'phi', 'x3']
+    """
+    return names_like(values["coordinates"], PAGE.dimensions)
+
+
+def kept_tetrad(
+    start: str | int,
+    info: Json,
+    values: Mapping[str, str],
+    coframe: Sequence[Sequence[str]],
+    show: Sequence[str],
+) -> dict[str, tuple[str, str]]:
+    """What the address keeps of a tetrad, each with what it is where nothing was changed."""
+
+    def joined(rows: Sequence[Sequence[str]]) -> str:
+        return ";".join("|".join(row) for row in rows)
+
+    n = len(info["coordinates"])
+    ones = [["1" if i == k else "0" for k in range(n)] for i in range(n)]
+    usual = _usual_names(info)
+    texts = {key.split()[-1]: (values[key], usual[key]) for key in usual}
+    return {
+        "start": (str(start), first_start()),
+        **texts,
+        "coframe": (joined(coframe), joined(info["coframe"] or ones)),
+        "show": (",".join(show), ",".join(USUAL)),
+    }
+
+
+def rows(values: Mapping[str, str], n: int) -> list[list[str]]:
+    """Entries by "i,k" as rows.
+
+    Examples
+    --------
+    >>> rows({"0,0": "1", "0,1": "0", "1,0": "0", "1,1": "r"}, 2)
+    [['1', '0'], ['0', 'r']]
+    """
+    return [[values[f"{i},{k}"] for k in range(n)] for i in range(n)]
+
+
+def offered(mo: ModuleType, kept: Kept) -> ui.dictionary:
+    """Boxes for the quantities that can be shown."""
+    wanted = kept.some_of("show", list(OFFERED), USUAL)
+    return mo.ui.dictionary(
+        {name: mo.ui.checkbox(value=name in wanted, label=text) for name, text in OFFERED.items()}
+    )

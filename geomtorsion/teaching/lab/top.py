@@ -1,0 +1,268 @@
+"""top: a body that turns, as a film of its two cones; its plan; and the naive law next to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geomtorsion.pictures.style import SERIES, Stroke
+from geomtorsion.scenes import Body, Scene, State, effects
+from geomtorsion.scenes.effects import Naive
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.numbers import shown, table
+from geomtorsion.teaching.lab.plot import key, plane, svg
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
+
+if TYPE_CHECKING:
+    from geomtorsion.scenes import Scene, SceneResult
+    from geomtorsion.scenes.effects import Effect
+
+# Watched for the film and the table, whatever is chosen for the graph and the plan.
+_WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
+# key -> what it is called on its switch.
+SWITCHES = {
+    "gravity": "gravity, 9.81 m/s²",
+    "pivot": "fixed point, 0.5 m below the centre",
+    "damping": "damping, 0.05 N m s",
+    "rotor": "wheel on axis 3, 2 N m s",
+    "magnet": "magnet along axis 3 in a field",
+    "torsion": "torsion force",
+}
+# Quantity -> what it is called in the list of what is watched.
+WATCHED = {
+    "omega": "angular velocity, body axes",
+    "omega_space": "angular velocity, space axes",
+    "nutation": "nutation angle",
+    "matrix": "attitude",
+    "energy": "energy",
+    "position": "place",
+}
+# Quantity -> what its components are called, and its unit.
+_SHOWN = {
+    "omega": (("Ω₁", "Ω₂", "Ω₃"), "rad/s"),
+    "omega_space": (("ω_x", "ω_y", "ω_z"), "rad/s"),
+    "nutation": (("nutation angle",), "rad"),
+    "matrix": (tuple(f"R{i}{k}" for i in "₁₂₃" for k in "₁₂₃"), ""),
+    "energy": (("energy",), "J"),
+    "position": (("x", "y", "z"), "m"),
+}
+_SPACE, _BODY, _AXIS, _MOMENTUM = SERIES[:4]
+
+
+def top(
+    moments: Sequence[float],
+    omega: Sequence[float],
+    tilt: float,
+    t: float,
+    effects: Sequence[str] = (),
+    watch: Sequence[str] = ("nutation",),
+) -> Json:
+    """A body with some effects, right and by the naive law.
+
+    Parameters
+    ----------
+    moments, omega
+        about the body axes, kg m^2 and rad/s.
+    tilt
+        of the third body axis from the vertical at the start, rad.
+    t
+        s.
+    effects
+        keys of SWITCHES.
+    watch
+        keys of WATCHED: what the graph shows, and what the plan is made for.
+
+    Returns
+    -------
+    space: an HTML document, the film; title: its name. plan: HTML. compared: svg.
+    table, sentence: HTML and text.
+    omega: the last angular velocity, body axes; naive: the same by the naive law, or None.
+
+    Examples
+    --------
+    >>> found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 5.0)
+    >>> found["naive"], len(found["omega"])
+    ([0.1, 2.0, 0.1], 3)
+    """
+    turns = math.hypot(*omega) * float(t) / (2 * math.pi)
+    samples = round(min(max(PAGE.least_times, PAGE.each_turn * turns), PAGE.most_times))
+    acting = made(effects)
+    watch = tuple(watch) or ("nutation",)
+    every = tuple(dict.fromkeys((*_WATCH, *watch)))
+    scene = scene_of(moments, omega, tilt, t, acting, every, samples)
+    result = scene.run()
+    wrong = None
+    if "torsion" not in effects:
+        naive = (*acting, Naive())
+        wrong = scene_of(moments, omega, tilt, t, naive, every, samples).run()
+    plan = scene_of(moments, omega, tilt, t, acting, watch, samples)
+    return {
+        "space": turnable(_film(result)),
+        "title": "Film: body cone and space cone",
+        "plan": _plan(plan),
+        "compared": _compared(result, wrong, watch[0]),
+        "table": _table(result, wrong),
+        "sentence": _sentence(result, wrong),
+        "omega": [float(x) for x in result["omega"][-1]],
+        "naive": None if wrong is None else [float(x) for x in wrong["omega"][-1]],
+    }
+
+
+def made(names: Sequence[str]) -> tuple[Effect, ...]:
+    """The effects that are switched on.
+
+    Examples
+    --------
+    >>> [effect.key for effect in made(["pivot", "gravity"])]
+    ['gravity', 'pivot']
+    """
+    makers = {
+        "gravity": lambda: effects.Gravity(9.81),
+        "pivot": lambda: effects.Pivot((0, 0, 0.5)),
+        "damping": lambda: effects.AngularDamping(0.05),
+        "rotor": lambda: effects.Rotor((0, 0, 1), momentum=2),
+        "magnet": lambda: effects.Magnet((0, 0, 1), (0, 0, 1)),
+        "torsion": effects.Torsion,
+    }
+    return tuple(make() for name, make in makers.items() if name in names)
+
+
+def scene_of(
+    moments: Sequence[float],
+    omega: Sequence[float],
+    tilt: float,
+    t: float,
+    effects: Sequence[Effect],
+    watch: Sequence[str],
+    samples: int = PAGE.least_times,
+) -> Scene:
+    """The scene that the switches and sliders describe."""
+    return Scene(
+        Body(mass=1.0, moments=tuple(moments)),
+        tuple(effects),
+        State(omega=tuple(omega), euler=(0, tilt, 0)),
+        watch=tuple(watch),
+        t=float(t),
+        accuracy=PAGE.accuracy,
+        samples=samples,
+    )
+
+
+def _film(result: SceneResult) -> Film:
+    """Body cone and space cone: the one rolls on the other."""
+    omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
+    size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
+    momentum = result["angular_momentum_space"]
+    long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
+    tips = thinned((fixed / size).tolist(), PAGE.film_points)
+    curves = [
+        Curve(tips, _SPACE, "space cone: where ω points, in space", tip="ω"),
+        Curve(_rays(tips), replace(_SPACE, end=""), thin=True),
+        Curve(
+            thinned(turns[:, :, 2].tolist(), PAGE.film_points),
+            replace(_AXIS, width=1.4), "path of axis 3", tip="3",
+        ),
+        Curve(
+            [(0, 0, 0), (momentum[0] / long).tolist()],
+            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start",
+        ),
+    ]  # fmt: skip
+    polhode = thinned((omega / size).tolist(), PAGE.film_points)
+    moving = [
+        Curve(polhode, replace(_BODY, end="", width=2.4), "body cone: it rolls"),
+        Curve(_rays(polhode), replace(_BODY, end="", width=0.7)),
+    ]
+    axis = Stroke("#8a8f99", "-", 1.2, "")
+    moving += [
+        Curve([(0, 0, 0), end], axis, tip=name)
+        for name, end in (("1", (1, 0, 0)), ("2", (0, 1, 0)))
+    ]
+    moving.append(Curve([(0, 0, 0), (0, 0, 1)], axis))
+    return Film(
+        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), tuple(moving),
+        attitudes=thinned(turns.tolist(), PAGE.film_points),
+        times=thinned(result.times.tolist(), PAGE.film_points), equal=True,
+    )  # fmt: skip
+
+
+def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[float]]:
+    """A cone by its rays: from the origin to some of the tips and back."""
+    chosen = thinned(tips, count)
+    return [point for tip in chosen for point in ((0.0, 0.0, 0.0), tip, (0.0, 0.0, 0.0))]
+
+
+def _plan(scene: Scene) -> str:
+    """What is simulated and what is left out, as a table."""
+    plan = scene.selection
+    rows = [
+        ["in" if row.inside else "left out", row.kind, row.name, row.reason] for row in plan.rows
+    ]
+    watched = ", ".join(WATCHED.get(name, name) for name in scene.watch)
+    return table(
+        ("", "", "which", "why"), rows, f"To watch {watched}: {len(plan.states)} equations"
+    )
+
+
+def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str:
+    """What is watched over time; of several components the one in which the naive law errs most."""
+    names, unit = _SHOWN[watch]
+    right = result[watch].reshape(len(result.times), -1)
+    other = right if wrong is None else wrong[watch].reshape(right.shape)
+    apart = np.abs(right - other).max(axis=0)
+    k = int((apart if apart.any() else np.ptp(right, axis=0)).argmax())
+    label = names[k]
+    title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
+    figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
+    axes.plot(result.times, right[:, k], **SERIES[0].line, label="L′ + Ω × L = M")
+    if wrong is not None:
+        axes.plot(result.times, other[:, k], **SERIES[1].line, label="naive: L′ = M")
+    key(figure, axes)
+    return svg(figure)
+
+
+def _change(values: np.ndarray) -> float:
+    """Largest change of a vector since the start, relative to its size."""
+    moved = np.linalg.norm(values - values[0], axis=-1).max()
+    return float(moved / (np.linalg.norm(values, axis=-1).max() or 1.0))
+
+
+def _table(result: SceneResult, wrong: SceneResult | None) -> str:
+    """How each was computed, and what it conserves."""
+    rows = []
+    for name, found in (("right", result), ("naive", wrong)):
+        if found is None:
+            continue
+        energy = found["energy"]
+        scale = float(abs(energy).max()) or 1.0
+        rows.append(
+            [
+                name,
+                found.closed_form or found.engine,
+                f"{found.error:.0e}",
+                shown(_change(found["angular_momentum_space"]), PAGE.accuracy),
+                shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
+            ]
+        )
+    heads = ("", "by", "error", "change of L in space", "change of energy")
+    return table(heads, rows, "How they were computed, and what stays (relative)")
+
+
+def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
+    """What is seen, in words."""
+    change = _change(result["angular_momentum_space"])
+    kept = (
+        "The angular momentum stays where it is in space"
+        if change < 1e3 * PAGE.accuracy
+        else "The angular momentum moves in space, since moments act"
+    )
+    if wrong is None:
+        return f"{kept}. There is no naive law with torsion."
+    other = _change(wrong["angular_momentum_space"])
+    if other < 1e3 * PAGE.accuracy:
+        return f"{kept}; by the naive law too: here both laws say the same."
+    return f"{kept}; by the naive law it changes by {other:.1%}."

@@ -1,0 +1,161 @@
+"""turning: pictures in space that can be turned, as documents of their own with all they need.
+
+matplotlib draws no picture that a reader turns, and plotly brings 4 MB of script into each page.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import TypeVar
+
+from geomtorsion.pictures.style import Stroke
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.settings import PAGE
+
+T = TypeVar("T")
+_STYLE = """
+* { box-sizing: border-box; }
+body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff; }
+h1 { font-size: 15px; margin: 2px 0 4px; text-align: center; }
+canvas { display: block; width: 54px; height: 16px; }
+#space { width: 100%; height: 380px; touch-action: pan-y; cursor: grab; }
+canvas:focus-visible, button:focus-visible, input:focus-visible { outline: 3px solid #1f5fa8; }
+.film { display: flex; gap: 10px; align-items: center; margin: 4px 8px; }
+.film input { flex: 1; min-width: 60px; accent-color: #1f5fa8; }
+.film output { min-width: 6.5em; font-variant-numeric: tabular-nums; }
+button { font: inherit; padding: 2px 14px; border: 1px solid #1f5fa8; border-radius: 6px;
+  background: #fff; color: #1f5fa8; cursor: pointer; }
+ul { list-style: none; margin: 4px 8px; padding: 0; display: flex; flex-wrap: wrap; gap: 2px 18px; }
+li { display: flex; align-items: center; gap: 8px; }
+p { margin: 2px 8px 4px; color: #5c6475; font-size: 13px; }
+"""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line in space.
+
+    points: places. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
+    label: in the legend. tip: written at its moving end. thin: drawn with less weight.
+    """
+
+    points: Sequence[Sequence[float]]
+    stroke: Stroke
+    label: str = ""
+    tip: str = ""
+    thin: bool = False
+
+
+@dataclass(frozen=True)
+class Film:
+    """A picture in space.
+
+    name: under which the browser remembers how it was turned. title, axes: words.
+    curves: fixed in space. moving: lines fixed in the body. attitudes: rotation matrices.
+    times: of attitudes and of the points of curves; a film if there are any.
+    globe: radius of a sphere that hides what is behind it; equal: lengths are true.
+    """
+
+    name: str
+    title: str
+    axes: tuple[str, str, str]
+    curves: tuple[Curve, ...]
+    moving: tuple[Curve, ...] = ()
+    attitudes: Sequence[Sequence[Sequence[float]]] = ()
+    times: Sequence[float] = ()
+    globe: float = 0.0
+    equal: bool = False
+    note: str = field(default="")
+
+
+def turnable(scene: Film) -> str:
+    """The picture as an HTML document without any reference to another.
+
+    Examples
+    --------
+    >>> from geomtorsion.pictures.style import SERIES
+    >>> line = Curve([(0, 0, 0), (1, 1, 1)], SERIES[0], "a line")
+    >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
+    >>> "http" in page, page.count("<canvas")
+    (False, 2)
+    """
+    data = {
+        "name": scene.name,
+        "axes": list(scene.axes),
+        "curves": [_plain(curve) for curve in scene.curves],
+        "moving": [_plain(part) for part in scene.moving],
+        "attitudes": [_rounded([x for row in m for x in row]) for m in scene.attitudes],
+        "times": _rounded(scene.times),
+        "globe": scene.globe,
+        "equal": scene.equal,
+        "seconds": PAGE.film,
+    }
+    # In a script element only the end of that element ends the text.
+    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    film = ""
+    if len(scene.times) > 1:
+        film = (
+            '<div class="film"><button id="play" type="button">Play</button>'
+            f'<input id="time" type="range" min="0" max="{len(scene.times) - 1}" '
+            f'value="{len(scene.times) - 1}" aria-label="time"><output id="clock"></output></div>'
+        )
+    legend = "".join(
+        f'<li><canvas data-curve="{number}" aria-hidden="true"></canvas>{escape(curve.label)}</li>'
+        for number, curve in enumerate((*scene.curves, *scene.moving))
+        if curve.label
+    )
+    note = f"{scene.note} " if scene.note else ""
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f"<title>{escape(scene.title)}</title><style>{_STYLE}</style></head><body>"
+        f"<h1>{escape(scene.title)}</h1>"
+        f'<canvas id="space" tabindex="0" role="img" aria-label="{escape(scene.title)}; '
+        'arrow keys turn it"></canvas>'
+        f"{film}<ul>{legend}</ul>"
+        f"<p>{escape(note)}Drag or use the arrow keys to turn; + and − zoom.</p>"
+        f'<script type="application/json" id="data">{text}</script>'
+        f"<script>{_script()}</script></body></html>"
+    )
+
+
+@cache
+def _script() -> str:
+    return Path(__file__).with_name("turn.js").read_text("utf-8")
+
+
+def _plain(curve: Curve) -> Json:
+    stroke = curve.stroke
+    # matplotlib counts dashes in widths of the line, a canvas in pixels.
+    dashes = [] if stroke.dashes == "-" else [stroke.width * part for part in stroke.dashes[1]]
+    return {
+        "color": stroke.color,
+        "dashes": dashes,
+        "mark": stroke.end,
+        "width": stroke.width,
+        "points": [_rounded(point) for point in curve.points],
+        "tip": curve.tip,
+        "thin": curve.thin,
+    }
+
+
+def _rounded(values: Sequence[float]) -> list[float]:
+    return [float(f"{float(x):.{PAGE.digits}g}") for x in values]
+
+
+def thinned(points: Sequence[T], most: int = PAGE.points) -> list[T]:
+    """Evenly chosen points of a long curve, the last one among them.
+
+    Examples
+    --------
+    >>> thinned(range(10), 4)
+    [0, 3, 6, 9]
+    """
+    count = len(points)
+    if count <= most:
+        return list(points)
+    return [points[round(k * (count - 1) / (most - 1))] for k in range(most)]

@@ -1,0 +1,406 @@
+"""views: answers of tasks as HTML, the same for the served page and for pages without a server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from html import escape
+from pathlib import Path
+
+from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.settings import PAGE
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Sentences for one tab.
+
+    seen: what is shown. tried: what to do first. words: term -> what it means.
+    """
+
+    seen: str
+    tried: str
+    words: Mapping[str, str] = field(default_factory=dict)
+
+
+GUIDES: Mapping[str, Guide] = {
+    "Any tetrad": Guide(
+        "Each row is a one-form, written by its entries along dx, dy and so on. Below stand the "
+        "metric, the connections, torsion and curvature that follow from the rows, exactly.",
+        "start from flat_polar and read the torsion; then write cos(phi) and "
+        "-r*sin(phi) into row 1, sin(phi) and r*cos(phi) into row 2: the metric stays, the "
+        "torsion goes.",
+        {
+            "tetrad (coframe)": "n one-forms, which say how far a step leads along each of n axes "
+            "that are carried along at every point.",
+            "torsion S": "the part of the connection that is antisymmetric in its lower indices: "
+            "two steps, taken in either order, do not end at the same place.",
+            "contortion K": "the difference of the two connections, Cartan's and Levi-Civita's.",
+            "unknown function": "a function such as a(t) of which nothing is known but what it "
+            "depends on; its derivatives stay in the result.",
+            "indices": "are named by coordinates, or counted from 1, with a hat, where they belong "
+            "to the frame.",
+        },
+    ),
+    "Loops": Guide(
+        "Left: a circle in two coordinates, which closes. Right: the same steps, added up along "
+        "the axes of the frame: where there is torsion inside, an arrow b is missing at the end.",
+        "make the radius smaller and see b follow 2 S A ever more closely; then take "
+        "screw_dislocation, where b stays the same however small the circle is. At the foot of the "
+        "page a map of your own is measured.",
+        {
+            "b": "the Burgers vector: what is missing when the image of a closed loop is drawn in "
+            "the frame, one component for each of its axes.",
+            "flux of torsion": "the torsion that goes through a surface which the loop bounds, "
+            "added up; by Stokes' theorem it is b, unless the surface meets a line on which the "
+            "frame is singular.",
+            "2 S A": "twice the torsion at the centre times the area A inside the loop: what the "
+            "flux is for a small loop.",
+            "units": "lengths are in the unit in which the frame is written, angles in radians.",
+        },
+    ),
+    "Straightest and shortest": Guide(
+        "Two curves from one start, with one velocity: the straightest keeps its direction in the "
+        "frame, the shortest has the smallest length. The torsion force pulls them apart.",
+        "turn the picture and run the film; then choose so3: with equal moments I1, I2, I3 both "
+        "are one curve, with unequal ones they part.",
+        {
+            "straightest (autoparallel)": "its components of velocity u1, u2, ... along the "
+            "frame stay what they are: it never steers.",
+            "shortest (geodesic)": "no curve nearby between two of its points is shorter, if "
+            "the points are close; the moments I1, I2, I3 say how motion is measured.",
+            "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration by which the straightest "
+            "curve leaves the shortest one.",
+            "units": "lengths are in the unit of the frame, angles in radians; u1, u2, ... are "
+            "per unit of the time t; moments count against each other only.",
+        },
+    ),
+    "The top": Guide(
+        "A body turns. The cone that the angular velocity draws in the body rolls on the cone "
+        "that it draws in space; next to it is what you watch, by the right law and by a wrong "
+        "one.",
+        "press Play; then set all three moments to 2 and see that both laws agree; then "
+        "switch on gravity and the fixed point for a heavy top.",
+        {
+            "body cone": "drawn by the angular velocity ω as the body sees it; it rolls without "
+            "slipping on the space cone.",
+            "space cone": "drawn by ω as somebody in the room sees it.",
+            "torsion force": "a force that bends free motion as torsion would; with it on, the "
+            "body follows the straightest curve of its space and not the shortest.",
+            "naive law": "L' = M in body axes, without the term Ω × L: the mistake of forgetting "
+            "that the axes turn with the body.",
+            "nutation": "the angle of the third body axis from the vertical.",
+        },
+    ),
+    "What accuracy costs": Guide(
+        "Each mark is one way to compute the case that is set on another tab: how wrong it was, "
+        "and how long it took. To the right is more accurate, lower is faster.",
+        "measure the loop and find the first rule that comes below 1e-12; then make the loop "
+        "smaller on its tab, and measure again.",
+        {
+            "error": "relative to the largest component, against a closed form or many more "
+            "digits: it is measured and not assumed.",
+        },
+    ),
+    "Exercises": Guide(
+        "The same exercises as on the command line. An answer in any equal form is right; of a "
+        "wrong one you are told what has probably happened.",
+        "answer, read what is said, and take a hint before you look anything up; "
+        "variant 0 is that of the paper, every other number gives other functions.",
+    ),
+}
+
+# The part of the tab for loops that takes a file.
+ATOMS = Guide(
+    "A square lattice with an edge dislocation, as elasticity bends it. Each bond is read as the "
+    "nearest lattice vector; beside it stands what the same steps are in a perfect lattice. What "
+    "is missing there to a circuit that closes in the crystal is b, in whole numbers.",
+    "press Show a circuit; then click one of your own, far from the core, close to it, beside it; "
+    "take two opposite dislocations and go round one, the other, and both.",
+    {
+        "extra half plane": "the column of atoms that ends at the core: on its side a circuit has "
+        "a step more, and that is the step that is missing on the other.",
+        "core": "where the bonds are so bent that no lattice vector is clearly the nearest; "
+        "circuits stay outside of it, and it does not matter which way they take.",
+    },
+)
+MEASURED = Guide(
+    "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
+    "it), an orientation map (.ctf, .ang) or a picture of a lattice (PNG, TIFF, NPY). Colours show "
+    "|b| per area of square circuits of one size, each at its middle; a picture is shown as it is. "
+    "The frame is the circuit whose b is given. Up to "
+    f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels; the file stays in "
+    "the memory of the machine that serves this page.",
+    "put the circuit round a bright spot, then beside it; make it larger and see the noise per "
+    "area fall; lead it across a grain boundary or the edge of a hole, and read what is said; in a "
+    "picture b is made of whole numbers: look where they change.",
+    {
+        "whole numbers": "how often the phases of two waves of the lattice turn along the circuit: "
+        "in a picture b is exact, but for the chance that noise turns a phase once more.",
+        "noise": "one standard deviation of each component, from the noise of every node or pixel, "
+        "added up along this very circuit.",
+        "interpolation": "what another order of interpolation between the nodes would change.",
+        "|b| per area": "for an orientation map the density of dislocations that bend the lattice, "
+        "times the length of their Burgers vector.",
+    },
+)
+
+
+# Name of a tab -> what is to be done there, in a sentence.
+TABS = {
+    "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
+    "Loops": "Carry a frame round a circle: its image does not close where there is torsion.",
+    "Straightest and shortest": "Two curves from one start: where torsion pulls, they part.",
+    "The top": "Switch on what a body feels; see what is simulated, and what is left out.",
+    "What accuracy costs": "Error against time for the case that is set on the other tabs.",
+    "Exercises": "The same as on the command line: answer, be told why not, take a hint.",
+}
+TETRAD, LOOPS, PATHS, TOP, COSTS, EXERCISES = TABS
+
+
+@cache
+def style() -> str:
+    """The style sheet of the page."""
+    return Path(__file__).with_name("lab.css").read_text("utf-8")
+
+
+@cache
+def copying() -> str:
+    """The script that copies LaTeX."""
+    return Path(__file__).with_name("copy.js").read_text("utf-8")
+
+
+def wrapped(html: str) -> str:
+    """HTML to which the style sheet applies."""
+    return f'<div class="lab">{html}</div>'
+
+
+def header() -> str:
+    """The title, which stands above all tabs."""
+    return wrapped("<h1>Torsion lab</h1>")
+
+
+def intro(tab: str, *, still: bool = False) -> str:
+    """What one sees on a tab; and what to try, unless nothing on the page can be changed."""
+    guide = GUIDES[tab]
+    tried = f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
+    return wrapped(f'<p class="guide">{escape(guide.seen)}</p>{"" if still else tried}')
+
+
+def words(tab: str) -> str:
+    """The terms of a tab, explained."""
+    return _terms(GUIDES[tab])
+
+
+def _terms(guide: Guide) -> str:
+    items = "".join(
+        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in guide.words.items()
+    )
+    return f'<h3>In words</h3><dl class="words">{items}</dl>' if items else ""
+
+
+def copy_button(latex: str, what: str) -> str:
+    """A button that copies LaTeX; the page's own script listens to it.
+
+    Examples
+    --------
+    >>> copy_button("a < b", "Metric").count("&lt;")
+    1
+    """
+    return (
+        f'<button type="button" class="copy" data-latex="{escape(latex)}" '
+        f'aria-label="Copy LaTeX: {escape(what)}">Copy LaTeX</button>'
+    )
+
+
+def notice(text: str) -> str:
+    """A message about something that cannot be done.
+
+    Examples
+    --------
+    >>> notice("a < b")
+    '<pre class="notice" role="alert">a &lt; b</pre>'
+    """
+    return f'<pre class="notice" role="alert">{escape(text)}</pre>'
+
+
+def problem(reply: Json) -> str:
+    """The message of a reply that is no answer, or nothing."""
+    return notice(reply["problem"]) if reply.get("problem") else ""
+
+
+def fault(reply: Json, i: int, k: int) -> str:
+    """What is wrong with one entry of a tetrad, to stand next to it."""
+    text = reply.get("errors", {}).get(f"{i},{k}", "")
+    return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
+
+
+def tetrad(reply: Json) -> str:
+    """Cards of a tetrad, or what is wrong."""
+    faults = len(reply.get("errors", {}))
+    message = ""
+    if faults:
+        entries = "1 entry" if faults == 1 else f"{faults} entries"
+        message = notice(f"{entries} cannot be read; the reason stands beside each.")
+    shown = reply.get("html", "")
+    return wrapped(problem(reply) + message + shown + (words(TETRAD) if shown else ""))
+
+
+def loop(reply: Json) -> str:
+    """A loop, its image, and what is seen of its Burgers vector."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
+    said = f'<p class="said" id="loop-said">{escape(reply["sentence"])}</p>'
+    return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}')
+
+
+def loop_below(reply: Json) -> str:
+    """The numbers of a loop, and its words."""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{words(LOOPS)}</div>')
+
+
+def atoms(reply: Json) -> str:
+    """A crystal in which circuits are clicked, and what to try there."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    text = (
+        f'<h2>From atom to atom</h2><p class="guide">{escape(ATOMS.seen)}</p>'
+        f'<p class="guide"><strong>Try:</strong> {escape(ATOMS.tried)}</p>'
+    )
+    return wrapped(f'<div class="atoms" id="atoms">{text}{framed(reply)}</div>{_terms(ATOMS)}')
+
+
+def map_field(field: object) -> str:
+    """What a map or image of one's own is for, and the field that takes it."""
+    text = (
+        f'<h2>A map or an image of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
+        f'<p class="guide"><strong>Try:</strong> {escape(MEASURED.tried)}</p>'
+    )
+    return wrapped(f'<div class="measured">{text}<div class="controls">{field}</div></div>')
+
+
+def map_told(facts: Json) -> str:
+    """What a map is, or why it is none."""
+    if facts.get("problem"):
+        return wrapped(f'<div class="measured" id="map-problem">{problem(facts)}</div>')
+    return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
+
+
+def measured(reply: Json) -> str:
+    """The picture of a map with a circuit, and its Burgers vector or why it has none."""
+    if reply.get("problem"):
+        return wrapped(f'<div class="measured" id="map-problem">{problem(reply)}</div>')
+    if reply.get("refused"):
+        side = notice(reply["refused"])
+    else:
+        side = f'<p class="said">{escape(reply["sentence"])}</p>{reply["table"]}'
+    picture = f'<div id="map">{reply["picture"]}</div>'
+    both = f'<div class="figures">{picture}<div id="map-said">{side}</div></div>'
+    return wrapped(f'<div class="measured">{both}{_terms(MEASURED)}</div>')
+
+
+def paths(reply: Json) -> str:
+    """Two curves and how far they are apart."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
+    curves = framed(reply) or reply.get("picture", "")
+    side = f"<div>{said}{reply['distance']}</div>"
+    return wrapped(f'<div class="figures"><div>{curves}</div>{side}</div>')
+
+
+def paths_below(reply: Json) -> str:
+    """How two curves were computed, and the words."""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{words(PATHS)}</div>')
+
+
+def costs(reply: Json) -> str:
+    """Picture, advice and measurements."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    truth = f" Errors against {escape(reply['truth'])}." if "truth" in reply else ""
+    said = f'<p class="said" id="costs-said">{reply["advice"]}{truth}</p>'
+    picture = f'<div class="one">{reply["picture"]}</div>'
+    return wrapped(f"{said}{picture}{reply['table']}{words(COSTS)}")
+
+
+def top(reply: Json) -> str:
+    """A film of the top, and what is watched, by the naive law too."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
+    side = f"<div>{said}{reply['compared']}</div>"
+    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{side}</div>')
+
+
+def top_below(reply: Json) -> str:
+    """How the top was computed, its plan, and the words."""
+    plan = f'<div id="top-plan">{reply["plan"]}</div>' if "plan" in reply else ""
+    return wrapped(f'<div class="later">{reply.get("table", "")}{plan}{words(TOP)}</div>')
+
+
+def exercise(reply: Json) -> str:
+    """Statement of an exercise."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
+    facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; variant {reply['seed']}"
+    stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
+    return wrapped(f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}')
+
+
+def verdict(reply: Json | None) -> str:
+    """What is said about answers; nothing if none were given."""
+    if reply is None:
+        return ""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    if not reply["questions"]:
+        return wrapped('<p class="note">Write an answer first.</p>')
+    parts = []
+    for one in reply["questions"]:
+        look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
+        parts.append(
+            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
+            f"{one['message']}{one['copy']}</div>"
+        )
+    notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
+    points = f"{reply['earned']:.3g} of {reply['points']} points"
+    parts.append(f'{notes}<p class="note">{points}</p>')
+    return wrapped(f'<div class="sideways" id="verdict">{"".join(parts)}</div>')
+
+
+def steps(reply: Json) -> str:
+    """Hints, in order."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    items = "".join(f"<li>{hint}</li>" for hint in reply["hints"])
+    if not items:
+        return wrapped("")
+    return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>{reply["copy"]}')
+
+
+def framed(reply: Json) -> str:
+    """The turnable picture of a reply in a frame of its own, with all it needs; or nothing."""
+    if not reply.get("space"):
+        return ""
+    title = escape(reply.get("title", "picture in space"))
+    return f'<iframe title="{title}" srcdoc="{escape(reply["space"])}"></iframe>'
+
+
+def grid(cells: Sequence[str], columns: int) -> str:
+    """Pieces of HTML in rows."""
+    inner = "".join(f"<div>{cell}</div>" for cell in cells)
+    template = f"grid-template-columns: repeat({columns}, minmax(0, 1fr))"
+    return f'<div class="tetrad" style="{template}">{inner}</div>'
+
+
+def controls(pieces: Sequence[object], kind: str = "") -> str:
+    """Controls side by side, in as many rows as they need.
+
+    kind "after": on a narrow window they stand below the picture that they change.
+    """
+    inner = "".join(f"<div>{piece}</div>" for piece in pieces)
+    return wrapped(f'<div class="controls {kind}">{inner}</div>')

@@ -1,0 +1,268 @@
+"""Atom files: formats that ase reads, damage named by its line, and formats that are refused."""
+
+# Tests give what users give, wrong things included.
+# pyright: reportArgumentType=false
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import ArgumentError, FileFormatError, GeomtorsionError
+from geomtorsion.materials.crystals import read, read_all
+from geomtorsion.materials.crystals.atom_files import FORMATS, atom_frames
+
+ase_build = pytest.importorskip("ase.build")
+ase_io = pytest.importorskip("ase.io")
+
+
+def copper(shake: float = 0.0):
+    """A small crystal of copper."""
+    atoms = ase_build.bulk("Cu", "fcc", a=3.6, cubic=True) * (4, 4, 4)
+    atoms.positions += shake * np.random.default_rng(3).normal(size=atoms.positions.shape)
+    return atoms
+
+
+DUMP = """ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+{count}
+ITEM: BOX BOUNDS pp pp pp
+1.5 15.9
+0 14.4
+0 14.4
+ITEM: ATOMS id type x y z
+{rows}
+"""
+
+
+def dump(atoms) -> str:
+    """A frame as LAMMPS writes it."""
+    rows = [f"{k} 1 {x} {y} {z}" for k, (x, y, z) in enumerate(atoms.positions.tolist(), 1)]
+    return DUMP.format(count=len(rows), rows="\n".join(reversed(rows)))
+
+
+@pytest.mark.parametrize(
+    "name", ["a.xyz", "POSCAR", "a.cfg", "a.cif", "a.xsf", "a.gro", "a.pdb", "b.lmp", "a.nc"]
+)
+def test_what_ase_writes_is_read(tmp_path: Path, name: str):
+    """The same crystal from each format, with its species."""
+    if name == "a.nc":
+        pytest.importorskip("netCDF4")
+    form = {"b.lmp": "lammps-data", "a.nc": "netcdftrajectory"}.get(name)
+    ase_io.write(tmp_path / name, copper(), format=form)
+    crystal = read(tmp_path / name)
+    assert (crystal.lattice, len(crystal.positions)) == ("fcc", 256)
+    assert crystal.constant == pytest.approx(3.6, rel=2e-4)
+    assert crystal.periodic.all()
+    assert crystal.share == 1.0
+    if name != "b.lmp":
+        assert set(crystal.species or ()) == {"Cu"}
+
+
+def test_a_lammps_dump_of_several_frames(tmp_path: Path):
+    """Frames one after another, atoms in the order of their ids, the lattice frame kept."""
+    texts = [dump(copper(shake)) for shake in (0.0, 0.05, 0.08)]
+    path = tmp_path / "run.dump"
+    path.write_text("".join(texts))
+    found = list(read_all(path))
+    assert [len(one.positions) for one in found] == [256] * 3
+    assert found[0].positions[:4] == pytest.approx(copper().positions[:4])
+    assert {one.lattice for one in found} == {"fcc"}
+    assert all(np.array_equal(one.orient, found[0].orient) for one in found)
+    assert len({one.constant for one in found}) == 1
+    assert read(path, frame=2).positions == pytest.approx(found[2].positions)
+    with pytest.raises(FileFormatError, match="no frame 3"):
+        read(path, frame=3)
+    # Names that say nothing: the beginning does.
+    path.rename(tmp_path / "run.0")
+    assert len(list(atom_frames(tmp_path / "run.0"))) == 3
+
+
+@pytest.mark.parametrize("name", ["a.traj", "a.json", "a.db", "a.pckl", "a.py", "a.gpw"])
+def test_formats_that_may_run_something_are_refused(tmp_path: Path, name: str):
+    """Before anything in them is looked at: nothing is unpickled, nothing is run."""
+    marker = tmp_path / "ran"
+
+    class Payload:
+        def __reduce__(self):
+            return (Path.touch, (marker,))
+
+    path = tmp_path / name
+    if name.endswith((".traj", ".json")):
+        ase_io.write(path, copper())
+    elif name.endswith(".py"):
+        path.write_text(f"open({str(marker)!r}, 'w')\natoms = 1\n")
+    else:
+        path.write_bytes(pickle.dumps(Payload()))
+    with pytest.raises(FileFormatError, match=r"(not read|not known)"):
+        read(path)
+    assert not marker.exists()
+    with pytest.raises(FileFormatError, match="form: one of"):
+        read(path, form="traj")
+
+
+def text_of(tmp_path: Path) -> list[str]:
+    """The lines of an extended XYZ file."""
+    ase_io.write(tmp_path / "good.xyz", copper())
+    return (tmp_path / "good.xyz").read_text().splitlines()
+
+
+@pytest.mark.parametrize(
+    ("line", "new", "message"),
+    [
+        (1, "many", "line 1: the number of atoms"),
+        (1, "300", "line 258: the file ends after 256 of 300 atoms"),
+        (1, "99999999999999", "the file ends after 256"),
+        (1, "200", "line 203: the number of atoms"),
+        (1, "255", "line 258: the number of atoms of a frame was needed, but 'Cu"),
+        (7, "Cu 1.0 2.0", "line 7: a row like the others"),
+        (7, "Cu 1.0 2.0 x3", "line 7: a row like the others"),
+        (7, "", "line 7: a row like the others"),
+        (2, 'Lattice="1 2 3" Properties=species:S:1:pos:R:3', "line 1: extended XYZ was needed"),
+        (2, 'Properties=species:S:1:pos:R:3 pbc="T T T"', "repeat along edge 1"),
+        (9, "Cu nan 0 0", r"frame 0: positions\[6, 0\] = nan"),
+    ],
+)  # fmt: skip
+def test_damage_is_named_by_its_line(tmp_path: Path, line: int, new: str, message: str):
+    """Counts that lie, rows that are short or no numbers, boxes without edges, NaN."""
+    rows = text_of(tmp_path)
+    rows[line - 1] = new
+    (tmp_path / "a.xyz").write_text("\n".join(rows) + "\n")
+    with pytest.raises(GeomtorsionError, match=message):
+        list(read_all(tmp_path / "a.xyz"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("ITEM: TIMESTEP", "TIMESTEP", "line 1: ITEM: TIMESTEP was needed"),
+        ("ITEM: BOX", "ITEM: CUBE", "ITEM: BOX ... was needed"),
+        ("\n256\n", "\n99999999999\n", "ends after 256 of 99,999,999,999"),
+        ("\n256\n", "\n-1\n", "line 4: the number of atoms"),
+        ("\n256\n", "\n255\n", "line 4: 255 atoms are said to follow, but 256 rows do"),
+        ("\n7 1 ", "\n7 one ", "line 259: a row like the others"),
+    ],
+)
+def test_damaged_dumps_are_named(tmp_path: Path, old: str, new: str, message: str):
+    """The same for LAMMPS dumps."""
+    text = dump(copper())
+    assert old in text
+    path = tmp_path / "a.dump"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(FileFormatError, match=message):
+        read(path)
+
+
+def test_what_is_no_file_is_told(tmp_path: Path):
+    """Missing, a folder, empty, packed, no name at all."""
+    (tmp_path / "empty.xyz").write_text("")
+    (tmp_path / "a.xyz.gz").write_bytes(b"\x1f\x8b")
+    (tmp_path / "a.unknown").write_text("hello\n")
+    for name, message in (
+        ("none.xyz", "cannot be read"),
+        (".", "no regular file"),
+        ("empty.xyz", "holds no atoms"),
+        ("a.xyz.gz", "compressed"),
+        ("a.unknown", "not known by its name"),
+    ):
+        with pytest.raises(FileFormatError, match=message):
+            read(tmp_path / name)
+    with pytest.raises(ArgumentError, match="name of a file"):
+        read(3)
+    with pytest.raises(FileFormatError, match="frame: a whole number"):
+        read(tmp_path / "empty.xyz", frame=-1)
+    assert "extxyz" in FORMATS
+
+
+def test_a_slab_needs_no_third_edge(tmp_path: Path):
+    """Edges along which nothing repeats may be missing."""
+    atoms = copper()
+    atoms.cell[2] = 0
+    atoms.pbc = (True, True, False)
+    ase_io.write(tmp_path / "slab.xyz", atoms)
+    crystal = read(tmp_path / "slab.xyz")
+    assert crystal.periodic.tolist() == [True, True, False]
+    assert crystal.dislocations().lines == ()
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a.dump"])
+def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path: Path, name: str):
+    """Some editors put one in front of every file; an atom too many is told by `read`, too."""
+    text = dump(copper()) if name == "a.dump" else "\n".join(text_of(tmp_path))
+    path = tmp_path / name
+    path.write_bytes(text.encode("utf-8-sig"))
+    assert len(read(path).positions) == 256
+    path.write_text(text.replace("256", "255", 1))
+    with pytest.raises(FileFormatError, match=r"255 atoms are said|line 258: the number of atoms"):
+        read(path)
+
+
+def test_the_length_of_a_cfg_file_counts(tmp_path: Path):
+    """Cells stand in units of A, which ase takes for 1; what is no length is refused."""
+    path = tmp_path / "a.cfg"
+    ase_io.write(path, copper())
+    text = path.read_text()
+    assert "A = 1.0 Angstrom" in text
+    for length, times in (("3.5 Angstrom (basic length-scale)", 3.5), ("1e-1", 0.1)):
+        path.write_text(text.replace("A = 1.0 Angstrom", f"A = {length}"))
+        found = read(path)
+        assert found.constant == pytest.approx(3.6 * times, rel=1e-6)
+        assert found.cell == pytest.approx(4 * 3.6 * times * np.eye(3))
+    for length in ("0 Angstrom", "nan", "one", ""):
+        path.write_text(text.replace("A = 1.0 Angstrom", f"A = {length}"))
+        with pytest.raises(FileFormatError, match=r"line [0-9]+: A: a length above 0 was needed"):
+            read(path)
+
+
+def test_a_gro_file_that_is_cut_is_refused(tmp_path: Path):
+    """ase takes its last row for the cell, whatever it is; and any number of atoms."""
+    path = tmp_path / "a.gro"
+    ase_io.write(path, copper())
+    rows = path.read_text().splitlines()
+    assert len(read(path).positions) == int(rows[1]) == 256
+    for some in (rows[:200], rows[:-1], [rows[0], "255", *rows[2:]], rows[:2], rows[:1], ["", "x"]):
+        path.write_text("\n".join(some) + "\n")
+        with pytest.raises(FileFormatError, match=r"a\.gro: line 2: the number of atoms"):
+            read(path)
+
+
+@pytest.mark.parametrize("odd", ["1_8", "1_8.5", "1_0e-1", "\N{FULLWIDTH DIGIT ONE}.8"])
+@pytest.mark.parametrize("name", ["a.xyz", "a.dump", "POSCAR", "a.xsf", "b.lmp"])
+def test_what_only_python_takes_for_a_number_is_refused(tmp_path: Path, name: str, odd: str):
+    """1_8 is 18 to it, and to ase; the title and the comments may hold what they like."""
+    path = tmp_path / name
+    if name == "a.dump":
+        path.write_text(dump(copper()))
+    else:
+        ase_io.write(path, copper(), format={"b.lmp": "lammps-data"}.get(name))
+    rows = path.read_text().split("\n")
+    if name in ("POSCAR", "b.lmp"):
+        rows[0] = f"Cu {odd}"
+        path.write_text("\n".join(rows))
+        assert len(read(path).positions) == 256
+    # The last number of the last row is a coordinate.
+    last = max(k for k, row in enumerate(rows) if row.strip())
+    rows[last] = rows[last].rstrip().rpartition(" ")[0] + f" {odd}"
+    path.write_text("\n".join(rows))
+    with pytest.raises(FileFormatError, match=f"line {last + 1}: '{odd}' is no number as programs"):
+        read(path)
+
+
+def test_a_lammps_data_file_counts_its_atoms(tmp_path: Path):
+    """ase drops those that come beyond the number, and what it says of too few helps nobody."""
+    path = tmp_path / "a.lmp"
+    ase_io.write(path, copper(), format="lammps-data")
+    text = path.read_text()
+    assert "256 atoms" in text
+    for said in (255, 257):
+        path.write_text(text.replace("256 atoms", f"{said} atoms"))
+        with pytest.raises(FileFormatError, match=f"{said} atoms were said to come, but 256 rows"):
+            read(path)
+    path.write_text(text.replace("256 atoms", ""))
+    with pytest.raises(FileFormatError, match="the number of atoms and a section Atoms"):
+        read(path)
+    more = "".join(f"{k} 0.0 0.0 0.0\n" for k in range(1, 257))
+    path.write_text(f"{text.rstrip()}\n\nVelocities # metal\n\n{more}")
+    assert len(read(path).positions) == 256

@@ -1,0 +1,88 @@
+"""Enclosed: atoms of closed lines are counted wherever good crystal lies all about them."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.materials.crystals import Crystal, blocked_crystal
+from geomtorsion.materials.crystals.reports import inserted_atoms, inserted_error
+from tests.materials.crystals.synthetic import interstitial_loop, vacancy_disc
+
+OPEN = (False, False, False)
+LOOPS = ((0, 3), (0, 4), (4, 4), (0, 5))
+
+
+def counted(crystal, partials=False):
+    """How many atoms each closed line has between its half planes, and that no error is told."""
+    lines = crystal.dislocations(partials).lines
+    assert all(line.is_closed and inserted_error(line, crystal) == 0 for line in lines)
+    return sorted(round(inserted_atoms(line, crystal)) for line in lines)
+
+
+# Without noise a small loop in an open box stands in test_reports.py.
+@pytest.mark.parametrize(
+    ("percent", "radius"),
+    [(4, 3), (4, 5), *(pytest.param(*x, marks=pytest.mark.slow) for x in LOOPS)],
+)
+def test_interstitials_in_an_open_box(percent, radius):
+    """As many as were put in, though bonds across the line flip a good way inside of it."""
+    places, cell, put_in = interstitial_loop(radius)
+    noise = np.random.default_rng(radius).normal(size=places.shape)
+    crystal = Crystal(places + percent / 100 * np.sqrt(0.75) * noise, cell, OPEN)
+    assert counted(crystal) == [put_in]
+    (line,) = crystal.dislocations().lines
+    assert line.length == pytest.approx(2 * np.pi * radius, rel=0.03)
+
+
+# The larger one stands in test_reports.py, too.
+@pytest.mark.parametrize("radius", [4, pytest.param(5, marks=pytest.mark.slow)])
+def test_a_slab_in_which_the_loop_nearly_meets_its_images(radius):
+    """Good crystal about it is seen in other images of the atoms, too."""
+    places, cell, put_in = interstitial_loop(radius)
+    assert counted(Crystal(places, cell, (True, True, False))) == [put_in]
+
+
+def test_each_of_several_loops():
+    """Two in one box, one of them turned round, and a vacancy that belongs to none."""
+    first, cell, many = interstitial_loop(4)
+    second, _, few = interstitial_loop(3)
+    places = np.concatenate([first, second + np.array([cell[0], 0, 0])])
+    gone = np.linalg.norm(places - [cell[0], 1.0, 1.0], axis=1).argmin()
+    crystal = Crystal(np.delete(places, gone, axis=0), periodic=OPEN)
+    assert counted(crystal) == [few, many]
+
+
+@pytest.mark.parametrize("height", [0, 1.8, 2.6])
+def test_a_vacancy_next_to_a_loop_takes_nothing_from_it(height):
+    """Inside of the surface on which sites are counted, and where that surface itself has it."""
+    places, cell, put_in = interstitial_loop(3)
+    gone = np.linalg.norm(places - cell / 2 - [0, 0, height], axis=1).argmin()
+    assert counted(Crystal(np.delete(places, gone, axis=0), cell, OPEN)) == [put_in]
+
+
+@pytest.mark.parametrize("radius", [3, 5])
+def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
+    """The fault that it encloses takes nothing from the count: all about it the crystal is good."""
+    places, cell, missing = vacancy_disc(radius)
+    assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
+
+
+# A closed line with vacancies about it, in blocks, stands in test_blocked.py.
+@pytest.mark.slow
+@pytest.mark.parametrize(("radius", "size"), [(3, 8), (4, 4.5)])
+def test_blocks_count_the_same(tmp_path, radius, size):
+    """To the last bit, whatever the size of blocks: the loop lies in several of them."""
+    places, cell, _ = interstitial_loop(radius)
+    whole = Crystal(places, cell, OPEN).dislocations().lines[0].path
+    cut = blocked_crystal(places, tmp_path, cell, size, OPEN)
+    blocks = {tuple(place) for place in np.floor(whole / size).astype(int)}
+    assert len(blocks) > 2
+    assert np.array_equal(cut.dislocations().lines[0].path, whole)
+
+
+def test_what_has_no_good_crystal_about_it_is_told_with_an_error():
+    """In the most noise not all bonds tell their sites: the line alone tells, and how well."""
+    places, cell, put_in = interstitial_loop(4)
+    noise = 0.12 * np.sqrt(0.75) * np.random.default_rng(0).normal(size=places.shape)
+    crystal = Crystal(places + noise, cell, OPEN)
+    (line,) = crystal.dislocations().lines
+    assert 0 < abs(inserted_atoms(line, crystal) - put_in) < inserted_error(line, crystal)

@@ -1,0 +1,365 @@
+"""Blocks: the same bits whatever their size, after a kill, and on several workers."""
+
+import json
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields.blocks import blocked_map
+from tests.chosen import one_in
+
+ROOT = Path(__file__).parents[3]
+RNG = np.random.default_rng(8)
+FLAT = RNG.random((2, 2, 37, 29))
+HOLED = FLAT.copy()
+HOLED[0, 0, RNG.random((37, 29)) < 0.03] = np.nan
+SOLID = RNG.random((1, 3, 13, 12, 11))
+STEPS = (0.3, 0.7)
+
+
+def generated(index):
+    """A field that is nowhere in memory as a whole: screws on a square lattice."""
+    x, y = np.meshgrid(*(np.arange(s.start, s.stop) + 0.5 for s in index), indexing="ij")
+    return np.array([[np.sin(y / 9) + x * 0, np.cos(x / 7) + y * 0]])
+
+
+@pytest.mark.parametrize(
+    ("size", "order", "kind"),
+    one_in(2, [0, 1, (3, 5), 12], [2, 4, 8], ["flat", "holes", "periodic", "noise"]),
+)
+def test_any_block_size_gives_the_same_bits(tmp_path, size, order, kind):
+    """One block, rows, columns, tiny ones: equal to the last bit; and to the grid in memory."""
+    source = HOLED if kind in ("holes", "noise") else FLAT
+    options = {"periodic": kind == "periodic", "sigma": 0.01 if kind == "noise" else 0.0}
+    found = [
+        blocked_map(source, tmp_path / str(k), STEPS, block, size, order=order, **options).read()
+        for k, block in enumerate([100, 9, (40, 3), (7, 30)])
+    ]
+    for other in found[1:]:
+        assert np.array_equal(found[0], other, equal_nan=True)
+    axes = [np.arange(n) * s for n, s in zip(source.shape[2:], STEPS, strict=True)]
+    frame = SampledFrame(
+        axes, source, order, periodic=options["periodic"], sigma=options["sigma"] or None
+    )
+    whole = frame.torsion()[0] if size == 0 else frame.burgers_map(size).vectors
+    known = np.isfinite(whole)
+    assert (known == np.isfinite(found[0][:-1])).all()
+    # Differences of order 8 have weights of some hundred beside holes.
+    assert np.abs(whole - found[0][:-1])[known].max() < (1e-10 if size == 0 else 1e-12)
+    if size and kind == "noise":
+        errors = frame.burgers_map(size).errors
+        assert found[0][-1][known[0]] == pytest.approx(errors[known[0]], rel=1e-6)
+
+
+def test_three_axes(tmp_path):
+    """Blocks in depth too, in another plane."""
+    one, two = (
+        blocked_map(SOLID, tmp_path / str(b), (1, 1, 1), b, 2, (2, 0)).read() for b in (99, 4)
+    )
+    assert np.array_equal(one, two)
+    frame = SampledFrame([np.arange(float(n)) for n in SOLID.shape[2:]], SOLID)
+    assert np.abs(frame.burgers_map(2, (2, 0)).vectors - one[:-1]).max() < 1e-13
+
+
+@pytest.mark.parametrize("size", [0, (2, 3)])
+def test_places_apart(tmp_path, size):
+    """Every so many nodes: the same bits as all of them, for any size of blocks."""
+    every = blocked_map(HOLED, tmp_path / "every", STEPS, 50, size).read()
+    for k, block in enumerate([50, 4, (3, 2)]):
+        some = blocked_map(HOLED, tmp_path / str(k), STEPS, block, size, stride=(4, 3)).read()
+        assert np.array_equal(some, every[:, ::4, ::3], equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("circuits", "width", "holes"),
+    one_in(2, [(0, 0), ((3, 5), 1)], [(2, 2), (4, 2), (6, 3), (8, 4)], [0, 1]),
+)
+def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
+    """order / 2 nodes for torsion, one less for circuits; more only in blocks with holes.
+
+    Order 2 is compared with order 4, and needs what that needs.
+    """
+    (size, less), (order, halo) = circuits, width
+    asked = []
+
+    def source(index):
+        asked.append([(s.start, s.stop) for s in index])
+        values = generated(index)
+        nodes = np.add.outer(*(np.arange(s.start, s.stop) for s in index))
+        values[:, :, nodes < holes] = np.nan
+        return values
+
+    found = blocked_map(
+        source, tmp_path, (1, 1), 10, size, order=order, shape=(1, 2, 100, 100), plane=(1, 0)
+    )
+    sides, wide = (5, 3) if size else (0, 0), halo - less
+    at_the_corner, inside = found.numbers.index((0, 0)), found.numbers.index((5, 4))
+    # At first one node is read for the reference, and three blocks to know the field again.
+    assert len(asked) == 4 + len(found.numbers) + holes
+    first = asked[4 + at_the_corner + holes]
+    # Beside a hole a stencil may lie on one side.
+    more = max(order, 4) - 2 * less if holes else wide
+    assert first == [(0, 10 + side + more) for side in sides]
+    around = [
+        (low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides, strict=True)
+    ]
+    assert asked[4 + inside + holes] == around
+
+
+def test_nothing_is_read_across_the_plane(tmp_path):
+    """Layers of a solid are apart."""
+    asked = []
+
+    def source(index):
+        asked.append([(s.start, s.stop) for s in index])
+        return SOLID[(slice(None), slice(None), *index)]
+
+    blocked_map(source, tmp_path, (1, 1, 1), (99, 99, 1), 2, shape=SOLID.shape)
+    assert asked[1:] == [[(0, 13), (0, 12), (k, k + 1)] for k in (0, 5, 10, *range(11))]
+
+
+def test_killed_and_taken_up_again(tmp_path):
+    """A process that ends in the middle: what is done stays, the rest follows, the same bits."""
+    code = (
+        "import os, numpy as np\n"
+        "from geomtorsion.materials.fields.blocks import blocked_map\n"
+        "from tests.materials.fields.test_blocks import generated\n"
+        "count = 0\n"
+        "def source(index):\n"
+        "    global count\n    count += 1\n"
+        # Three calls see whose blocks these are.
+        "    if count > 8: os._exit(9)\n"
+        "    return generated(index)\n"
+        f"blocked_map(source, {str(tmp_path / 'a')!r}, (1, 1), 10, 3, shape=(1, 2, 40, 40))\n"
+    )
+    killed = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False)
+    assert killed.returncode == 9
+    before = {file: file.stat().st_mtime_ns for file in (tmp_path / "a").glob("block*.npy")}
+    assert len(before) == 4
+    shape = (1, 2, 40, 40)
+    again = blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape)
+    assert all(file.stat().st_mtime_ns == time for file, time in before.items())
+    whole = blocked_map(generated, tmp_path / "b", (1, 1), 100, 3, shape=shape)
+    assert np.array_equal(again.read(), whole.read())
+    # A block that somebody cut is done again.
+    first = again.file(again.numbers[0])
+    first.write_bytes(first.read_bytes()[:100])
+    assert np.array_equal(
+        blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape).read(), whole.read()
+    )
+
+
+def test_several_processes_and_a_cluster(tmp_path):
+    """Two processes, and what has the interface of a dask client, give the same bits."""
+    np.save(tmp_path / "source.npy", HOLED)
+    path = tmp_path / "source.npy"
+    one = blocked_map(path, tmp_path / "one", STEPS, 100, 4).read()
+    two = blocked_map(path, tmp_path / "two", STEPS, 12, 4, workers=2).read()
+
+    class Client:
+        def map(self, function, tasks, pure):
+            assert pure is False
+            pool = ThreadPoolExecutor(2)
+            return [pool.submit(function, task) for task in tasks]
+
+    three = blocked_map(path, tmp_path / "three", STEPS, 15, 4, client=Client()).read()
+    assert np.array_equal(one, two, equal_nan=True)
+    assert np.array_equal(one, three, equal_nan=True)
+
+
+def test_a_dask_cluster(tmp_path):
+    """One task for each block on two workers of a real one: the same bits."""
+    distributed = pytest.importorskip("dask.distributed")
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(processes=False, **options) as client:
+        two = blocked_map(HOLED, tmp_path / "two", STEPS, 15, 4, client=client).read()
+    assert np.array_equal(one, two, equal_nan=True)
+
+
+def test_zarr(tmp_path):
+    """An array, and the array of a group; a packing that would run its content is refused."""
+    zarr = pytest.importorskip("zarr")
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    for version in (2, 3):
+        path = str(tmp_path / f"a{version}.zarr")
+        made = zarr.create_array(
+            path, shape=HOLED.shape, dtype="f8", chunks=(2, 2, 10, 10), zarr_format=version
+        )
+        made[...] = HOLED
+        found = blocked_map(path, tmp_path / f"z{version}", STEPS, 11, 4)
+        assert np.array_equal(one, found.read(), equal_nan=True)
+    meta = tmp_path / "a2.zarr" / ".zarray"
+    said = json.loads(meta.read_text())
+    for key, value in (("compressor", {"id": "pickle"}), ("filters", [{"id": "pickle"}])):
+        meta.write_text(json.dumps(said | {key: value}))
+        with pytest.raises(FileFormatError, match="packed by 'pickle'"):
+            blocked_map(tmp_path / "a2.zarr", tmp_path / "no", STEPS, 11)
+
+
+def zarr_array(path: Path, version: int, **options: object) -> list[Path]:
+    """An array of 16 chunks without holes, and the files of its chunks."""
+    zarr = pytest.importorskip("zarr")
+    given = {"chunks": (2, 2, 10, 8)} | options
+    made = zarr.create_array(
+        str(path), shape=FLAT.shape, dtype="f8", zarr_format=version, overwrite=True, **given
+    )
+    made[...] = FLAT
+    return sorted(x for x in path.rglob("*") if x.is_file() and not x.name.startswith((".z", "z")))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_missing_chunks_of_zarr_are_refused_or_holes(tmp_path, version):
+    """They were read as zeros, which gave significant circuits; with NaN as fill value, holes."""
+    path = tmp_path / "a.zarr"
+    zarr_array(path, version)[5].unlink()
+    with pytest.raises(FileFormatError, match=r"expected 16 chunks, got at most 15; .* read as 0"):
+        blocked_map(path, tmp_path / "no", STEPS, 11, 4)
+    zarr_array(path, version, fill_value=float("nan"))[5].unlink()
+    found = blocked_map(path, tmp_path / "one", STEPS, 11, 4).read()
+    whole = blocked_map(FLAT, tmp_path / "two", STEPS, 11, 4).read()
+    missing = np.isnan(found[0])
+    assert 0.05 < missing.mean() < 0.9
+    # Beside holes stencils are one-sided.
+    assert np.abs(found - whole)[:2, :, :1][~missing[None, :, :1].repeat(2, 0)].max() < 1
+    if version == 3:
+        zarr_array(path, 3, shards=(2, 2, 20, 16))[1].unlink()
+        with pytest.raises(FileFormatError, match="expected 4 chunks, got at most 3"):
+            blocked_map(path, tmp_path / "no", STEPS, 11, 4)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("key", ["shape", "chunks"])
+@pytest.mark.parametrize("value", [0, -3, 10**9, 10**30, "a", 2.5, None])
+@pytest.mark.parametrize("fill", [0.0, "NaN"])
+def test_declared_sizes_of_zarr_are_checked(tmp_path, version, key, value, fill):
+    """Shapes and chunks that are none, or larger than anything: errors of ours, at once."""
+    path = tmp_path / "a.zarr"
+    zarr_array(path, version)
+    file = path / (".zarray" if version == 2 else "zarr.json")
+    said = json.loads(file.read_text())
+    said["fill_value"] = fill
+    if version == 3 and key == "chunks":
+        said["chunk_grid"]["configuration"]["chunk_shape"][2] = value
+    else:
+        said[key][2] = value
+    file.write_text(json.dumps(said))
+    with pytest.raises((FileFormatError, LimitError, GridError)):
+        blocked_map(path, tmp_path / "out", STEPS, 500, 4)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("content", [b"", b"garbage", None])
+def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
+    """Empty, something else, or cut."""
+    path = tmp_path / "a.zarr"
+    chunk = zarr_array(path, version)[5]
+    chunk.write_bytes(chunk.read_bytes()[:100] if content is None else content)
+    with pytest.raises(FileFormatError, match=r"a.zarr: it cannot be read, it is truncated"):
+        blocked_map(path, tmp_path / "out", STEPS, 11, 4)
+    (path / ".zarray" if version == 2 else path / "zarr.json").write_text("[1]")
+    with pytest.raises(FileFormatError, match="expected a table"):
+        blocked_map(path, tmp_path / "out", STEPS, 11, 4)
+
+
+def test_a_map_that_finds_no_room_is_refused(tmp_path):
+    """Before the first block is computed: too many blocks, or more bytes than the disk has."""
+    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**5, 10**5))
+    with pytest.raises(LimitError, match="at most 1,000,000 blocks, got 100,000,000"):
+        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 10, shape=values.shape)
+    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**6, 10**6))
+    with pytest.raises(LimitError, match="expected .* free bytes for the blocks of the map"):
+        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 5000, shape=values.shape)
+
+
+def test_a_folder_of_another_run_is_refused(tmp_path):
+    """The message names what differs; a ledger that is none is refused."""
+    blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+    for arguments, word in (((20, 3), "size"), ((10, 2), "block")):
+        with pytest.raises(CheckpointError, match=f"another run: {word} differ"):
+            blocked_map(FLAT, tmp_path, STEPS, *arguments)
+    with pytest.raises(CheckpointError, match="steps"):
+        blocked_map(FLAT, tmp_path, (0.3, 0.8), 20, 2)
+    found = blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+    found.file(found.numbers[1]).unlink()
+    with pytest.raises(CheckpointError, match="1 of 4 blocks are missing"):
+        found.read()
+    (tmp_path / "ledger.json").write_text("{")
+    with pytest.raises(CheckpointError, match="no JSON"):
+        blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+
+
+def test_other_values_of_the_same_size_are_another_field(tmp_path):
+    """Refused where one value differs in arrays and files, and in any block of a function."""
+    other = FLAT.copy()
+    other[1, 1, 20, 3] += 1e-9
+    file = tmp_path / "field.npy"
+    sources = (
+        (FLAT, other),
+        (lambda index: FLAT[(..., *index)], lambda index: other[(..., *index)]),
+        (file, file),
+    )
+    for k, (one, two) in enumerate(sources):
+        folder = tmp_path / f"of-{k}"
+        arguments = (folder, STEPS, 20, 2)
+        np.save(file, FLAT)
+        shape = FLAT.shape if callable(one) else None
+        first = blocked_map(one, *arguments, shape=shape).read()
+        assert np.array_equal(blocked_map(one, *arguments, shape=shape).read(), first)
+        np.save(file, other)
+        with pytest.raises(CheckpointError, match="another run: digest differ"):
+            blocked_map(two, *arguments, shape=shape)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (lambda values: values[0, 0], r"shape \(1, 2, 1, 1\) were needed at the nodes 0:1, 0:1"),
+        (lambda values: values[:, :, :1, :1], r"but \(1, 2, 1, 1\) came"),
+        (lambda values: values + 1j, "an array of real numbers was needed"),
+        (lambda values: None, "an array of real numbers was needed"),
+    ],
+)
+def test_what_a_function_gives_is_not_spread(tmp_path, given, message):
+    """Of another shape it filled all rows and columns, and imaginary parts were dropped."""
+    with pytest.raises(GridError, match=message):
+        blocked_map(lambda index: given(generated(index)), tmp_path, (1, 1), 10, 3,
+                    shape=(1, 2, 40, 40))  # fmt: skip
+
+
+INFINITE = FLAT.copy()
+INFINITE[1, 0, 20, 3] = np.inf
+
+
+@pytest.mark.parametrize(
+    ("source", "options", "message"),
+    [
+        (FLAT[0], {}, "source: shape"),
+        (generated, {}, "shape: .* is needed with a function"),
+        ("nowhere.npy", {}, "no such file"),
+        (FLAT, {"steps": (1, 0)}, r"steps\[1\]: a positive number"),
+        (FLAT, {"steps": (1,)}, "steps: 2 numbers"),
+        (FLAT, {"block": 0}, "block: a whole number from 1"),
+        (FLAT, {"block": (1, 2, 3)}, "block: one number or 2"),
+        (FLAT, {"size": 40}, "size: a whole number from 0 to 36"),
+        (FLAT, {"size": (0, 2)}, "size: 0 for both"),
+        (FLAT, {"plane": (0, 0)}, "two different axes"),
+        (FLAT, {"sigma": -1}, "sigma: 0 or more"),
+        (FLAT, {"stride": 0}, "stride: a whole number from 1"),
+        (FLAT, {"workers": 0}, "workers: a whole number"),
+        (FLAT[:, :, :4], {}, "axis x: 5 points or more"),
+        (FLAT.astype(complex), {}, "real numbers"),
+        (INFINITE, {}, r"infinite at node \(20, 3\)"),
+    ],
+)
+def test_maps_that_there_are_not(tmp_path, source, options, message):
+    """Each with its own message."""
+    arguments = {"steps": STEPS, "block": 10} | options
+    with pytest.raises((GridError, FileFormatError), match=message):
+        blocked_map(source, tmp_path, **arguments)

@@ -1,0 +1,167 @@
+"""Circuits: exact whole numbers, and never a confident wrong one."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
+from functools import cache
+from itertools import product
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import ImageError, LoopError
+from tests.chosen import one_in
+from tests.materials.images.atoms import crystal
+
+made = cache(crystal)
+SIZES, KINDS = (256, 512), ("square", "hexagonal")
+CASES = list(product(SIZES, KINDS))
+
+
+def truth(image, phases: gt.LatticePhases) -> list[int]:
+    """Minus b_0 in lattice vectors."""
+    return (-np.rint(phases.spots @ image.b)).astype(int).tolist()
+
+
+@pytest.mark.parametrize(("level", "size", "kind"), one_in(2, (0, 1, 2), SIZES, KINDS))
+def test_whole_numbers_are_exact_up_to_twice_the_peak_of_an_atom(size, kind, level):
+    """In six of six seeds, and spots are found by themselves."""
+    image = made(size, kind)
+    circuit = gt.Loop.circle(image.centre, 0.3 * size)
+    for seed in range(6 if level else 1):
+        phases = gt.LatticeImage(image.noisy(level, seed)).phases()
+        b = phases.burgers(circuit)
+        assert b.whole.tolist() == truth(image, phases) != [0, 0]
+        assert b.whole.dtype.kind == "i"
+        assert b.chance < 0.05
+
+
+@pytest.mark.parametrize("kind", ["square", "hexagonal"])
+@pytest.mark.parametrize("level", [3, 4, 5, 7])
+def test_beyond_nothing_wrong_is_told_with_confidence(kind, level):
+    """Spots given, so that no image is refused for them: what is told is right, the rest refused.
+
+    At five times the peak nothing is told any more.
+    """
+    image = made(256, kind)
+    circuit = gt.Loop.circle(image.centre, 0.15 * 256)
+    told = 0
+    for seed in range(12):
+        phases = gt.LatticeImage(image.noisy(level, seed)).phases(image.vectors)
+        try:
+            found = phases.burgers(circuit)
+        except ImageError as error:
+            assert "hole" in str(error) or "noise is too strong" in str(error)  # noqa: PT017
+            continue
+        told += 1
+        assert found.whole.tolist() == truth(image, phases)
+    assert told == 0 or level < 5
+
+
+def test_the_chance_told_is_not_below_what_happens():
+    """Of many circuits in strong noise, told to be wrong with chance p, at most p are wrong."""
+    image = made(256, "hexagonal")
+    circuit = gt.Loop.circle(image.centre, 0.15 * 256)
+    told, wrong = [], 0
+    for seed in range(40):
+        phases = gt.LatticeImage(image.noisy(5, seed)).phases(image.vectors)
+        try:
+            found = phases.burgers(circuit, risk=1)
+        except ImageError:
+            continue
+        told.append(found.chance)
+        wrong += found.whole.tolist() != truth(image, phases)
+    assert len(told) > 10
+    assert 1 <= wrong <= sum(told)
+
+
+def test_circuits_follow_the_signs_of_the_house():
+    """b is the integral of e: minus that of du, and minus it backwards, twice it when run twice."""
+    y, x = np.mgrid[199:-1:-1, 0:200] - 99.6
+    # u_x = 8 / (2 pi) times the angle: b_0 = 8 along x, once the period of the first wave.
+    waves = np.cos(2 * np.pi * x / 8 - np.arctan2(y, x)) + np.cos(2 * np.pi * y / 7)
+    phases = gt.LatticeImage(waves, step=0.5, unit="nm").phases()
+    circuit = gt.Loop.circle([49.8, 49.8], 25)
+    b = phases.burgers(circuit)
+    assert b.whole.tolist() == [-1, 0]
+    assert b.vector == pytest.approx([-4, 0], abs=0.02)
+    assert abs(b.vector - [-4, 0]).max() <= b.error
+    assert b.in_convention("integral of du") == pytest.approx([4, 0], abs=0.02)
+    assert phases.burgers(circuit.reversed()).whole.tolist() == [1, 0]
+    assert phases.burgers(circuit.times(2)).whole.tolist() == [-2, 0]
+    outside = gt.Loop.polygon([[10, 10], [40, 10], [40, 40], [10, 40]])
+    assert phases.burgers(outside).whole.tolist() == [0, 0]
+
+
+def test_a_circuit_is_the_sum_of_its_squares_and_of_its_steps():
+    """Stokes, exactly: residues, the cochain and the path give the same whole numbers."""
+    image = made(256, "square")
+    phases = gt.LatticeImage(image.noisy(1, 0)[64:192, 64:192]).phases(image.vectors)
+    square = gt.Loop.polygon([[20, 20], [100, 20], [100, 100], [20, 100]])
+    b = phases.burgers(square)
+    assert b.whole.tolist() == truth(image, phases)
+    assert phases.residues[:, 20:100, 20:100].sum(axis=(1, 2)).tolist() == b.whole.tolist()
+    labels = np.ravel_multi_index(tuple(b.path.T), (128, 128))
+    cochain = phases.cochain
+    assert cochain.is_whole
+    assert cochain.around(labels.tolist()).vector.tolist() == b.whole.tolist()
+    faces = cochain.coboundary().values.T.reshape(2, 127, 127)
+    assert (faces == phases.residues).all()
+
+
+def test_two_dislocations_add_up():
+    """Whole numbers of a circuit round both are the sum of those round each."""
+    y, x = np.mgrid[255:-1:-1, 0:256] - 127.5
+    one, two = np.arctan2(y, x - 40), np.arctan2(y, x + 40)
+    waves = np.cos(2 * np.pi * x / 8 - one) + np.cos(2 * np.pi * y / 8 + 2 * two)
+    phases = gt.LatticeImage(waves).phases()
+    right, left = (gt.Loop.circle([127.5 + k, 127.5], 30) for k in (40, -40))
+    both = gt.Loop.ellipse([127.5, 127.5], [100, 60])
+    assert phases.burgers(right).whole.tolist() == [-1, 0]
+    assert phases.burgers(left).whole.tolist() == [0, 2]
+    assert phases.burgers(both).whole.tolist() == [-1, 2]
+
+
+def test_a_circuit_through_a_hole_is_refused():
+    """A core and a place without atoms; a circuit round them is not."""
+    image = made(256, "square")
+    values = image.values.copy()
+    values[140:200, 30:90] = 0
+    phases = gt.LatticeImage(values).phases()
+    with pytest.raises(ImageError, match=r"crosses a hole at \(.*Lead it round"):
+        phases.burgers(gt.Loop.circle([60, 60], 20))
+    through_core = gt.Loop.circle([image.centre[0] - 30, image.centre[1]], 30)
+    with pytest.raises(ImageError, match=r"crosses a hole at \(12[78]"):
+        phases.burgers(through_core)
+    assert phases.burgers(gt.Loop.circle(image.centre, 110)).whole.tolist() == truth(image, phases)
+
+
+def test_spots_where_there_is_no_lattice_give_no_number():
+    """Given by hand, at the wrong place: a hole or noise, not a whole number."""
+    image = made(256, "square")
+    noise = np.random.default_rng(0).normal(size=(256, 256))
+    circuit = gt.Loop.circle(image.centre, 77)
+    for values, spots in (
+        (noise, [[0.125, 0], [0, 0.125]]),
+        (image.noisy(1, 0), [[0.3, 0.1], [0.1, 0.3]]),
+    ):
+        with pytest.raises(ImageError, match="hole|noise is too strong"):
+            gt.LatticeImage(values).phases(spots).burgers(circuit)
+
+
+def test_circuits_that_are_none_are_refused():
+    """Outside, tiny, endless, in space, or with a risk that is none."""
+    phases = gt.LatticeImage(made(256, "square").values).phases()
+    with pytest.raises(ImageError, match=r"leaves the image at .* 0 to 255 in x"):
+        phases.burgers(gt.Loop.circle([200, 128], 60))
+    with pytest.raises(ImageError, match="within a few pixels"):
+        phases.burgers(gt.Loop.circle([100, 100], 0.3))
+    with pytest.raises(ImageError, match="turns fewer times"):
+        phases.burgers(gt.Loop.circle([128, 128], 60).times(10**9))
+    with pytest.raises(LoopError, match="3 coordinates, an image 2"):
+        phases.burgers(gt.Loop.circle([128, 128, 0], 60))
+    with pytest.raises(gt.errors.ArgumentError, match="loop: a Loop was needed"):
+        phases.burgers([[0, 0], [1, 1]])
+    with pytest.raises(ImageError, match="risk: a positive number was needed"):
+        phases.burgers(gt.Loop.circle([128, 128], 60), risk=-1)

@@ -1,0 +1,112 @@
+"""Circuits round lines of networks: exact sums, lattices, and lines that end."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportOptionalIterable=false
+
+from fractions import Fraction as F
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from geomtorsion.errors import ArgumentError, NetworkError
+from geomtorsion.loops import Loop
+from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
+from tests.materials.lines.synthetic_networks import rings, straight
+
+PLACES = {"a": (-3, -3, 0), "b": (3, -3, 0), "j": (0, 0, 0), "c": (0, 5, 0)}
+BOX = Box.of_bounds([0, 0, 0], [4, 4, 4])
+LINES = [("a", "j", (F(1, 3), 0, 0)), ("b", "j", (F(2, 3), 1, 0)), ("j", "c", (1, 1, 0))]
+
+
+def test_exact_vectors_stay_exact():
+    """Thirds sum to one; a circuit round the junction as a whole has none."""
+    net = DislocationNetwork.of_lines(LINES, surface="abc", positions=PLACES)
+    about = Loop.circle([0, -2, 0], 2.5, (2, 0))
+    found = net.around(about)
+    assert found.exact == (1, 1, 0)
+    assert isinstance(found.exact[0], F)
+    assert net.around(about.times(-2)).exact == (-2, -2, 0)
+    assert net.around(Loop.circle([0, 3, 0], 1, (2, 0))).exact == found.exact
+    assert net.around(Loop.circle([-1.5, -1.5, 0], 0.5, (2, 0))).exact == (F(1, 3), 0, 0)
+    assert net.around(Loop.circle([0, 0, 4], 2)).exact == (0, 0, 0)
+
+
+def test_circuits_in_whole_lattice_vectors():
+    """Floats of a simulation give whole numbers, and the same b."""
+    lines = rings(12, seed=8)
+    net = DislocationNetwork.of_arrays(lines)
+    found = net.around(Loop.circle([5, 5, 5], 6), "fcc")
+    assert found.crossings
+    assert all(isinstance(x, int) for x in found.coordinates)
+    half = [(0, 1, 1), (1, 0, 1), (1, 1, 0)]
+    back = [
+        sum(n * row[i] for n, row in zip(found.coordinates, half, strict=True)) for i in range(3)
+    ]
+    assert found.vector == pytest.approx([x / 2**0.5 for x in back], abs=1e-12)
+    with pytest.raises(NetworkError, match="no vector of it"):
+        net.around(Loop.circle([5, 5, 5], 3), "sc")
+
+
+def test_lines_that_end_leave_no_answer():
+    """Where b is not conserved near the loop, two surfaces differ; far from it they agree."""
+    ended = LineArrays([[0, 0, -9], [0, 0, 0.05]], [[0, 1]], [[0, 0, 1.0]])
+    net = DislocationNetwork.of_arrays(ended)
+    assert [one.node for one in net.node_rule()] == [0, 1]
+    with pytest.raises(NetworkError, match=r"lines end between two surfaces.*node_rule"):
+        net.around(Loop.circle([0, 0, 0], 1))
+    assert net.around(Loop.circle([0, 0, -5], 1)).exact == (0, 0, 1)
+
+
+def test_a_circuit_needs_positions_and_a_loop():
+    """Refusals in our own words."""
+    bare = DislocationNetwork.of_lines(LINES, surface="abc")
+    with pytest.raises(NetworkError, match="node 'a' has no position"):
+        bare.around(Loop.circle([0, 0, 0], 1))
+    net = DislocationNetwork.of_arrays(straight([(0, 0)], [(0.0, 0.0, 1.0)]))
+    with pytest.raises(ArgumentError, match="Loop was needed"):
+        net.around("circle")
+    with pytest.raises(NetworkError, match="needs a volume"):
+        _ = DislocationNetwork.of_lines(LINES, "abc", PLACES).density
+
+
+def test_changes_keep_images_and_box():
+    """A line turned round, split or zipped links as before."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2], [1, 3, 2]]
+    sides = [[0, 1], [1, 2], [2, 3], [3, 0]]
+    net = DislocationNetwork.of_arrays(LineArrays(corners, sides, [[0, 0, 2.0]] * 4, box))
+    loop = Loop.circle([2, 5, 6], 0.5, (1, 2))
+    wanted = net.around(loop).exact
+    assert wanted == (0, 0, 2)
+    assert net.reversed((0, 1, 0)).around(loop).exact == wanted
+    assert net.split((0, 1, 0), [(0, 0, 1), (0, 0, 1)]).around(loop).exact == wanted
+    across = LineArrays([[3.5, 1, 1], [0.5, 1, 1]], [[0, 1]], [[1.0, 0, 0]], box)
+    thread = DislocationNetwork.of_arrays(across)
+    assert thread.arrays.images.tolist() == [[1, 0, 0]]
+    assert thread.reversed((0, 1, 0)).arrays.images.tolist() == [[-1, 0, 0]]
+
+
+def test_images_are_all_given_or_none():
+    """An edge without image among others is named; without a box there are none."""
+    graph = nx.MultiDiGraph()
+    for node, place in enumerate([(0, 0, 0), (1, 0, 0)]):
+        graph.add_node(node, position=place)
+    graph.add_edge(0, 1, burgers=(1, 0, 0), image=(1, 0, 0))
+    with pytest.raises(NetworkError, match="no box"):
+        _ = DislocationNetwork(graph).arrays
+    graph.add_edge(1, 0, burgers=(1, 0, 0))
+    with pytest.raises(NetworkError, match="line 1 -> 0 has no image"):
+        _ = DislocationNetwork(graph, box=Box.of_bounds([0, 0, 0], [2, 2, 2])).arrays
+
+
+def test_a_network_without_lines():
+    """Nodes alone: nothing is missing, nothing is linked."""
+    empty = DislocationNetwork.of_arrays(
+        LineArrays([[0, 0, 0]], np.zeros((0, 2), int), np.zeros((0, 3)), BOX)
+    )
+    assert empty.node_rule() == ()
+    assert empty.families() == ()
+    assert empty.density == 0
+    with pytest.raises(NetworkError, match="lines to go round"):
+        empty.around(Loop.circle([0, 0, 0], 1))

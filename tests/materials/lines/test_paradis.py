@@ -1,0 +1,208 @@
+"""ParaDiS files: what is written reads back; the real network; damage is named by its line."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false, reportCallIssue=false, reportOptionalMemberAccess=false
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import FileFormatError, NetworkError
+from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
+from tests.materials.lines.synthetic_networks import REAL, rings
+from tests.real import real
+
+SMALL = (Path(__file__).parents[2] / "data" / "triangle.data").read_text("utf-8")
+
+
+@pytest.fixture
+def small(tmp_path):
+    """A function that writes a text into a file and reads it."""
+
+    def read(text: str = SMALL, periodic: bool = True) -> DislocationNetwork:
+        path = tmp_path / "small.data"
+        path.write_text(text)
+        return DislocationNetwork.read(path, periodic)
+
+    return read
+
+
+def test_a_file_by_hand(small):
+    """Nodes, lines once each with the b of their first node, constraints, planes, box."""
+    net = small()
+    assert net.lines == (
+        ((0, 0), (0, 1), 0, (0.0, 0.0, 1.0)), ((0, 0), (0, 7), 0, (0.0, 0.0, -1.0)),
+        ((0, 1), (0, 7), 0, (0.0, 0.0, 1.0)),
+    )  # fmt: skip
+    assert net.node_rule() == ()
+    assert net.box.volume == 64
+    assert net.graph.nodes[0, 1]["constraint"] == 7
+    assert net.arrays.planes.tolist() == [[1, 0, 0]] * 3
+    assert net.arrays.lengths.tolist() == pytest.approx([2, 3.25**0.5, 3.25**0.5])
+    assert not small(periodic=False).box.periodic.any()
+
+
+def test_pinned_and_surface_nodes(small):
+    """A line that ends at a pinned node is a violation that says so; at a surface it may end."""
+    one = SMALL.replace("nodeCount = 3", "nodeCount = 2").split(" 0,0 -1")[0]
+    ends = " 0,0 -1 0 0 1 7\n 0,1 0 0 1 0 0 1\n 0,1 1 0 0 1 8\n 0,0 0 0 -1 0 0 1\n"
+    (violation,) = small(one + ends).node_rule()
+    assert violation.missing == (0, 0, -1)
+    assert str(violation) == "node (0, 0) (it is pinned): b out minus b in = (0, 0, 1)"
+
+
+def test_what_is_written_reads_back_to_the_last_digit(tmp_path):
+    """Positions, lines, Burgers vectors, images, constraints and box; twice the same bytes."""
+    lines = rings(15, seed=3, size=7.3)
+    net = DislocationNetwork.of_arrays(lines)
+    net.save(tmp_path / "a.data")
+    back = DislocationNetwork.read(tmp_path / "a.data")
+    assert np.array_equal(back.arrays.positions, lines.positions)
+    assert np.array_equal(back.box.vectors, lines.box.vectors)
+    assert described(back.arrays) == described(lines)
+    back.save(tmp_path / "b.data")
+    DislocationNetwork.read(tmp_path / "b.data").save(tmp_path / "c.data")
+    assert (tmp_path / "c.data").read_bytes() == (tmp_path / "b.data").read_bytes()
+
+
+def described(lines: LineArrays) -> set[tuple[float, ...]]:
+    """Every line from its lower node to its higher: nodes, b and image."""
+    rows = zip(lines.pairs.tolist(), lines.burgers.tolist(), lines.image_list, strict=True)
+    return {
+        (a, b, *vector, *image) if a < b else (b, a, *(-x for x in vector), *(-x for x in image))
+        for (a, b), vector, image in rows
+    }
+
+
+def test_what_such_a_file_cannot_hold_is_refused(tmp_path):
+    """No box, a skew one, a line of more than half a period, two components."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    places, pair = [[0, 0, 0], [3, 0, 0]], [[0, 1]]
+    for lines, message in (
+        (LineArrays(places, pair, [[1, 0, 0]]), "box along the coordinates"),
+        (LineArrays(places, pair, [[1, 0, 0]], Box([[1, 1, 0], [0, 1, 0], [0, 0, 1]])), "along"),
+        (LineArrays(places, pair, [[1, 0, 0]], box, [[0, 0, 0]]), "longer than half a period"),
+        (LineArrays(places, pair, [[1, 0]], box), "three components"),
+    ):
+        with pytest.raises(NetworkError, match=message):
+            DislocationNetwork.of_arrays(lines).save(tmp_path / "a.data")
+    assert not (tmp_path / "a.data").exists()
+
+
+def test_the_real_network(tmp_path):
+    """5,055 nodes and 5,930 lines; sums at nodes of at most 4e-11; all b in the fcc lattice."""
+    net = DislocationNetwork.read(real(REAL))
+    assert (len(net.graph), len(net.lines)) == (5055, 5930)
+    assert np.abs(net.arrays.excess).max() <= 4.1e-11
+    assert net.node_rule() == ()
+    families = net.families()
+    assert [one.name for one in families] == ["0.7071 <1 1 0>", "1.414 <1 0 0>"]
+    assert sum(one.lines for one in families) == 5930
+    assert sum(one.density for one in families) == pytest.approx(net.density, rel=1e-12)
+    net.save(tmp_path / "again.data")
+    back = DislocationNetwork.read(tmp_path / "again.data")
+    assert back.lines == net.lines
+    assert np.array_equal(back.arrays.positions, net.arrays.positions)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "later", "message"),
+    [
+        ("nodeCount = 3", "nodeCount = 4", 21, "node 4 of 4 was needed, but the file ends"),
+        ("nodeCount = 3", "nodeCount = 2", 18, "says 2 nodes, but more follows"),
+        ("nodeCount = 3", "nodeCount = three", 0, "a whole number was needed"),
+        ("nodeCount = 3", "nodeCount = 0", 0, "one or more"),
+        ("numFileSegments = 1", "numFileSegments = 2", 0, "stands in 2 files"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 nan 2 7", 0, "a finite number was needed, but 'nan'"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 1e999 2 7", 0, "finite number"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 1_0 2 7", 0, "finite number"),
+        (" 0,1 1 0 0 2 7", " 0,0 1 0 0 2 7", 0, "stands in the file twice"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 3 7", 5, "a node such as 0,12|an arm has b"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 1 7", 3, "number of arms|a node .* was needed"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 -1 7", 0, "zero or more"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0", 0, "4 words came|3 words came"),
+        ("   0,1 0 0 1\n", "   0,1 0 0 0\n", 0, "b = 0"),
+        ("   0,1 0 0 1\n", "   0,0 0 0 1\n", 0, "to itself"),
+        ("   0,1 0 0 1\n", "   0,9 0 0 1\n", 0, "node 0,9, which is not in the file"),
+        ("   0,1 0 0 1\n", "   0,1 0 1 1\n", 0, "minus the first"),
+        ("   0,7 0 0 1.\n", "   0,0 0 0 1.\n", -6, "1 arms to 0,1, which has 2 back"),
+    ],
+)
+def test_damage_is_named_by_its_line(small, old, new, later, message):
+    """File, line, what was needed and what came."""
+    line = SMALL[: SMALL.index(old)].count("\n") + 1 + later
+    with pytest.raises(FileFormatError, match=rf"small.data: line {line}: .*({message})"):
+        small(SMALL.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("minCoordinates", "lowCoordinates", "minCoordinates is missing"),
+        ("nodalData", "nodes", "nodalData was needed, but the file ends"),
+        ("[ 2 2 2 ]", "[ 2 2 -2 ]", "highest corner above its lowest"),
+        ("[ 2 2 2 ]", "[ 2 2 ]", "3 numbers were needed, but 2 came"),
+        ("[ 2 2 2 ]", "[ 2 2 2", "maxCoordinates|nodalData"),
+    ],
+)
+def test_a_damaged_head_is_named(small, old, new, message):
+    """Keys that are missing, turned round or cut."""
+    with pytest.raises(FileFormatError, match=rf"small.data: .*({message})"):
+        small(SMALL.replace(old, new, 1))
+
+
+def arms_in_one_line(text: str) -> str:
+    """The same file with b and plane of an arm in one line."""
+    head, key, body = text.partition("nodalData")
+    rows = body.split("\n")
+    for k in range(len(rows) - 1, 0, -1):
+        if len(rows[k].split()) == 3 and len(rows[k - 1].split()) == 4:
+            rows[k - 1 : k + 1] = [f"{rows[k - 1]} {rows[k]}"]
+    return head + key + "\n".join(rows)
+
+
+def test_usual_and_odd_files_read_alike(tmp_path, small):
+    """What is read all at once is what is read line by line, to the last bit."""
+    DislocationNetwork.of_arrays(rings(30, seed=5)).save(tmp_path / "usual.data")
+    text = (tmp_path / "usual.data").read_text()
+    odd = arms_in_one_line(text)
+    assert odd.count("\n") < text.count("\n")
+    one, two = small(text).arrays, small(odd).arrays
+    for name in ("positions", "pairs", "burgers", "images", "constraints", "planes"):
+        assert (getattr(one, name) == getattr(two, name)).all()
+    assert list(one.labels) == list(two.labels)
+
+
+def test_two_lines_between_the_same_nodes(tmp_path):
+    """They cannot be told by their ends alone."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    vectors = [[1, 0, 0], [0, 1, 0]]
+    lines = LineArrays([[1, 1, 1], [2, 1, 1]], [[0, 1], [0, 1]], vectors, box)
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "two.data")
+    back = DislocationNetwork.read(tmp_path / "two.data")
+    assert back.arrays.burgers.tolist() == vectors
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("2 0", "2.0 0", "a whole number was needed"),
+        ("1.0 0.0 0.0", "1_0 0.0 0.0", "a finite number was needed"),
+        ("1.0 0.0 0.0", "1e999 0.0 0.0", "a finite number was needed"),
+        ("0,1", "0,1e0", "a node such as"),
+    ],
+)
+def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
+    """Also where all else is usual."""
+    box = Box.of_bounds([0, 0, 0], [4, 4, 4])
+    corners = [[1, 1, 2], [3, 1, 2], [3, 3, 2]]
+    lines = LineArrays(corners, [[0, 1], [1, 2], [2, 0]], [[0, 0, 1]] * 3, box)
+    DislocationNetwork.of_arrays(lines).save(tmp_path / "a.data")
+    head, key, body = (tmp_path / "a.data").read_text().partition("nodalData")
+    body = body.replace("0.0 0.0 1.0", "1.0 0.0 0.0")
+    body = body.replace("-0.0 -0.0 -1.0", "-1.0 0.0 0.0")
+    assert old in body
+    small(head + key + body)
+    with pytest.raises(FileFormatError, match=said):
+        small(head + key + body.replace(old, new, 1))

@@ -1,0 +1,53 @@
+"""Crystal field: tilt walls and real maps through the interface of measured fields."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalIterable=false, reportOptionalMemberAccess=false
+# pyright: reportArgumentType=false
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import OrientationError
+from geomtorsion.loops import Loop
+from geomtorsion.materials.measured import CrystalField, open_measured
+from tests.materials.maps.synthetic import wall
+from tests.real import real
+
+
+def test_a_tilt_wall():
+    """b/L = 2 sin(theta/2), by a closure and by the survey, at the place of the wall."""
+    field = CrystalField(wall(2.0, (20, 30), 0.5, sigma=0.01))
+    expected = 2 * np.sin(np.radians(1.0))
+    found = field.closure(Loop.plaquette([4, 2], [5, 4]))
+    assert found.magnitude / 4 == pytest.approx(expected, rel=1e-9)
+    assert np.hypot(*found.arrow) == pytest.approx(found.magnitude)
+    assert np.nanmin(found.path, axis=1) == pytest.approx([4, 2])
+    survey = field.survey(4)
+    p, q, _ = np.unravel_index(np.argmax(survey.density), survey.density.shape)
+    assert survey.density[p, q, 0] == pytest.approx(2 * expected / 4)
+    assert abs(survey.centres[0][p] - 7.25) <= 1
+    assert survey.vectors.shape == (3, 26, 16, 1)
+    assert survey.arrows.shape == (2, 26, 16, 1)
+    assert not survey.significant[:10].any()
+
+
+def test_a_plane_is_refused():
+    """A map has one plane."""
+    with pytest.raises(OrientationError, match="plane"):
+        CrystalField(wall(2.0, (20, 30), 0.5, sigma=0)).survey(2, (1, 0))
+
+
+def test_silicon_shows_nothing_but_noise():
+    """The wafer: at 8 pixels at most 6e-5 per um, and no circuit is significant."""
+    field = open_measured(real("ebsd/si_wafer.ctf"))
+    survey = field.survey(8)
+    assert np.sqrt(np.mean(survey.density**2)) < 6.5e-5
+    assert not survey.significant.any()
+    assert field.backdrop().values.shape == (48, 35)
+
+
+def test_which_way_y_runs_and_a_plane_as_a_list():
+    """A survey is drawn as its field is."""
+    crystal = wall(1, (8, 9), 0.5, sigma=0)
+    for down in (True, False):
+        assert CrystalField(crystal, down=down).survey(2, [0, 1]).down is down

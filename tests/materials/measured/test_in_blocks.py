@@ -1,0 +1,241 @@
+"""In blocks: the same map as at once; killed and taken up again, the same bits."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.measured import is_array, is_measured, open_measured
+from geomtorsion.materials.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
+from tests.cli import running
+from tests.materials.measured.test_opening import grid
+
+ROOT = Path(__file__).parents[3]
+
+
+def values(shape: tuple[int, int] = (60, 50)) -> np.ndarray:
+    """A coframe with torsion, noise and a hole."""
+    x, y = np.meshgrid(*(np.arange(float(n)) for n in shape), indexing="ij")
+    found = np.array([[1 - y / 50, x / 50], [0 * x, 1 + np.sin(x / 7)]])
+    found += 1e-3 * np.random.default_rng(2).normal(size=found.shape)
+    found[:, :, 20:25, 10:16] = np.nan
+    return found
+
+
+def run(path: Path, folder: Path, block: int | None, size: int = 4, **options: bool) -> BlockedRun:
+    """A run that is begun, or taken up."""
+    given = {"resume": False, "overwrite": False} | options
+    field = open_in_blocks(path)
+    return BlockedRun.begin(field, folder, block, size, (0, 1), **given)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
+    """Values, places, units, the largest and the counts; axes that descend as well."""
+    axes = [0.5 * np.arange(60.0), 0.5 * np.arange(50.0)]
+    whole = values()
+    if turned:
+        axes[1], whole = axes[1][::-1], whole[..., ::-1]
+    path = tmp_path / "field.npz"
+    SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
+    made = run(path, tmp_path / "o", 17)
+    found = made.finish(made.compute())
+    survey, numbers = found.survey()
+    once = open_measured(path).survey(4)
+    at = np.s_[:, :, ::-1] if turned else np.s_[:, :, :]
+    assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
+    assert survey.centres[1] == pytest.approx(np.sort(once.centres[1]))
+    assert numbers["known"] == once.known.sum() < once.known.size
+    assert numbers["largest"] == pytest.approx(np.nanmax(once.density))
+    assert (survey.unit, survey.density_unit) == ("um", "1/um")
+    assert not (tmp_path / "o" / BLOCKS).exists()
+
+
+def noisy(n: int, defects: bool) -> np.ndarray:
+    """The identity with white noise, unlike in each component; with defects, five of b = 0.2."""
+    rng = np.random.default_rng(7)
+    found = np.eye(2)[:, :, None, None] + np.array([[1e-3, 2e-3], [1e-5, 4e-5]])[
+        ..., None, None
+    ] * rng.standard_normal((2, 2, n, n))
+    if defects:
+        x, y = np.meshgrid(*[np.arange(float(n))] * 2, indexing="ij")
+        for a, b in rng.uniform(30, n - 30, (5, 2)):
+            one, two = x - a + 0.31, y - b + 0.17
+            found[0] += 0.2 / (2 * np.pi) * np.array([-two, one]) / (one**2 + two**2)
+    return found
+
+
+@pytest.mark.parametrize(("n", "defects"), [(300, False), (200, True), (620, False)])
+def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
+    """Noise alone passes in 0.1 % of all circuits, by either route; defects stand out in both.
+
+    The larger field has more nodes than the sample from which its noise is estimated.
+    """
+    whole = noisy(n, defects)
+    np.save(tmp_path / "field.npy", whole)
+    made = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8)
+    survey, numbers = made.finish(made.compute()).survey()
+    SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
+    once = open_measured(tmp_path / "field.npz").survey(8)
+    # The sample gives each sigma within two per cent, a small field the very same.
+    exact = n < 500
+    assert survey.significance == pytest.approx(once.significance, rel=1e-6 if exact else 0.1)
+    assert survey.sigma == pytest.approx(once.sigma, rel=1e-9 if exact else 0.02)
+    assert survey.grid_error == pytest.approx(
+        once.grid_error, rel=1e-6, abs=1e-9 if exact else 1e-4
+    )
+    share = numbers["significant"] / numbers["known"]
+    assert share == pytest.approx(once.significant.mean(), abs=0 if exact else 3e-4)
+    if defects:
+        # Each defect is inside 64 circuits.
+        found = np.linalg.norm(survey.vectors, axis=0) > 0.15
+        assert survey.significant[found].mean() > 0.9
+        assert found.sum() > 5 * 50
+    else:
+        assert 0 < share < 2e-3
+
+
+def test_noise_of_a_volume_is_estimated_from_a_sample(tmp_path):
+    """Three axes, of which one is short, with a hole over a half: each sigma within 3 per cent."""
+    sigma = np.array([[1e-3, 2e-3, 3e-3]])
+    whole = sigma[..., None, None, None] * np.random.default_rng(3).standard_normal(
+        (1, 3, 9, 200, 190)
+    )
+    whole[..., 90:] = np.nan
+    np.save(tmp_path / "field.npy", whole)
+    field = open_in_blocks(tmp_path / "field.npy")
+    assert field.sigma == pytest.approx(sigma, rel=0.03)
+    assert "in a sample of the field" in field.about[1]
+
+
+def test_a_volume_and_its_strongest_layer(tmp_path):
+    """A plane of a grid of three axes: the picture is of the layer in which b is largest."""
+    axes = [np.arange(9.0), np.arange(10.0), np.arange(7.0)]
+    x, y, z = np.meshgrid(*axes, indexing="ij")
+    SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2, sigma=0.1).save(tmp_path / "v.npz")
+    made = run(tmp_path / "v.npz", tmp_path / "o", 4, size=2)
+    survey, numbers = made.finish(made.compute()).survey()
+    assert survey.layers == ("z = 6",)
+    assert numbers["largest"] == pytest.approx(6.0)
+    assert numbers["circuits"] == 7 * 8 * 7
+
+
+# Both kinds of arrays are killed; the second in longer campaigns.
+@pytest.mark.parametrize("end", [".npy", pytest.param(".zarr", marks=pytest.mark.slow)])
+def test_killed_and_taken_up_again(tmp_path, end):
+    """The command, killed while it works, then --resume: bit by bit the map of one run."""
+    path = tmp_path / f"field{end}"
+    if end == ".npy":
+        np.save(path, values((100, 80)))
+    else:
+        zarr = pytest.importorskip("zarr")
+        made = zarr.open_array(str(path), mode="w", shape=(2, 2, 100, 80), chunks=(2, 2, 50, 50),
+                               dtype="float64")  # fmt: skip
+        made[:] = values((100, 80))
+    given = ["map", str(path), "--size", "5", "--sigma", "0.001"]
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "geomtorsion", *given, "--blocks", "10", "-o", str(out)]
+    began = subprocess.Popen(command, cwd=ROOT)
+    for _ in range(3000):
+        if len(list((out / BLOCKS).glob("block-*.npy"))) > 10:
+            break
+        time.sleep(0.02)
+    began.send_signal(signal.SIGKILL)
+    assert began.wait() == -signal.SIGKILL
+    kept = list((out / BLOCKS).glob("block-*.npy"))
+    assert 10 < len(kept) < 80
+    assert not (out / "map.npy").exists()
+    assert "--resume" in running.run(*given, "-o", str(out), code=2).stderr
+    running.run(*given, "-o", str(out), "--resume")
+    running.run(*given, "-o", str(tmp_path / "one"))
+    one, two = (folder / "map.npy" for folder in (out, tmp_path / "one"))
+    assert one.read_bytes() == two.read_bytes()
+    assert (out / "map.json").read_bytes() == (tmp_path / "one" / "map.json").read_bytes()
+    assert not (out / BLOCKS).exists()
+
+
+def test_stopped_by_hand(tmp_path):
+    """Ctrl-C: what is done is counted, how to go on is said, and the command ends with 130."""
+    np.save(tmp_path / "field.npy", values((100, 80)))
+    command = [sys.executable, "-m", "geomtorsion", "map", str(tmp_path / "field.npy"), "--blocks",
+               "8", "-o", str(tmp_path / "out")]  # fmt: skip
+    began = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE)
+    for _ in range(3000):
+        if any((tmp_path / "out" / BLOCKS).glob("block-*.npy")):
+            break
+        time.sleep(0.02)
+    began.send_signal(signal.SIGINT)
+    _, said = began.communicate()
+    assert began.returncode == 130
+    assert b"go on with --resume" in said
+    assert b"Traceback" not in said
+
+
+def test_stopped_while_the_report_is_written(tmp_path):
+    """The map is done, its report is not: the blocks are there still, and the run is resumed."""
+    path = grid(tmp_path, sigma=0.1)
+    made = run(path, tmp_path / "o", 5)
+
+    def killed(found: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        made.finish(made.compute(), killed)
+    first = (tmp_path / "o" / "map.npy").read_bytes()
+    again = run(path, tmp_path / "o", None, resume=True)
+    again.finish(again.compute())
+    assert (tmp_path / "o" / "map.npy").read_bytes() == first
+    assert not (tmp_path / "o" / BLOCKS).exists()
+
+
+def test_a_run_is_taken_up_as_it_was(tmp_path):
+    """Another file or size is refused; begun anew it is not."""
+    path = grid(tmp_path, sigma=0.1)
+    with pytest.raises(CheckpointError, match="no map that was stopped"):
+        run(path, tmp_path / "o", 5, resume=True)
+    run(path, tmp_path / "o", 5)
+    with pytest.raises(CheckpointError, match="--resume to go on with it"):
+        run(path, tmp_path / "o", 5)
+    with pytest.raises(CheckpointError, match="another run: size differ"):
+        run(path, tmp_path / "o", None, size=2, resume=True)
+    assert run(path, tmp_path / "o", None, resume=True).block == 5
+    with pytest.raises(CheckpointError, match="file, sigma differ"):
+        run(grid(tmp_path, "b.npz", sigma=0.2), tmp_path / "o", None, resume=True)
+    assert run(path, tmp_path / "o", 7, overwrite=True).block == 7
+
+
+def test_what_is_no_field_is_refused(tmp_path):
+    """Pictures, noise that differs from place to place, missing files, steps that are known."""
+    np.save(tmp_path / "image.npy", np.zeros((40, 40)))
+    assert not is_array(tmp_path / "image.npy")
+    np.save(tmp_path / "field.npy", values())
+    assert is_array(tmp_path / "field.npy")
+    with pytest.raises(GridError, match="sigma: .*estimate.* was needed"):
+        open_in_blocks(tmp_path / "field.npy", sigma="guess")
+    np.save(tmp_path / "unknown.npy", np.full((2, 2, 30, 30), np.nan))
+    with pytest.raises(GridError, match="sigma: rows of seven known nodes"):
+        open_in_blocks(tmp_path / "unknown.npy")
+    np.save(tmp_path / "infinite.npy", np.where(values() > 1, np.inf, values()))
+    with pytest.raises(GridError, match="infinite at node"):
+        open_in_blocks(tmp_path / "infinite.npy")
+    SampledFrame([np.arange(60.0), np.arange(50.0)], values(), covariance=np.eye(4)).save(
+        tmp_path / "joined.npz"
+    )
+    with pytest.raises(GridError, match="covariance: expected independent noise"):
+        open_in_blocks(tmp_path / "joined.npz")
+    sigmas = np.linspace(1, 2, 11 * 13).reshape(11, 13)
+    with pytest.raises(GridError, match="the same everywhere, but .* 1 to 2"):
+        open_in_blocks(grid(tmp_path, sigma=sigmas))
+    with pytest.raises(GridError, match="steps: field.npz says them itself"):
+        open_in_blocks(tmp_path / "field.npz", steps=[1, 1])
+    with pytest.raises(FileFormatError, match="no such file"):
+        open_in_blocks(tmp_path / "none.zarr")
+    assert is_measured(tmp_path / "none.zarr")
+    with pytest.raises(GridError, match="maps are made in blocks: geomtorsion map FILE -o DIR"):
+        open_measured(tmp_path / "field.npy")

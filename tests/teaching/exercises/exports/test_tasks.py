@@ -1,0 +1,34 @@
+"""Tasks: exercises in variants, and what may be asked for."""
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.errors import ArgumentError, UnknownNameError
+from geomtorsion.teaching.exercises.exports.tasks import tasks
+
+
+def test_all_exercises():
+    """Without numbers all, in order; folders have names of their own."""
+    found = tasks(None, [0])
+    assert [task.number for task in found] == list(exercises.names())
+    assert len({task.slug for task in found}) == len(found)
+    assert found[0].chapter == "1. Frames and anholonomy"
+
+
+@pytest.mark.parametrize(
+    ("numbers", "seeds", "error", "says"),
+    [
+        (["9.9"], [0], UnknownNameError, "no exercise has the number '9.9'"),
+        (["3.2"], [-1], UnknownNameError, r"seed \(which variant\): a whole number from 0"),
+        (["3.2"], ["x"], UnknownNameError, r"seed \(which variant\): a whole number from 0"),
+        (["3.2"], [], ArgumentError, "seeds: at least one was needed"),
+        (["3.2"], [1, 1], ArgumentError, "seeds: at least one was needed, each once"),
+        ([], [0], ArgumentError, "numbers: at least one was needed"),
+        ("3.2", [0], ArgumentError, "numbers: a list was needed"),
+        (["3.2", "3.2"], [0], ArgumentError, "numbers: at least one was needed, each once"),
+    ],
+)
+def test_what_is_refused(numbers, seeds, error, says):
+    """Unknown, double, and none at all."""
+    with pytest.raises(error, match=says):
+        tasks(numbers, seeds)

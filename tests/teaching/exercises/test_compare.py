@@ -1,0 +1,107 @@
+"""Compare: exact equality, agreement on a part of the domain, and what decides."""
+
+import pytest
+import sympy as sp
+
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.teaching.exercises.checking import check_question
+from geomtorsion.teaching.exercises.compare import (
+    DIFFERENT,
+    EQUAL,
+    PARTLY,
+    compare,
+    compare_all,
+    same,
+)
+from geomtorsion.teaching.exercises.domain import Domain
+from tests.teaching.exercises.hard_answers import HARD
+
+x = sp.Symbol("x", real=True)
+p = sp.Symbol("p", positive=True)
+DOMAIN = Domain((x, p), (x > -2, x < 2))
+
+
+def test_three_verdicts():
+    """Equal in another form, equal for one sign of x, different."""
+    assert compare(DOMAIN, (x + 1) ** 2, x**2 + 2 * x + 1) == EQUAL
+    assert compare(DOMAIN, sp.sqrt(x**2 * p**2), x * p) == PARTLY
+    assert compare(DOMAIN, x, x + 1) == DIFFERENT
+
+
+def test_poles_do_not_count():
+    """Points at which one side has no value are left out."""
+    assert compare(DOMAIN, (x**2 - 1) / (x - 1), x + 1) == EQUAL
+
+
+def test_opaque_constants_are_decided_by_digits():
+    """Where exact arithmetic has no rule, 50 digits at every point decide."""
+    assert compare(DOMAIN, sp.cos(sp.pi / 7) * x, -sp.cos(6 * sp.pi / 7) * x) == EQUAL
+    near = sp.Rational(900968867902419126, 10**18)
+    assert compare(DOMAIN, sp.cos(sp.pi / 7) * x, near * x) == DIFFERENT
+
+
+def test_imaginary_answers_are_refused():
+    """The imaginary unit is not among the symbols of a real problem."""
+    assert compare(DOMAIN, sp.I * x, x) == DIFFERENT
+    waves = (sp.exp(sp.I * x) + sp.exp(-sp.I * x)) / 2
+    with pytest.raises(ExpressionError, match="cannot be read exactly"):
+        compare(DOMAIN, waves, sp.cos(x))
+    with pytest.raises(ExpressionError, match="Heaviside"):
+        compare(DOMAIN, sp.Heaviside(x), x)
+
+
+def test_too_large_is_said():
+    """Equal at all points, but too large to be multiplied out."""
+    big = sp.Mul(*(sp.sin(k * x) ** 2 + sp.cos(k * x) ** 2 for k in range(1, 25)))
+    with pytest.raises(LimitError, match="multiplied out"):
+        compare(DOMAIN, big * x, x)
+
+
+def test_components_are_compared_one_by_one():
+    """Missing components are zero."""
+    found = compare_all(DOMAIN, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
+    assert found == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
+    assert same(DOMAIN, {(0,): x - x}, {})
+    assert not same(DOMAIN, {(0,): x}, {})
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_forms_at_which_graders_fail(name):
+    """Sines, factored powers, lists in lists, x^(a/b), parts of the domain, other minus signs."""
+    hard = HARD[name]
+    question = hard.question()
+    for answer in hard.right:
+        said = check_question(question, answer)
+        assert said.right, (answer, said)
+    for answer in hard.wrong:
+        said = check_question(question, answer)
+        assert not said.right, answer
+        assert said.diagnosis not in ("unreadable", "too large"), (answer, said)
+
+
+def test_large_numbers_on_the_way_to_a_large_solution():
+    """As large as those of the solution they may be, and not much larger."""
+    power = (x + 10) ** 600
+    assert compare(Domain((x,)), (x + 10) * (x + 10) ** 599, power) == EQUAL
+    assert compare(Domain((x,)), power + 1, power) == DIFFERENT
+    with pytest.raises(LimitError, match="beyond all size"):
+        compare(DOMAIN, x * power / (x**2 + 20 * x + 100) ** 300, x)
+
+
+@pytest.mark.parametrize(("power", "taken"), [(90, True), (112, False)])
+def test_how_large_numbers_on_the_way_may_be(power, taken):
+    """A hundred digits may cancel, no more."""
+    answer = x * (x + 10) ** power / (x**2 + 20 * x + 100) ** (power // 2)
+    if taken:
+        assert compare(DOMAIN, answer, x) == EQUAL
+    else:
+        with pytest.raises(LimitError, match="beyond all size"):
+            compare(DOMAIN, answer, x)
+
+
+def test_floats_decide_nothing_that_rounding_may_have_done():
+    """A quotient by a difference and a root of one lose more than the digits of their own size."""
+    quotient = 1 / ((x + 300) ** 2 - x**2 - 600 * x - 90000 + sp.Rational(1, 10**5))
+    assert compare(DOMAIN, quotient, sp.Integer(10**5)) == EQUAL
+    small = sp.Rational(1, 10**9) * (x + 3)
+    assert compare(DOMAIN, sp.sqrt((1 + small) ** 2 - 1 - 2 * small), small) == EQUAL

@@ -1,0 +1,83 @@
+"""The examiner: checks in a process of its own, within a time."""
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.teaching.exercises import examiner as module
+from geomtorsion.teaching.exercises.examiner import Examiner, reply
+from geomtorsion.teaching.exercises.worker_pool import Worker, WorkerPool
+
+
+def processes(examiner: Examiner) -> set[Worker]:
+    """The processes of an examiner, which a platform with processes has."""
+    assert isinstance(examiner.pool, WorkerPool)
+    return examiner.pool.workers
+
+
+def test_the_examiner_says_what_the_exercise_says():
+    """Another process, the same verdict; a single text counts for the first question."""
+    with Examiner() as examiner:
+        for answer in ("cot(phi2)", "-cot(phi2)", "sin("):
+            there = examiner.check("3.2", answer)
+            assert there == exercises.load("3.2").check({"christoffel": answer})
+
+
+def test_an_answer_that_does_not_end_is_ended():
+    """The process is killed, the answer counts as too large, the next one is checked."""
+    with Examiner(seconds=30) as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        [first] = processes(examiner)
+        # As good as an answer that never ends: no reply is waited for.
+        examiner.seconds = 0.0
+        verdict = examiner.check("3.2", "cot(phi2)")
+        assert verdict["christoffel"].diagnosis == "too large"
+        assert "longer than 0 s" in verdict["christoffel"].message
+        assert not first.lives
+        examiner.seconds = 30
+        assert examiner.check("3.2", "cot(phi2)").right
+        assert first not in processes(examiner)
+
+
+class Slow:
+    """A pool whose replies come after so many seconds, which nobody waits for."""
+
+    def __init__(self, prepares, checks):
+        self.prepares, self.checks = prepares, checks
+
+    def ask(self, request, seconds):
+        """The reply, unless it comes too late."""
+        if (self.checks if "answers" in request else self.prepares) > seconds:
+            raise TimeoutError
+        return reply(request)
+
+
+@pytest.mark.parametrize(
+    ("prepares", "checks", "said"),
+    [(110, 9.5, "Right"), (130, 9.5, "could not be solved in time"), (110, 10.5, "than 10 s")],
+)
+def test_how_long_is_waited(prepares, checks, said, monkeypatch):
+    """Two minutes for what is not the student's fault, ten seconds for what is."""
+    monkeypatch.setattr(module, "WorkerPool", lambda _: Slow(prepares, checks))
+    assert said in Examiner().check("3.2", "cot(phi2)")["christoffel"].message
+
+
+def test_modules_among_the_answers_are_not_imported(tmp_path, monkeypatch):
+    """Graded from inside the folder, a sympy.py that somebody handed in stays a file."""
+    for name in ("sympy", "flint", "json", "geomtorsion"):
+        (tmp_path / f"{name}.py").write_text(f"open('{tmp_path}/ran', 'w').write('x')", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_process_that_dies_costs_one_answer():
+    """Whatever ends it, the next answer is checked."""
+    with Examiner() as examiner:
+        assert examiner.check("3.2", "cot(phi2)").right
+        [worker] = processes(examiner)
+        worker.process.kill()
+        worker.process.wait()
+        assert examiner.check("3.2", "cot(phi2)").right
+    assert not processes(examiner)

@@ -1,0 +1,409 @@
+"""Grading: 200 students, one malformed and one hostile file, interruptions, an honest table."""
+
+import csv
+import json
+import os
+from random import Random
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.errors import ArgumentError, FileFormatError, LimitError, UnknownNameError
+from geomtorsion.teaching.exercises import grading
+from geomtorsion.teaching.exercises.answers import answer_text
+from geomtorsion.teaching.exercises.examiner import Examiner
+from geomtorsion.teaching.exercises.grading import (
+    GRADED,
+    PARTLY,
+    REFUSED,
+    TWICE,
+    grade,
+    read_submission,
+)
+from geomtorsion.teaching.exercises.limits import MOST
+from tests.teaching.exercises.forms import another_form
+
+pytestmark = pytest.mark.usefixtures("one_pool")
+STUDENTS = 200
+NUMBERS = ("1.1", "2.1", "3.2", "3.3")
+
+
+def handed_in(name: str, seed: int, answers) -> str:
+    """A file of answers."""
+    lines = [f'student = "{name}"', f"seed = {seed}"]
+    for number, table in answers.items():
+        lines.append(f'[answers."{number}"]')
+        lines += [f"{key} = '''{text}'''" for key, text in table.items()]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """200 students who know more or less, and two files that are none."""
+    place = tmp_path_factory.mktemp("answers")
+    draw = Random("students")
+    expected = {}
+    for k in range(STUDENTS):
+        seed = draw.randrange(4)
+        answers, earned = {}, 0.0
+        for number in NUMBERS:
+            answers[number] = {}
+            for question in exercises.load(number, seed).questions:
+                if draw.random() < 0.7:
+                    text = another_form(question, question.solution, draw)
+                    earned += question.points
+                elif draw.random() < 0.5:
+                    text = answer_text(question, draw.choice(question.mistakes).value)
+                else:
+                    text = "sin("
+                answers[number][question.name] = text
+        name = f"student{k:03}"
+        expected[f"{name}.toml"] = earned
+        (place / f"{name}.toml").write_text(handed_in(f"Student {k}", seed, answers), "utf-8")
+    (place / "broken.toml").write_text('[answers\n"1.1" = import os', "utf-8")
+    hostile = {
+        "1.1": {"legs": f"__import__('os').system('touch {place}/pwned')"},
+        "2.1": {"connection": "1,2,2 = " + "(" * 2000},
+        "3.2": {"christoffel": "9**9**9**9"},
+        "3.3": {
+            "scalar": "cos(phi2)*" + "*".join(f"(sin({k}*r)+cos({k}*r))^24" for k in range(99))
+        },
+    }
+    (place / "hostile.toml").write_text(handed_in("=HYPERLINK(1)", 0, hostile), "utf-8")
+    (place / "notes.txt").write_text("not an answer", "utf-8")
+    return place, expected
+
+
+def table_of(file) -> dict[str, dict[str, str]]:
+    """The rows of the table by file."""
+    with file.open(encoding="utf-8", newline="") as source:
+        return {row["file"]: row for row in csv.DictReader(source)}
+
+
+def test_two_hundred_students(folder, tmp_path):
+    """Everybody gets what they earned; the two bad files are reported and cost no one else."""
+    place, expected = folder
+    seen = []
+    marks = grade(place, tmp_path / "marks.csv", progress=lambda *step: seen.append(step))
+    assert marks.numbers == NUMBERS
+    rows = table_of(tmp_path / "marks.csv")
+    assert len(rows) == STUDENTS + 2
+    for name, earned in expected.items():
+        assert float(rows[name]["earned"]) >= earned
+        assert float(rows[name]["earned"]) <= earned + 2
+        assert rows[name]["status"] == GRADED
+    exact = sum(float(rows[name]["earned"]) == earned for name, earned in expected.items())
+    assert exact > STUDENTS / 2
+    assert rows["broken.toml"]["status"] == REFUSED
+    assert "no TOML" in rows["broken.toml"]["remarks"]
+    assert rows["hostile.toml"]["status"] == PARTLY
+    assert float(rows["hostile.toml"]["earned"]) == 0
+    assert not (place / "pwned").exists(), "an answer was run as code"
+    assert rows["hostile.toml"]["student"] == "'=HYPERLINK(1)"
+    assert {row["file"] for row in marks.troubled} == {"broken.toml", "hostile.toml"}
+    assert seen[0][:2] == (0, STUDENTS + 2)
+    assert seen[-1][:2] == (STUDENTS + 2, STUDENTS + 2)
+    assert [done for done, _, _ in seen] == sorted(done for done, _, _ in seen)
+
+
+def rows_in(file) -> int:
+    """How many students the table holds by now."""
+    return len(table_of(file)) if file.exists() else 0
+
+
+def some(folder, tmp_path, count: int = 6):
+    """A few of the students in a folder of their own."""
+    place, _ = folder
+    few = tmp_path / "few"
+    few.mkdir()
+    for path in sorted(place.glob("*.toml"))[:count]:
+        (few / path.name).write_bytes(path.read_bytes())
+    return few
+
+
+def test_interrupted_grading_loses_nothing(folder, tmp_path, monkeypatch):
+    """Ctrl-C in the middle: what is finished stands in the table, a second run goes on from it."""
+    few, output = some(folder, tmp_path), tmp_path / "out" / "marks.csv"
+    checked = []
+    real = Examiner.check
+
+    def counted(self, number, answers, seed=0):
+        if len(checked) == 9:
+            raise KeyboardInterrupt
+        checked.append(number)
+        return real(self, number, answers, seed)
+
+    monkeypatch.setattr(Examiner, "check", counted)
+    with pytest.raises(KeyboardInterrupt):
+        grade(few, output, NUMBERS)
+    done = table_of(output)
+    assert 2 <= len(done) < 6
+    monkeypatch.setattr(Examiner, "check", real)
+    marks = grade(few, output, NUMBERS)
+    assert marks.kept == len(done)
+    assert len(marks.rows) == 6
+    whole = table_of(output)
+    assert {name: whole[name] for name in done} == done
+    assert not list(output.parent.glob(".*"))
+    fresh = tmp_path / "fresh.csv"
+    written = []
+    grade(few, fresh, NUMBERS, progress=lambda done, *_: written.append((done, rows_in(fresh))))
+    assert all(done == rows for done, rows in written), "a student done is a row on the disk"
+    assert fresh.read_bytes() == output.read_bytes()
+
+
+def test_a_second_run_that_is_interrupted_loses_nothing(folder, tmp_path, monkeypatch):
+    """What the first run knew stays, even if the second stops before it gets there."""
+    few, output = some(folder, tmp_path), tmp_path / "marks.csv"
+    grade(few, output, ["3.2"])
+    one = min(few.glob("student*.toml"))
+    one.write_text(handed_in("Changed", 0, {"3.2": {"christoffel": "0"}}), "utf-8")
+
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Examiner, "check", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        grade(few, output, ["3.2"])
+    assert set(table_of(output)) == {path.name for path in few.glob("*.toml")} - {one.name}
+
+
+def test_a_changed_file_is_graded_again(folder, tmp_path):
+    """Only the one that changed; another task starts afresh; a strange table is replaced."""
+    few, output = some(folder, tmp_path, 3), tmp_path / "marks.csv"
+    output.write_text("not,a,table\n", "utf-8")
+    assert grade(few, output, NUMBERS).kept == 0
+    one = min(few.glob("student*.toml"))
+    one.write_text(handed_in("Changed", 0, {"3.2": {"christoffel": "cot(phi2)"}}), "utf-8")
+    marks = grade(few, output, NUMBERS)
+    assert marks.kept == 2
+    assert table_of(output)[one.name]["3.2"] == "1"
+    assert grade(few, output, ["3.2"]).kept == 0
+    # More time may bring an answer that took too long to its end.
+    assert grade(few, output, ["3.2"], seconds=20).kept == 0
+    assert grade(few, output, ["3.2"], seconds=20).kept == 3
+
+
+def test_one_seed_for_all(folder, tmp_path):
+    """Who worked on another variant is reported, not graded."""
+    few, output = some(folder, tmp_path), tmp_path / "marks.csv"
+    grade(few, output, ["3.2"], seed=2)
+    for row in table_of(output).values():
+        fits = row["seed"] == "2"
+        assert (row["status"] == GRADED) == fits or row["file"] in ("broken.toml", "hostile.toml")
+        assert fits or "instead of 2" in row["remarks"] or row["status"] == REFUSED
+
+
+def test_unknown_exercises_and_empty_folders(tmp_path):
+    """Said before anything is graded."""
+    with pytest.raises(FileFormatError, match="no TOML file here"):
+        grade(tmp_path, tmp_path / "marks.csv")
+    (tmp_path / "a.toml").write_text("", "utf-8")
+    with pytest.raises(UnknownNameError, match="9.9"):
+        grade(tmp_path, tmp_path / "marks.csv", ["9.9"])
+    with pytest.raises(ArgumentError, match="at least one exercise that counts"):
+        grade(tmp_path, tmp_path / "marks.csv", [])
+
+
+def test_rows_are_harmless_in_a_spreadsheet():
+    """No cell starts like a formula or breaks the line."""
+    for text in ("=1+1", "+1", "-1", "@x", "a\nb", "x" * 1000):
+        shown = grading._harmless(text)
+        assert shown[0] not in "=+-@"
+        assert "\n" not in shown
+        assert len(shown) <= MOST.remark + 1
+
+
+def test_a_name_in_another_encoding_costs_nobody_marks(tmp_path):
+    """A file name that is no UTF-8, as old archives unpack to: its row and all others are there."""
+    place = tmp_path / "answers"
+    place.mkdir()
+    right = '[answers]\n"3.2" = "1/tan(phi2)"\n'
+    (place / "ada.toml").write_text(right, "utf-8")
+    try:
+        (place / os.fsdecode(b"jos\xe9.toml")).write_text(right, "utf-8")
+    except OSError:
+        pytest.skip("this file system has only names in UTF-8")
+    for kept in (0, 2):
+        marks = grade(place, tmp_path / "marks.csv")
+        assert (len(marks.rows), marks.kept) == (2, kept)
+    rows = table_of(tmp_path / "marks.csv")
+    assert {name: row["earned"] for name, row in rows.items()} == {
+        "ada.toml": "1",
+        "jos?.toml": "1",
+    }
+
+
+def graded(tmp_path, files, numbers=None, **more):
+    """The marks of files, as rows by name; the table may be CSV or JSON."""
+    place = tmp_path / "answers"
+    place.mkdir(exist_ok=True)
+    for name, text in files.items():
+        (place / name).write_text(text, "utf-8")
+    marks = grade(place, tmp_path / more.pop("table", "marks.csv"), numbers, **more)
+    return {row["file"]: row for row in marks.rows}
+
+
+RIGHT = '[answers]\n"3.2" = "1/tan(phi2)"\n'
+
+
+def test_a_file_without_seed_is_said(tmp_path):
+    """Graded as the seed asked for, or 0, and its row says which."""
+    files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
+    rows = graded(tmp_path, files)
+    assert rows["ada.toml"]["remarks"] == "the file names no seed: graded as seed 0."
+    assert rows["bob.toml"]["remarks"] == ""
+    assert {row["earned"] for row in rows.values()} == {"1"}
+    rows = graded(tmp_path, files, ["3.2"], seed=2)
+    assert rows["ada.toml"]["remarks"] == "the file names no seed: graded as seed 2."
+    assert (rows["ada.toml"]["seed"], rows["bob.toml"]["status"]) == ("2", REFUSED)
+
+
+def test_an_unknown_part_is_said(tmp_path):
+    """A misspelt question, with one question or several, and a strange exercise."""
+    files = {
+        "ada.toml": 'seed = 0\n[answers."2.1"]\nconection = "1,2,2 = 1/r"\n',
+        "bob.toml": 'seed = 0\n[answers."3.3"]\nscalr = "2/R^2"\n[answers."9.9"]\nx = "1"\n',
+        "eve.toml": 'seed = 0\n[answers."2.1"]\n"1,2,2" = "1/r"\n[answers]\n"3.3" = "0"\n',
+    }
+    rows = graded(tmp_path, files)
+    ada, bob, eve = (rows[name] for name in files)
+    assert "There is no question 'conection'" in ada["remarks"]
+    assert "Did you mean connection?" in ada["remarks"]
+    assert "There is no question 'scalr'" in bob["remarks"]
+    assert "no exercise '9.9'" in bob["remarks"]
+    assert (ada["status"], bob["status"]) == (PARTLY, PARTLY)
+    assert eve["2.1"] == "1"
+    assert "several questions (ricci, scalar); the answer counts for the first" in eve["remarks"]
+
+
+def test_what_stands_outside_of_the_answers_is_said(tmp_path):
+    """A table that was forgotten is looked at; a date is nobody's business."""
+    files = {
+        "ada.toml": 'seed = 0\n["3.2"]\nchristoffel = "cot(phi2)"\n',
+        "bob.toml": "seed = 0\ndate = 2026-11-23\n" + RIGHT,
+        "eve.toml": '[3.2]\nchristoffel = "cot(phi2)"\n' + RIGHT,
+    }
+    ada, bob, eve = graded(tmp_path, files).values()
+    assert (ada["status"], bob["status"], eve["status"]) == (PARTLY, GRADED, PARTLY)
+    assert ada["remarks"] == "'3.2' stands outside of [answers]: it is not read."
+    assert bob["remarks"] == "'date' stands outside of [answers]: it is not read."
+    assert (ada["earned"], bob["earned"], eve["earned"]) == ("0", "1", "1")
+
+
+def test_two_files_of_one_student_are_said(tmp_path):
+    """In both rows, each with the other's name; a third file that comes later changes them."""
+    files = {
+        "a.toml": 'student = "Ada  Lovelace"\nseed = 0\n' + RIGHT,
+        "b.toml": 'student = "ada lovelace"\nseed = 0\n' + RIGHT,
+        "c.toml": 'student = "Charles"\nseed = 0\n' + RIGHT,
+    }
+    rows = graded(tmp_path, files)
+    assert [rows[name]["status"] for name in files] == [TWICE, TWICE, GRADED]
+    assert "the same student as in b.toml" in rows["a.toml"]["remarks"]
+    rows = graded(tmp_path, files | {"d.toml": files["a.toml"]})
+    assert "the same student as in b.toml, d.toml" in rows["a.toml"]["remarks"]
+
+
+def test_how_many_answers_make_up_the_percentage_is_said(tmp_path):
+    """One right answer is 100 % of what counts; the row says what counts and what is answered."""
+    files = {"ada.toml": "seed = 0\n" + RIGHT}
+    [row] = graded(tmp_path, files).values()
+    assert (row["percent"], row["answered"]) == ("100.0", "1 of 1")
+    assert row["counted"] == "3.2 (whatever anybody answered)"
+    [row] = graded(tmp_path, files, ["3.1", "3.2", "3.3"]).values()
+    assert (row["percent"], row["answered"]) == ("16.7", "1 of 6")
+    assert row["counted"] == "3.1 3.2 3.3 (as asked for)"
+
+
+def test_the_table_as_json(tmp_path):
+    """The same rows, and what counts, for programs; a second run goes on from it."""
+    files = {"ada.toml": RIGHT, "bob.toml": "seed = 0\n" + RIGHT}
+    rows = graded(tmp_path, files, table="marks.json")
+    data = json.loads((tmp_path / "marks.json").read_text("utf-8"))
+    assert (data["counted"], data["chosen"]) == (["3.2"], "whatever anybody answered")
+    first = data["rows"][0]
+    assert (first["earned"], first["points"], first["seed"], first["3.2"]) == (1, 1, 0, 1)
+    assert first["percent"] == 100
+    assert rows == graded(tmp_path, files)
+    assert {row["file"]: row["remarks"] for row in data["rows"]} == {
+        name: row["remarks"] for name, row in rows.items()
+    }
+    assert grade(tmp_path / "answers", tmp_path / "marks.json").kept == 2
+    for broken in ("{", "[]", '{"rows": 3}', '{"rows": [3]}', '{"rows": [{}]}'):
+        (tmp_path / "marks.json").write_text(broken, "utf-8")
+        assert grade(tmp_path / "answers", tmp_path / "marks.json").kept == 0
+
+
+def read(tmp_path, text: str | bytes, name: str = "ada.toml"):
+    """The submission in a file with this content."""
+    file = tmp_path / name
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_submission(file)
+
+
+def test_all_ways_to_write_answers(tmp_path):
+    """Numbers with and without quotes, tables and single answers, a byte order mark."""
+    found = read(
+        tmp_path,
+        '\ufeffstudent = "Ada  Lovelace"\nseed = 7\n[answers]\n"1.1" = "0"\n3.2 = "x"\n'
+        '[answers."3.3"]\nricci = "1"\n[answers.7.1]\nline = 8\n[answers."8.8"]\nx = 1\n',
+    )
+    assert found.student == "Ada Lovelace"
+    assert found.seed == 7
+    assert found.answers == {"1.1": "0", "3.2": "x", "3.3": {"ricci": "1"}, "7.1": {"line": 8}}
+    assert found.unknown == ("8.8",)
+
+
+def test_what_is_left_out(tmp_path):
+    """The file names the student, there may be no seed and no answers."""
+    found = read(tmp_path, "")
+    assert (found.student, found.seed, dict(found.answers)) == ("ada", None, {})
+    assert read(tmp_path, 'student = " "\n').student == "ada"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("answers = 3", "a table was needed"),
+        ("student = 3", "a name of at most"),
+        ("student = '" + "x" * 300 + "'", "a name of at most"),
+        ("seed = -1", "whole number from 0"),
+        ("seed = true", "whole number from 0"),
+        ("seed = 1e3", "whole number from 0"),
+        ('answers = "1.1"', "a table was needed"),
+        ("[answers\n", "this is no TOML"),
+        ('"1.1" = import os', "this is no TOML"),
+        (b"\xff\xfe\x00", "no UTF-8 text"),
+        ("x = " + "[" * 5000 + "]" * 5000, "nested too deeply|no TOML"),
+        ("seed = 0x" + "f" * 9000, "more digits than can be read"),
+        ("seed = " + "9" * 9000, "more digits than can be read"),
+        ("answers = 0x" + "f" * 9000, "more digits than can be read"),
+        ('[answers]\n"1.1" = [0x' + "f" * 9000 + "]", "more digits than can be read"),
+    ],
+)
+def test_bad_files(tmp_path, text, says):
+    """The message names the file, what was needed and what to write."""
+    with pytest.raises((FileFormatError, LimitError), match=f"ada.toml: .*({says})"):
+        read(tmp_path, text)
+
+
+def test_large_files_and_no_files(tmp_path):
+    """Too long, missing, a directory, a pipe that would never end."""
+    with pytest.raises(LimitError, match="longer than the limit"):
+        read(tmp_path, "#" * (MOST.file + 1))
+    with pytest.raises(FileFormatError, match="cannot be read"):
+        read_submission(tmp_path / "nobody.toml")
+    with pytest.raises(FileFormatError, match="no regular file"):
+        read_submission(tmp_path)
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.toml")
+        with pytest.raises(FileFormatError, match="no regular file"):
+            read_submission(tmp_path / "pipe.toml")
+
+
+def test_an_exercise_that_is_named_twice_counts_once(tmp_path):
+    """Its points were counted twice and its marks once: half of what was earned."""
+    (tmp_path / "ada.toml").write_text('seed = 0\n[answers]\n"3.2" = "cot(phi2)"\n', "utf-8")
+    [row] = grade(tmp_path, tmp_path / "marks.csv", ["3.2", "3.2"]).rows
+    assert (row["earned"], row["points"], row["percent"]) == ("1", "1", "100.0")

@@ -1,0 +1,323 @@
+"""Notation: right answers in odd forms are right, or it is said exactly how to write them."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOptionalMemberAccess=false, reportOptionalSubscript=false
+
+import contextlib
+import re
+import time
+from random import Random
+
+import pytest
+import sympy as sp
+
+from geomtorsion import exercises
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.teaching.exercises.checking import check_question, read
+from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.exercises.notation import written_out
+from geomtorsion.teaching.exercises.question import Question
+
+# Exercise, question, a right answer in an odd form.
+RIGHT = [
+    # Names as they are displayed, and near them.
+    ("3.2", "christoffel", "cot(phi_2)"),
+    ("3.2", "christoffel", "cot(phi_{2})"),
+    ("3.2", "christoffel", "cot(φ₂)"),
+    ("3.2", "christoffel", "cot(φ_2)"),
+    ("3.2", "christoffel", "cot φ2"),
+    ("3.2", "christoffel", "cot(ϕ2)"),
+    ("3.2", "christoffel", "cot(𝜑2)"),
+    ("3.2", "christoffel", "cot(phi 2)"),
+    ("3.2", "christoffel", "cot phi2"),
+    ("3.2", "christoffel", "cotphi2"),
+    # Functions by other names and without brackets.
+    ("3.2", "christoffel", "ctg(phi2)"),
+    ("3.2", "christoffel", "Cot[phi2]"),
+    ("3.2", "christoffel", "cos phi2/sin phi2"),
+    ("3.2", "christoffel", "cos phi2 / sin phi2"),
+    ("3.2", "christoffel", "np.cos(phi2)/np.sin(phi2)"),
+    ("3.2", "christoffel", "math.cos(phi2)/math.sin(phi2)"),
+    ("3.2", "christoffel", "1/tg(phi2)"),
+    ("3.2", "christoffel", "tan(phi2)^-1"),
+    ("3.2", "christoffel", "tan(phi2)⁻¹"),
+    ("3.2", "christoffel", "(sin(phi2))^{-1} cos(phi2)"),
+    ("3.2", "christoffel", "0.5 sin(2phi2)/sin^2(phi2)"),
+    ("3.2", "christoffel", "1/2 sin 2phi2 * (1/sin(phi2))^2"),
+    ("3.2", "christoffel", "½ sin(2 phi2)/sin²(phi2)"),
+    ("3.2", "christoffel", "cos φ₂ sin φ₂/sin² φ₂ * 1.0"),
+    # LaTeX.
+    ("3.2", "christoffel", r"\cot\phi_2"),
+    ("3.2", "christoffel", r"$\cot\left(\phi_{2}\right)$"),
+    ("3.2", "christoffel", r"\frac{\cos\phi_2}{\sin\phi_2}"),
+    ("3.2", "christoffel", r"\dfrac{\cos{\phi_{2}}}{\sin{\phi_{2}}}"),
+    ("3.2", "christoffel", r"\frac12 \sin(2\varphi_2) \cdot \frac{1}{\sin^{2}\phi_2}"),
+    ("3.2", "christoffel", r"\frac{\cos\phi_2}{\sqrt{1-\cos^2\phi_2}}"),
+    ("3.2", "christoffel", r"\operatorname{cot}\phi_2"),
+    # What it is, and signs round it.
+    ("3.2", "christoffel", "Gamma_12^1 = cot(phi2)"),
+    ("3.2", "christoffel", "= cot(phi2)"),
+    ("3.2", "christoffel", "Γ̄_12^1 = cot(phi2)."),
+    ("3.2", "christoffel", "−cos(phi2)/(−sin(phi2))"),
+    # Products, roots and powers.
+    ("3.3", "scalar", "2R^-2"),
+    ("3.3", "scalar", "2R⁻²"),
+    ("3.3", "scalar", "2÷R²"),
+    ("3.3", "scalar", "2 R^{-2}"),
+    ("3.3", "scalar", "sqrt(4)/R**2"),
+    ("3.3", "scalar", "√4 · R^(-2)"),
+    ("3.3", "scalar", "2.0/R^2"),
+    ("3.3", "scalar", "2000/1000/R^2"),
+    ("3.3", "ricci", "[[1/R^2, 0], [0, sin^2(r/R)]]"),
+    ("3.3", "ricci", "[[1/R², 0], [0, sin²(r/R)]]"),
+    ("3.3", "ricci", "{{1/R^2, 0}, {0, Sin[r/R]^2}}"),
+    ("3.3", "ricci", "((1/R^2, 0), (0, sin(r/R)^2))"),
+    ("3.3", "ricci", "[1/R^2, 0; 0, sin(r/R)^2]"),
+    ("3.3", "ricci", "[1/R^2 0; 0 sin(r/R)^2]"),
+    ("3.3", "ricci", "1/R^2, 0; 0, sin(r/R)^2"),
+    ("3.3", "ricci", "diag(1/R^2, sin(r/R)^2)"),
+    ("3.3", "ricci", "Matrix([[1/R**2, 0], [0, sin(r/R)**2]])"),
+    ("3.3", "ricci", "np.array([[1/R**2, 0], [0, np.sin(r/R)**2]])"),
+    ("3.3", "ricci", r"\begin{pmatrix} 1/R^2 & 0 \\ 0 & \sin^2(\frac{r}{R}) \end{pmatrix}"
+     .replace(r"\sin^2\frac{r}{R}", r"\sin^2\left(\frac{r}{R}\right)")),
+    ("3.3", "ricci", "R = [[1/R^2, 0], [0, sin(r/R)^2]]"),
+    ("3.3", "ricci", "R_11 = 1/R^2, R_22 = sin(r/R)^2"),
+    ("3.3", "ricci", "R_rr = 1/R^2; R_{phi phi} = sin(r/R)^2"),
+    ("3.3", "ricci", "11: 1/R^2; 22: sin(r/R)^2"),
+    ("3.3", "ricci", "1,1 = 1/R^2, 2,2 = sin(r/R)^2"),
+    ("3.3", "ricci", "{'1,1': '1/R**2', '2,2': 'sin(r/R)**2'}"),
+    ("3.3", "ricci", [["1/R^2", 0], [0, "sin(r/R)^2"]]),
+    # Components with indices above and below.
+    ("2.1", "connection", "Γ_12^2 = 1/r"),
+    ("2.1", "connection", "Γ^2_12 = 1/r"),
+    ("2.1", "connection", "Γ²₁₂ = 1/r"),
+    ("2.1", "connection", r"\Gamma_{12}{}^{2} = \frac{1}{r}"),
+    ("2.1", "connection", r"\Gamma_{12}^{\;\;2} = \frac1r"),
+    ("2.1", "connection", r"\Gamma^{\phi}_{\;r\phi} = \dfrac 1{r}"),
+    ("3.2", "christoffel", r"\frac1{\tan\phi_2}"),
+    ("4.3", "equations", r"\ddot r=0,\; \ddot{\phi}=-\frac{\dot r\,\dot\phi}r"),
+    ("2.1", "connection", r"\Gamma^\phi_{r\phi} = 1/r"),
+    ("2.1", "connection", "Gamma_rphi^phi = r^-1"),
+    ("2.1", "connection", "Gamma(1,2,2) = 1/r"),
+    ("2.1", "connection", "122 = 1/r, 111 = 0"),
+    ("2.1", "connection", "[[[0, 0], [0, 1/r]], [[0, 0], [0, 0]]]"),
+    ("1.1", "legs", "[[cos phi, sin phi], [-sin(phi)/r, cos(phi)/r]]"),
+    ("1.1", "legs", "E_1^1 = cos φ; E_2^1 = sin φ; E_1^2 = -sin(φ)/r; E_2^2 = cos(φ)/r"),
+    ("1.1", "legs", (r"\begin{pmatrix}\cos\phi & \sin\phi\\-\frac{\sin\phi}{r} & "
+     r"\frac{\cos\phi}{r}\end{pmatrix}")),
+    # Vectors.
+    ("5.1", "burgers", "(0, 0, -A)"),
+    ("5.1", "burgers", "0, 0, −A"),
+    ("5.1", "burgers", "b = [0, 0, -A]"),
+    ("5.1", "burgers", "b1 = 0, b2 = 0, b3 = -A"),
+    ("5.1", "burgers", "b^3 = -A"),
+    ("5.2", "burgers", "[0, 0, -πR²]"),
+    ("5.2", "burgers", "b_3 = -piR^2"),
+    ("5.2", "burgers", r"b^3 = -\pi R^{2}"),
+    ("5.4", "around", "b^3 = 2b"),
+    ("6.3", "terms", "[u2 dPhi3 - u3 dPhi2, u3 dPhi1 - u1 dPhi3, u1 dPhi2 - u2 dPhi1]"),
+    ("6.3", "terms", "[u_2 δΦ_3 - u_3 δΦ_2, u_3 δΦ_1 - u_1 δΦ_3, u_1 δΦ_2 - u_2 δΦ_1]"),
+    ("6.3", "terms", (r"[u^2\delta\Phi^3 - u^3\delta\Phi^2, u^3\delta\Phi^1 - u^1\delta\Phi^3, "
+     r"u^1\delta\Phi^2 - u^2\delta\Phi^1]")),
+    # Rates and equations.
+    ("1.4", "rates", ("[phi2' sin phi1 - phi3' cos phi1 sin phi2, "
+     "phi2' cos phi1 + phi3' sin phi1 sin phi2, phi1' + phi3' cos phi2]")),
+    ("1.4", "rates", ("[φ̇₂ sin φ₁ − φ̇₃ cos φ₁ sin φ₂, φ̇₂ cos φ₁ + φ̇₃ sin φ₁ sin φ₂, "
+     "φ̇₁ + φ̇₃ cos φ₂]")),
+    ("4.3", "equations", "r'' = 0, phi'' r + r'phi' = 0"),
+    ("4.3", "equations", "rr'' = 0, phi'' = -r' phi'/r"),
+    ("4.3", "equations", r"\ddot r = 0; \ddot\phi = -\frac{\dot r\dot\phi}{r}"),
+    ("4.3", "equations", "d^2r/dt^2 = 0 and d^2phi/dt^2 + (dr/dt)(dphi/dt)/r = 0"),
+    ("4.3", "equations", "r̈ = 0; φ̈ == −ṙφ̇/r"),
+    ("6.1", "equations", ("I_1 Omega_1' = (I_2 - I_3) Omega_2 Omega_3\n"
+     "I_2 Omega_2' = (I_3 - I_1) Omega_3 Omega_1\nI_3 Omega_3' = (I_1 - I_2) Omega_1 Omega_2")),
+    ("6.1", "equations", "I1 Ω̇1 = (I2 − I3)Ω2Ω3, I2 Ω̇2 = (I3 − I1)Ω3Ω1, I3 Ω̇3 = (I1 − I2)Ω1Ω2"),
+    ("6.1", "equations", (r"I_1\dot\Omega_1 = (I_2-I_3)\Omega_2\Omega_3; "
+     r"I_2\dot\Omega_2 = (I_3-I_1)\Omega_3\Omega_1; I_3\dot{\Omega}_3=(I_1-I_2)\Omega_1\Omega_2")),
+    ("6.1", "equations", ("I1 dOmega1/dt = (I2-I3) Omega2 Omega3; I2 dOmega2/dt = (I3-I1) Omega3 "
+     "Omega1; I3 dOmega3/dt = (I1-I2) Omega1 Omega2")),
+    ("6.4", "body", "lambda = (C - A)w/A"),
+    ("6.4", "body", "λ = w(C−A)/A"),
+    ("6.4", "space", "√(A²v² + C²w²)/A"),
+    ("6.4", "space", r"\frac{\sqrt{A^2 v^2 + C^2 w^2}}{A}"),
+    # Numbers and choices.
+    ("4.1", "radius", "2.00"),
+    ("4.1", "radius", "≈ 2"),
+    ("4.1", "radius", "r = 2"),
+    ("4.1", "angle", "1.586 rad"),
+    ("4.1", "angle", "1.586 radians"),
+    ("4.1", "angle", "0.2 + 2 ln 2"),
+    ("4.1", "angle", "0.2 + 2ln(2)"),
+    ("4.1", "angle", "0.2+2ln2"),
+    ("4.1", "angle", "1.586294 × 10⁰"),
+    ("4.1", "angle", "15.86294·10^-1"),
+    ("4.1", "angle", 1.5863),
+    ("3.1", "cartan", "Zero."),
+    ("3.1", "cartan", "0"),
+    ("3.1", "riemann", "nonzero"),
+    ("3.1", "riemann", "not-zero"),
+    ("3.1", "riemann", "≠ 0"),
+    ("4.2", "same", "No."),
+    ("6.6", "law", "a geodesic of the metric"),
+]  # fmt: skip
+
+# Texts that can be read in two ways, and what is said of how to write them.
+TWO_WAYS = [
+    ("sin x/2", "Write sin(x)/2 or sin(x/2)."),
+    ("sin x^2", "Write sin(x)^2 or sin(x^2)."),
+    ("cos x y", "Write cos(x)*y or cos(x*y)."),
+    ("1/2x", "Write (1/2)*x or 1/(2*x)."),
+    ("e^2x", "Write exp(2*x) or exp(2)*x."),
+    ("sin^-1(x)", "Write 1/sin(x), or asin(x) for the inverse function."),
+    ("sqrt 2 x", "Write sqrt(2)*x or sqrt(2*x)."),
+    ("√2x", "Write sqrt(2)*x or sqrt(2*x)."),
+    ("2½", "Write 5/2 for two and a half."),
+    ("sin x (1+y)", "Write sin(x)*(...) or sin(x*(...))."),
+    ("y/2 x", "Write (y/2)*x or y/(2*x)."),
+]
+
+
+def test_there_are_enough():
+    """At least as many as were tried when a quarter of them could not be read."""
+    assert len(RIGHT) >= 76
+
+
+@pytest.mark.parametrize(("number", "name", "answer"), RIGHT, ids=lambda case: str(case)[:40])
+def test_odd_forms_are_right(number, name, answer):
+    """Whatever a student writes that is right in one way only."""
+    verdict = exercises.load(number).check({name: answer})[name]
+    assert verdict.right, verdict.message
+
+
+x, y = sp.symbols("x y", real=True)
+ASKED = Question("q", "expression", "?", lambda: x, Domain((x, y)))
+
+
+@pytest.mark.parametrize(("text", "advice"), TWO_WAYS)
+def test_two_ways_to_read(text, advice):
+    """Refused with both ways to write it; each of these is read."""
+    said = check_question(ASKED, text)
+    assert said.diagnosis == "unreadable"
+    assert advice in said.message
+    if " or " in advice and "for" not in advice and "..." not in advice:
+        one, two = re.search(r"Write (.*) or (.*)\.$", advice).groups()
+        assert read(ASKED, one) != read(ASKED, two)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2x^2y", 2 * x**2 * y), ("x y", x * y), ("xy", x * y), ("x(x+1)", x * (x + 1)),
+        ("(x+1)(y-1)", (x + 1) * (y - 1)), ("sin 2x cos y", sp.sin(2 * x) * sp.cos(y)),
+        ("sin^2 x cos^3 y", sp.sin(x) ** 2 * sp.cos(y) ** 3), ("sin x", sp.sin(x)),
+        ("-sin x", -sp.sin(x)), ("sin -x", -sp.sin(x)), ("e^x", sp.exp(x)),
+        ("e^-x", sp.exp(-x)), ("e^(2x)y", sp.exp(2 * x) * y), ("e^{2x}", sp.exp(2 * x)),
+        ("1/2 sin x", sp.sin(x) / 2), ("x/y", x / y), ("x/(2y)", x / (2 * y)),
+        ("sin(x)/2", sp.sin(x) / 2), ("1/2*x", x / 2), ("x^2/y^2", x**2 / y**2),
+        ("sqrt x", sp.sqrt(x)), ("2pi x", 2 * sp.pi * x), ("2πx", 2 * sp.pi * x),
+        ("exp 2x", sp.exp(2 * x)), ("ln x", sp.log(x)), ("x**2", x**2),
+        ("3e-2*x", 3 * x / 100),
+        (r"\sqrt[3]{x}", x ** sp.Rational(1, 3)), (r"\frac{\frac{x}{2}}{y}", x / 2 / y),
+        (r"\mathrm{e}^{-\frac{x}{2}}", sp.exp(-x / 2)), ("x²y³", x**2 * y**3), ("xʸ", x**y),
+        ("x⁻ʸ", x**-y),
+        ("arctan(x)", sp.atan(x)), ("sin(x)cos(y)", sp.sin(x) * sp.cos(y)),
+        ("sin²x", sp.sin(x) ** 2), ("1/sin^2(x)", 1 / sp.sin(x) ** 2),
+    ],
+)  # fmt: skip
+def test_products_and_brackets(text, value):
+    """What is left out is put in as in a book."""
+    assert sp.simplify(read(ASKED, text)[()] - value) == 0
+
+
+@pytest.mark.parametrize("text", ["0.25*x + zz", "0.25x + zz", "1.5e-3 + zz"])
+def test_decimals_are_shown_as_they_were_written(text):
+    """The message holds the student's own number, no fraction of it."""
+    message = check_question(ASKED, text).message
+    assert re.match(r"[\d.e-]+", text)[0] in message
+    assert "/" not in message
+
+
+def test_what_was_read_is_shown():
+    """Where signs were put in, the message has both texts."""
+    message = check_question(ASKED, "2 sin x zz").message
+    assert "can be read in two ways" in message
+    message = check_question(ASKED, "2x + zz").message
+    assert "2*x+zz" in message
+    assert "That is how your answer was read: 2x + zz" in message
+
+
+HOSTILE = [
+    "x" * 4000, "sin " * 1000, "\\frac{" * 600, "{" * 4000, "\\begin{matrix}" * 280,
+    "d" + " " * 3990 + "/", "x'" * 1900, "_" * 4000, "½" * 4000, "x\u0307" * 2000, "²" * 4000,
+    "\\sqrt{" * 300 + "x" + "}" * 300, "sin^" * 1000, "a1" * 2000, "=" * 4000, "1,1=" * 900,
+    "[" * 6 + "x," * 1900 + "]" * 6, ("[" + "x;" * 1000 + "]"), "(" * 2000 + ")" * 2000,
+    "and " * 1000, "1 2 " * 1000, "\\dot" * 900, "Matrix(" * 500, "{:" * 1900, "^{" * 1900,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: repr(text[:12]))
+def test_hostile_notation_ends_soon(text):
+    """No pattern takes long, whatever is repeated."""
+    matrix = Question("q", "components", "?", lambda: [[x, 0], [0, y]], Domain((x, y)),
+                      shape=(2, 2))  # fmt: skip
+    rates = Question("q", "equations", "?", lambda: [x], Domain((x, y)), unknowns=("x'",))
+    for question in (ASKED, matrix, rates):
+        start = time.process_time()
+        assert not check_question(question, text).right
+        assert time.process_time() - start < 3
+
+
+def test_nothing_foreign_is_raised():
+    """All prefixes of odd forms: read, or refused by an error of our own."""
+    for number, name, answer in RIGHT:
+        if isinstance(answer, str):
+            question = exercises.load(number).question(name)
+            for size in range(len(answer)):
+                with contextlib.suppress(GeomtorsionError):
+                    read(question, answer[:size])
+
+
+def sparse(text: str, draw: Random) -> str:
+    """A text with signs and brackets left out at random."""
+    signs = ("*", " ", "", "·", " * ")
+    text = re.sub(r"\*(?!\*)", lambda _: draw.choice(signs), text)
+    text = re.sub(
+        r"\b(sin|cos|tan|exp|sqrt)\((\w+)\)(\^\d)?",
+        lambda m: draw.choice((m[0], f"{m[1]}{m[3] or ''} {m[2]}", f"{m[1]}{m[3] or ''}({m[2]})")),
+        text,
+    )
+    return re.sub(
+        r"\b(phi|theta|Omega|I|V)(\d)", lambda m: f"{m[1]}{draw.choice(('', '_'))}{m[2]}", text
+    )
+
+
+@pytest.mark.parametrize("number", exercises.names())
+def test_what_is_left_out_is_never_put_in_wrongly(number):
+    """A right answer with signs left out is right, or refused as having two readings."""
+    draw = Random(f"sparse {number}")
+    for seed in range(3):
+        exercise = exercises.load(number, seed)
+        for name, text in exercise.answers().items():
+            if exercise.question(name).kind not in ("choice", "number"):
+                for _ in range(3):
+                    odd = sparse(text, draw)
+                    verdict = check_question(exercise.question(name), odd)
+                    refused = "can be read in two ways" in verdict.message
+                    assert verdict.right or refused, (text, odd, verdict.message)
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("%pi*r", "pi*r"),
+        ("%e^(2*%pi*r)", "E**(2*pi*r)"),
+        ("|r - 1|^2", "sqrt((r-1)**2)**2"),
+        ("2|r|phi1", "2*sqrt((r)**2)*phi1"),
+        ("abs r", "sqrt((r)**2)"),
+        ("Abs(r)/r", "sqrt((r)**2)/r"),
+        (r"\left|r\right|", "sqrt((r)**2)"),
+    ],
+)
+def test_maxima_and_sizes(text, meant):
+    """Constants of Maxima, and |x| as the root of its square."""
+    assert written_out(text, dict.fromkeys(["r", "phi1"]), "q") == meant

@@ -1,0 +1,57 @@
+"""The list of exercises: loads nothing, solves nothing, says what there is."""
+
+import pytest
+
+from geomtorsion.errors import UnknownNameError
+from geomtorsion.teaching.exercises import registry
+from geomtorsion.teaching.exercises.question import (
+    Question,
+)
+
+
+def test_listing_loads_nothing(monkeypatch):
+    """Numbers and titles come without any exercise."""
+    monkeypatch.setattr(registry, "import_module", None)
+    assert len(registry.names()) == len(registry.titles()) >= 24
+
+
+def test_loading_solves_nothing(monkeypatch):
+    """An exercise is stated without its solution."""
+
+    def refuse(question):
+        raise AssertionError("a solution was computed")
+
+    monkeypatch.setattr(Question, "solution", property(refuse))
+    for entry in registry.EXERCISES:
+        exercise = registry._loaded.__wrapped__(*entry, 11)
+        assert exercise.statement
+        assert exercise.hints
+
+
+@pytest.mark.parametrize(
+    ("number", "seed", "says"),
+    [("9.9", 0, "There are 1.1 to"), ("3.22", 0, "Near: 3.2"), ("", 0, "no exercise"),
+     ("1.1", -1, "whole number from 0"), ("1.1", True, "whole number"),
+     ("1.1", "7", "whole number"),
+     ("1.1", 10**12, "whole number")],
+)  # fmt: skip
+def test_unknown_exercises(number, seed, says):
+    """What there is, is said."""
+    with pytest.raises(UnknownNameError, match=says):
+        registry.load(number, seed)
+
+
+@pytest.mark.parametrize("name", [3, None, ["christoffel"], "cristoffel"])
+def test_unknown_questions(name):
+    """What is no name of a question is refused by name, whatever it is."""
+    with pytest.raises(UnknownNameError, match=r"3.2 has no question .*: there is christoffel"):
+        registry.load("3.2").question(name)
+
+
+def test_an_exercise_shows_itself():
+    """One line in a terminal, the statement in a notebook."""
+    exercise = registry.load("3.2", seed=4)
+    assert repr(exercise) == (
+        "exercise 3.2 (warm-up, seed 4): A Christoffel symbol; asked: christoffel; 2 hints"
+    )
+    assert exercise.statement in exercise._repr_markdown_()

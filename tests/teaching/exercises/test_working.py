@@ -1,0 +1,74 @@
+"""Worked solutions: each question is answered by a step, in a way apart from the library's."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportOperatorIssue=false
+
+import re
+import time
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.teaching.exercises.answers import answer_text
+from geomtorsion.teaching.exercises.checking import check_question
+from geomtorsion.teaching.exercises.prose import html_of, text_of
+from geomtorsion.teaching.exercises.question import normal
+
+NUMBERS = exercises.names()
+# Variants of the normal run, and of the long one.
+SEEDS = [range(1), pytest.param(range(1, 12), marks=pytest.mark.slow)]
+# One of those that take longest, and all others in the long run.
+LONG = "1.4"
+FEW_AND_ALL = [x if x == LONG else pytest.param(x, marks=pytest.mark.slow) for x in NUMBERS]
+
+
+@pytest.mark.parametrize("seeds", SEEDS, ids=len)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_way_by_hand_leads_to_the_solution(number, seeds):
+    """Every question once, in order, with the value that the library computes another way."""
+    for seed in seeds:
+        exercise = exercises.load(number, seed)
+        steps = exercise.worked
+        assert len(steps) >= 2
+        assert len(steps) > sum(bool(step.question) for step in steps) or number in (
+            "3.1",
+            "6.6",
+            "7.4",
+        )
+        reached = [step.question for step in steps if step.question]
+        assert sorted(reached) == sorted(question.name for question in exercise.questions)
+        for step in steps:
+            if step.question:
+                question = exercise.question(step.question)
+                given = answer_text(question, normal(step.value))
+                verdict = check_question(question, given)
+                assert verdict.right, (seed, step.question, given, exercise.answers(), verdict)
+
+
+@pytest.mark.parametrize("seeds", SEEDS, ids=len)
+@pytest.mark.parametrize("number", NUMBERS)
+def test_steps_can_be_read(number, seeds):
+    """As a page and in a terminal: whole sentences, no LaTeX left over, nothing undefined."""
+    for seed in seeds:
+        for step in exercises.load(number, seed).worked:
+            assert "<math" in html_of(step.text) or "$" not in step.text
+            plain = text_of(step.text)
+            assert not re.search(r"\$|\\[a-zA-Z]|\b(?:None|nan|lambda|Pow)\b", plain), plain
+            assert re.search(r"[.](\$\$)?$", step.text), plain
+
+
+@pytest.mark.parametrize("number", FEW_AND_ALL)
+def test_steps_are_made_soon(number):
+    """A teacher waits for a sheet, but not long."""
+    start = time.process_time()
+    _ = exercises.load(number, 20).worked
+    assert time.process_time() - start < 20
+
+
+def test_a_wrong_step_would_be_noticed():
+    """The check of this file can fail: another exercise's answer is none of this one's."""
+    exercise = exercises.load("3.2")
+    question = exercise.question("christoffel")
+    [value] = [step.value for step in exercise.worked if step.question]
+    assert check_question(question, answer_text(question, normal(value))).right
+    assert not check_question(question, answer_text(question, normal(-value))).right

@@ -1,0 +1,35 @@
+"""Fields of one case know nothing of those of the case before."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import ModuleType, SimpleNamespace
+
+from geomtorsion.teaching.lab.anew import drawn_anew, numbers_apart
+
+CASES = ["so3", "s2", "flat_polar", "heisenberg", "frw", 2, 3, 4]
+
+
+def first_number(chosen: object) -> int:
+    """The number from which fields of a case are counted."""
+    made: list[None] = []
+    page = ModuleType("marimo")
+    page.ui = SimpleNamespace(checkbox=lambda: made.append(None))  # type: ignore[attr-defined]
+    numbers_apart(page, CASES, chosen, 4)
+    return len(made)
+
+
+def test_numbers_of_cases_that_follow_each_other_are_apart():
+    """Four fields and their copies in a dictionary, and it: nine numbers that no neighbour has."""
+    firsts = [first_number(chosen) for chosen in CASES]
+    for k in range(len(CASES) - 3):
+        ordered = sorted(firsts[k : k + 4])
+        assert all(b - a >= 9 for a, b in pairwise(ordered))
+    assert max(firsts) <= 50
+
+
+def test_another_case_has_another_tag():
+    """Texts, numbers and what is no text are told apart; equal cases are not."""
+    tags = {drawn_anew("", *case) for case in (("so3",), ("so3", 3), ("so33",), (3,), ("3",))}
+    assert len(tags) == 5
+    assert drawn_anew("<b>x</b>", "so3", 3) == drawn_anew("<b>x</b>", "so3", 3)

@@ -1,0 +1,70 @@
+"""Pages without a server: whole, quiet, and of a width that fits a phone."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geomtorsion import exercises
+from geomtorsion.teaching.lab.export import RADII, write_pages
+from tests.browser import Watched
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: Any) -> tuple[Path, ...]:
+    """All pages, written once."""
+    return write_pages(tmp_path_factory.mktemp("course") / "torsion")
+
+
+def test_a_page_for_each_tab(pages: tuple[Path, ...]):
+    """An index and six pages, each linked from it."""
+    assert len(pages) == 7
+    index = pages[0].read_text("utf-8")
+    assert all(f'href="{page.name}"' in index for page in pages)
+
+
+def test_the_pages_need_nothing(pages: tuple[Path, ...]):
+    """No page refers to anything but the pages beside it."""
+    names = {page.name for page in pages}
+    for page in pages:
+        text = page.read_text("utf-8")
+        assert set(re.findall(r'href="([^"#]+)"', text)) <= names
+        assert not re.findall(r'src="[^"]*"|@import|url\((?!"data:font/|#)', text)
+        links = [found for found in re.findall(r"https?://[\w.]+", text) if "w3.org" not in found]
+        assert links == []
+        assert "default-src 'none'" in text
+
+
+def test_every_exercise_is_there(pages: tuple[Path, ...]):
+    """Statements, prompts and hints of all exercises, but no solution."""
+    [page] = [page for page in pages if page.name == "exercises.html"]
+    text = page.read_text("utf-8")
+    for number in exercises.names():
+        assert f'id="e{number}"' in text
+    assert "Solution" not in text
+
+
+@pytest.mark.parametrize("place", range(7))
+def test_a_page_in_the_browser(watched: Watched, pages: tuple[Path, ...], place: int):
+    """Without a server: no error, nothing asked for but the file, narrow windows included."""
+    page = watched.page
+    page.goto(pages[place].as_uri())
+    page.wait_for_load_state()
+    assert {url.partition(":")[0] for url in watched.asked} <= {"file", "about"}
+    page.set_viewport_size({"width": 400, "height": 800})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+
+
+def test_the_slider_of_a_page_works(watched: Watched, pages: tuple[Path, ...]):
+    """The radius is chosen without a server."""
+    page = watched.page
+    [loops] = [page for page in pages if page.name == "loops.html"]
+    page.goto(loops.as_uri())
+    slider = page.locator('input[data-slides="loops-so3"]')
+    slider.fill("2")
+    shown = page.locator("#loops-so3 > section:visible")
+    assert shown.count() == 1
+    assert f"radius {RADII[2]:g}" in shown.inner_text()

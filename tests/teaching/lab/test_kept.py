@@ -1,0 +1,66 @@
+"""What the address of the page keeps: read back as it was written, and never trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from geomtorsion.teaching.lab.kept import Kept, keep, written
+from geomtorsion.teaching.lab.settings import PAGE
+
+
+class Query(dict[str, str]):
+    """An address that can be written to, as marimo has it."""
+
+    def set(self, key: str, text: str) -> None:
+        self[key] = text
+
+    def remove(self, key: str) -> None:
+        del self[key]
+
+
+def address(query: Query, values: Mapping[str, tuple[str, str]]) -> Query:
+    """The address after these values were kept."""
+    page: Any = SimpleNamespace(query_params=lambda: query)
+    keep(page, values)
+    return query
+
+
+def test_only_what_was_changed_is_written():
+    """What is as it was at the beginning leaves the address, also when it comes back to that."""
+    query = address(Query(tab="Loops"), {"radius": ("0.1", "0.3"), "t": ("2", "2")})
+    assert query == {"tab": "Loops", "radius": "0.1"}
+    assert address(query, {"radius": ("0.3", "0.3")}) == {"tab": "Loops"}
+
+
+def test_long_texts_are_not_written():
+    """An address has an end."""
+    assert address(Query(), {"coframe": ("1" * (PAGE.address + 1), "")}) == {}
+    assert Kept.of({"coframe": "1" * (PAGE.address + 1)}).text("coframe", "0") == "0"
+
+
+@pytest.mark.parametrize("values", [[0.1, 1 / 3, 1e-12], [0.0], [-3.0, 2.5]])
+def test_numbers_come_back(values: list[float]):
+    """Ten digits are more than a slider has."""
+    kept = Kept({"x": written(values)})
+    found = kept.numbers("x", [(-10, 10)] * len(values), [9.0] * len(values))
+    assert found == pytest.approx(values, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "nan", "inf", "1e999", "2", "-1", "0.5,0.5", "x", "0x1", "__import__('os')"]
+)
+def test_odd_numbers_count_as_absent(text: str):
+    """Not a number, outside of the range, or too many."""
+    assert Kept({"x": text}).numbers("x", [(0, 1)], [0.25]) == [0.25]
+
+
+def test_names_are_looked_up():
+    """Only what is on a list is chosen."""
+    kept = Kept.of({"tab": "<b>", "effects": "gravity,rm,pivot", "two": ["a", "b"]})
+    assert kept.one_of("tab", ["Loops"], "first") == "first"
+    assert kept.some_of("effects", ["gravity", "pivot", "spin"], ()) == ["gravity", "pivot"]
+    assert kept.one_of("two", ["a", "b"], "b") == "a"

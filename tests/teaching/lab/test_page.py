@@ -1,0 +1,543 @@
+"""The page in a real browser: every tab, what is typed, moved, switched and answered."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+from urllib.parse import parse_qs, urlencode, urlsplit
+
+import numpy as np
+
+from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import space_form, typable
+from geomtorsion.teaching.lab.views import TABS
+from tests.browser import PATIENCE, Watched
+
+# What each tab shows when it is ready.
+READY = {
+    "Any tetrad": "#torsion math",
+    "Loops": "#loop svg",
+    "Straightest and shortest": "#paths-said",
+    "The top": "#top-plan table",
+    "What accuracy costs": "#costs-said",
+    "Exercises": "#statement",
+}
+
+
+def number(text: str) -> float:
+    """A number as the page writes it."""
+    return float(text.replace("−", "-"))
+
+
+def blank(lab: Watched) -> Any:
+    """The tab for tetrads with an empty one of two coordinates, computed."""
+    page = lab.tab("Any tetrad")
+    page.get_by_label("start from").select_option(label="blank, 2 coordinates")
+    page.wait_for_selector("#torsion .zero")
+    page.get_by_label("row 2, dy").wait_for()
+    return page
+
+
+def as_at_first(standing: Watched) -> None:
+    """Choose the first tetrad again, and wait until the address tells of nothing else."""
+    page = standing.tab("Any tetrad")
+    page.get_by_label("start from").select_option(label=next(iter(typable())))
+    page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
+
+
+def too_wide(page: Any) -> list[Any]:
+    """Which of the page, its scrolling part and all that stands in it is wider than the window."""
+    return page.evaluate(
+        """() => [document.documentElement, document.querySelector("#App")]
+            .filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.tagName + e.id)"""
+    )
+
+
+def test_tabs_load_and_fit_a_phone(standing: Watched):
+    """Each tab shows itself, asks for nothing but the server, and needs no more than 320 pixels."""
+    page = standing.page
+    for name in TABS:
+        page.set_viewport_size({"width": 1200, "height": 900})
+        standing.tab(name)
+        page.wait_for_selector(READY[name])
+        for width in (320, 400):
+            page.set_viewport_size({"width": width, "height": 800})
+            assert too_wide(page) == [], name
+        box = page.get_by_role("tab", name="Exercises").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= 400
+    # The arrow keys go from tab to tab too.
+    page.get_by_role("tab", name="Any tetrad").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(READY["Loops"])
+    assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"
+    hosts = {urlsplit(url).hostname for url in standing.asked if url.startswith(("http", "ws"))}
+    assert hosts == {"127.0.0.1"}
+
+
+def test_a_tetrad_is_typed(standing: Watched):
+    """Polar coordinates over a blank tetrad: the torsion is the library's; then a singular one."""
+    page = blank(standing)
+    fraction = page.locator("#torsion mfrac").first
+    standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    r, phi = (spaces.load("flat_polar").frame.coordinates[k] for k in (0, 1))
+    assert str(Frame([r, phi], [[1, 0], [0, r]]).quantity("torsion")[0, 1, 1]) == "1/(2*r)"
+    assert fraction.evaluate("e => [...e.children].map(x => x.textContent)") == ["1", "2r"]
+    # What is no single entry's fault stands above the result.
+    standing.typed({"row 2, dφ": "0"}, page.get_by_text("coframe is singular"))
+    as_at_first(standing)
+
+
+def test_a_bad_tetrad_shows_its_error(standing: Watched):
+    """The reason stands beside the entry at fault, and goes when it is mended."""
+    page = standing.tab("Any tetrad")
+    page.get_by_label("row 1, dφ2").wait_for()
+    fault = page.locator(".fault")
+    standing.typed({"row 1, dφ2": "sin(phi1"}, fault)
+    assert fault.count() == 1
+    cell = fault.locator("xpath=..")
+    assert cell.get_by_label("row 1, dφ2").count() == 1
+    assert page.locator("#torsion").count() == 0
+    code = page.locator(".fault", has_text="expressions are not code")
+    standing.typed({"row 1, dφ2": "__import__('os')"}, code)
+    standing.typed({"row 1, dφ2": "sin(phi1)"}, page.locator("#torsion math").first)
+    assert fault.count() == 0
+
+
+def test_a_slider_moves_the_loop(standing: Watched):
+    """The radius moved by key: new numbers, and they are the library's."""
+    page = standing.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    slider = page.get_by_role("slider").first
+    slider.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+    frame = spaces.load("so3").frame
+    b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
+    standing.says("#loop-said", f"|b| = {b.magnitude:.6g}")
+    # The table is drawn after what is said.
+    standing.says("table.numbers tbody", f"{b.vector[0]:.6g}")
+    cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
+    assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
+    for _ in range(3):
+        page.keyboard.press("ArrowLeft")
+    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
+
+
+def test_the_curves_can_be_turned(standing: Watched):
+    """Arrow keys turn the picture in space; the film runs to its end."""
+    page = standing.tab("Straightest and shortest")
+    standing.says("#paths-said", "part: by")
+    frame = page.frame_locator("iframe")
+    canvas = frame.locator("#space")
+    canvas.wait_for()
+    ink = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].join()"
+    before = canvas.evaluate(ink)
+    canvas.focus()
+    page.keyboard.press("ArrowLeft")
+    assert canvas.evaluate(ink) != before
+    frame.get_by_label("time").fill("0")
+    assert frame.locator("#clock").inner_text() == "t = 0.000"
+
+
+def test_a_reload_keeps_tab_and_input(standing: Watched):
+    """Tab, space, radius, entries and a sent answer stand in the address; nothing else does."""
+    page = standing.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    page.wait_for_url(lambda url: urlsplit(url).query == "tab=Loops")
+    page.get_by_label("space", exact=True).select_option(
+        label="screw_dislocation: screw dislocation along z"
+    )
+    standing.says("#loop-said", "all of b sits on the line")
+    slider = page.get_by_role("slider", name="radius")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    standing.says("#loop-said", f"Area A = {np.pi * 0.35**2:.6g}")
+    page.wait_for_url("**radius=*")
+    assert set(parse_qs(urlsplit(page.url).query)) == {"tab", "loop", "radius"}
+    blank(standing)
+    fraction = page.locator("#torsion mfrac").first
+    standing.typed({"coordinates": "r, phi", "row 2, dφ": "r"}, fraction)
+    standing.tab("Exercises")
+    answer = page.get_by_label("legs")
+    answer.fill("1,1 = 17")
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .wrong").wait_for()
+    page.reload()
+    page.wait_for_selector("#statement")
+    assert page.get_by_role("tab", name="Exercises").get_attribute("aria-selected") == "true"
+    assert page.get_by_label("legs").input_value() == "1,1 = 17"
+    # What is being typed and was never sent is not lost either; a verdict comes when asked for.
+    assert page.locator("#verdict").count() == 0
+    page.get_by_label("legs").fill("2,2 = 18")
+    page.wait_for_url("**18*")
+    page.reload()
+    page.wait_for_selector("#statement")
+    assert page.get_by_label("legs").input_value() == "2,2 = 18"
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .wrong").wait_for()
+    standing.tab("Any tetrad")
+    page.locator("#torsion mfrac").first.wait_for()
+    assert page.get_by_label("row 2, dφ", exact=True).input_value().strip() == "r"
+    standing.tab("Loops")
+    assert f"Area A = {np.pi * 0.35**2:.6g}" in standing.says("#loop-said", "|b| = 0.48")
+
+
+def test_back_leaves_the_lab(watched: Watched, address: str):
+    """However much was changed on it: the address alone would go back, the page would not."""
+    page = watched.page
+    page.goto("about:blank")
+    page.goto(address)
+    page.wait_for_selector(READY["Any tetrad"])
+    for tab in ("Loops", "The top", "Exercises"):
+        watched.tab(tab)
+        page.wait_for_selector(READY[tab])
+    page.wait_for_url("**tab=Exercises")
+    page.go_back()
+    page.wait_for_url("about:blank")
+    page.go_forward()
+    page.wait_for_selector(READY["Exercises"])
+
+
+def test_answers_stay_while_another_exercise_is_looked_at(standing: Watched):
+    """What was typed in one exercise is there when it is opened again."""
+    page = standing.tab("Exercises")
+    listed = page.get_by_label("exercise", exact=True)
+    page.get_by_label("legs").fill("1,1 = 17")
+    page.wait_for_url("**17*")
+    listed.select_option(index=1)
+    page.get_by_label("legs").wait_for(state="detached")
+    page.wait_for_url("**exercise=1.2*")
+    listed.select_option(index=0)
+    page.get_by_label("legs").wait_for()
+    assert page.get_by_label("legs").input_value() == "1,1 = 17"
+    page.wait_for_url(lambda url: "exercise" not in parse_qs(urlsplit(url).query))
+    assert "17" in page.url
+    page.get_by_label("legs").fill("")
+    page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
+
+
+def test_a_blank_tetrad_is_blank_after_a_reload_too(standing: Watched):
+    """An address brings its tetrad back once; whoever starts from a blank one again gets that."""
+    page = blank(standing)
+    standing.typed({"row 2, dy": "x"}, page.locator("#torsion mfrac").first)
+    page.wait_for_url("**coframe*")
+    page.reload()
+    page.locator("#torsion mfrac").first.wait_for()
+    page.get_by_label("start from").select_option(label=next(iter(typable())))
+    page.get_by_label("row 3, dφ3").wait_for()
+    page.wait_for_url(lambda url: "start" not in parse_qs(urlsplit(url).query))
+    page.get_by_label("start from").select_option(label="blank, 2 coordinates")
+    page.get_by_label("row 2, dy").wait_for()
+    assert page.get_by_label("row 2, dy", exact=True).input_value() == "1"
+    as_at_first(standing)
+
+
+def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
+    """What somebody else wrote into an address is text, or nothing: no script, no odd number."""
+    attack = "<img src=x onerror=alert(1)>"
+    query = {
+        "tab": "nowhere", "loop": "nobody", "radius": "nan", "centre": "1e999,0", "omega": attack,
+        "coordinates": f"r, {attack}", "coframe": f"{attack}|0;0|**x**", "exercise": "99.9",
+        "variant": "-1", "start": "flat_polar", "signature": attack, "body": "1,2", "effects": "x",
+    }  # fmt: skip
+    page = watched.page
+    page.goto(f"{address}?{urlencode(query)}")
+    page.get_by_text("is no name").wait_for()
+    assert page.get_by_label("row 1, dr", exact=True).input_value() == attack
+    assert page.locator("img[src=x]").count() == 0
+    lab_tab = watched.tab("Loops")
+    lab_tab.wait_for_selector("#loop svg")
+    assert "0.282743" in watched.says("#loop-said", "Area A")
+    watched.tab("The top").wait_for_selector("#top-plan table")
+
+
+def test_labels_follow_the_coordinates(standing: Watched):
+    """Coordinates with other names: each field has its new label, and keeps what was typed."""
+    page = blank(standing)
+    standing.typed({"row 1, dx": "2"}, page.locator("#metric mn", has_text="4"))
+    field = page.get_by_label("coordinates", exact=True)
+    field.fill("u, v, w")
+    page.get_by_label("row 3, dw", exact=True).wait_for()
+    assert page.get_by_label("row 1, du", exact=True).input_value().strip() == "2"
+    assert page.get_by_label("row 1, dx", exact=True).count() == 0
+    # The field in which one types keeps the focus.
+    field.click()
+    page.keyboard.type("1")
+    page.get_by_label("row 3, dw1", exact=True).wait_for()
+    page.keyboard.type("2")
+    page.get_by_label("row 3, dw12", exact=True).wait_for()
+    as_at_first(standing)
+
+
+def test_a_case_takes_nothing_from_the_one_before(standing: Watched):
+    """Chosen before the page has told what was typed, and gone through by keys: its own fields."""
+    page = blank(standing)
+    start = page.get_by_label("start from")
+    so3, *_, last = typable()
+    for title in (so3, last):
+        page.get_by_label("coordinates", exact=True).fill("r, phi")
+        start.select_option(label=title)
+        page.wait_for_url(lambda url, title=title: own_address(url, title))
+        page.wait_for_timeout(2 * PAGE.pause)
+        assert held(page) == holds(title)
+        assert own_address(page.url, title)
+        start.select_option(label="blank, 2 coordinates")
+        page.get_by_label("row 2, dy").wait_for()
+    for pause in (15, 150):
+        start.focus()
+        for key in ("Home", *["ArrowDown"] * 8, "ArrowUp"):
+            page.keyboard.press(key)
+            page.wait_for_timeout(pause)
+        title = start.evaluate("e => e.selectedOptions[0].text")
+        page.wait_for_url(lambda url, title=title: own_address(url, title))
+        page.wait_for_timeout(2 * PAGE.pause)
+        assert held(page) == holds(title)
+        assert own_address(page.url, title)
+    as_at_first(standing)
+
+
+def own_address(url: str, title: str) -> bool:
+    """Whether an address tells of a tetrad of the list, and of nothing that was typed."""
+    first, name = next(iter(typable().values())), typable()[title]
+    query = parse_qs(urlsplit(url).query)
+    query.pop("tab", None)
+    return query == ({} if name == first else {"start": [name]})
+
+
+def holds(title: str) -> tuple[str, str, list[str]]:
+    """Coordinates, signature and entries of a tetrad of the list."""
+    form = space_form(typable()[title])
+    entries = [text for row in form["coframe"] for text in row]
+    return ", ".join(form["coordinates"]), form["signature"], entries
+
+
+def held(page: Any) -> tuple[str, str, list[str]]:
+    """What the fields hold."""
+    names = [page.get_by_label(name, exact=True) for name in ("coordinates", "signature")]
+    entries = page.locator(".tetrad input").evaluate_all("es => es.map(e => e.value)")
+    return (*(name.input_value() for name in names), entries)
+
+
+def test_unknown_functions_have_a_field(standing: Watched):
+    """The universe with an unknown a(t) is offered; one that is not declared is asked for."""
+    page = blank(standing)
+    standing.typed(
+        {"row 2, dy": "f(x)"}, page.locator(".fault", has_text="eclare it as an unknown")
+    )
+    standing.typed({"unknown functions": "f(x)"}, page.locator("#torsion mfrac").first)
+    page.get_by_label("start from").select_option(
+        label="frw: expanding universe, unknown a(t), curvature k"
+    )
+    page.get_by_label("row 4, dφ", exact=True).wait_for()
+    page.locator("#ricci").wait_for()
+    assert page.get_by_label("unknown functions").input_value() == "a(t)"
+    as_at_first(standing)
+
+
+def test_latex_is_copied(standing: Watched):
+    """The button puts the equations of its card onto the clipboard."""
+    page = standing.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
+    page.get_by_text("Copied").wait_for()
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert "\\begin{align*}" in copied
+    assert "frac{3}{2}" in copied
+
+
+def test_latex_of_an_exercise_is_copied(standing: Watched):
+    """Statement and questions, the hints taken, and what is said of an answer."""
+    page = standing.tab("Exercises")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    posed = exercises.load("1.1")
+    page.locator("#statement", has_text="coframe").wait_for()
+
+    def copied(what: str) -> str:
+        button = page.get_by_role("button", name=f"Copy LaTeX: {what}")
+        button.click()
+        page.get_by_role("button", name=f"Copy LaTeX: {what}").get_by_text("Copied").wait_for()
+        return page.evaluate("navigator.clipboard.readText()")
+
+    found = copied("statement and questions")
+    assert r"\begin{pmatrix} \cos{\phi} & - r \sin{\phi} \\" in found
+    assert r"with one leg per \textbf{column}: row $\mu$, column $i$." in found
+    page.get_by_role("button", name="Next hint").click()
+    page.locator("#hints li").first.wait_for()
+    assert copied("hints") == posed.hints[0]
+
+
+def test_a_variant_that_there_is_not_is_refused(standing: Watched):
+    """It stays in its field, and no other one is shown in its place."""
+    page = standing.tab("Exercises")
+    page.wait_for_selector(READY["Exercises"])
+    field = page.get_by_role("textbox", name="variant", exact=True)
+    field.fill("3.7")
+    field.press("Tab")
+    page.get_by_text("a whole number from 0 to 1,000,000,000 was needed").wait_for()
+    assert field.input_value() == "3.7"
+    assert page.locator("#statement").count() == 0
+    field.fill("3")
+    field.press("Tab")
+    page.get_by_text("; variant 3").wait_for()
+    field.fill("0")
+    field.press("Tab")
+    page.wait_for_url(lambda url: parse_qs(urlsplit(url).query).keys() <= {"tab"})
+
+
+def focused(page: Any) -> tuple[str, str]:
+    """Role and text of what has the focus, through shadow trees."""
+    return page.evaluate(
+        """() => { let e = document.activeElement;
+            while (e.shadowRoot?.activeElement) e = e.shadowRoot.activeElement;
+            return [e.getAttribute("role") ?? e.tagName, e.textContent.trim()]; }"""
+    )
+
+
+def test_the_keyboard_alone(lab: Watched):
+    """Tab comes to the open tab and leaves it open; arrows change it; Shift and Tab come back."""
+    page = lab.page
+    page.keyboard.press("Tab")
+    assert focused(page) == ["tab", "Any tetrad"]
+    assert page.get_by_role("tab", name="Any tetrad").get_attribute("aria-selected") == "true"
+    page.keyboard.press("ArrowRight")
+    page.wait_for_selector(READY["Loops"])
+    page.keyboard.press("Tab")
+    page.keyboard.press("Tab")
+    assert focused(page)[0] == "SELECT"
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Shift+Tab")
+    assert focused(page) == ["tab", "Loops"]
+    lab.tab("What accuracy costs")
+    page.wait_for_selector(READY["What accuracy costs"])
+    for _ in range(2):
+        page.keyboard.press("Tab")
+    page.keyboard.press("ArrowDown")
+    page.get_by_role("radio", name="the straightest path", checked=True).wait_for()
+
+
+def test_names_and_values_for_readers(standing: Watched):
+    """A slider says its value and unit; no name holds markup; every picture has one."""
+    page = standing.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    radius = page.get_by_role("slider", name="radius")
+    assert radius.get_attribute("aria-valuetext") == "0.3"
+    radius.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("document.querySelector('#loop-said').innerText.includes('0.19635')")
+    assert radius.get_attribute("aria-valuetext") == "0.25"
+    page.keyboard.press("ArrowRight")
+    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
+    assert page.get_by_role("slider", name="φ2 in rad").count() == 1
+    standing.tab("The top")
+    page.wait_for_selector(READY["The top"])
+    for name in ("I1 in kg m²", "ω3 in rad/s", "tilt in rad", "time in s"):
+        assert page.get_by_role("slider", name=name).count() == 1
+    assert page.locator("iframe").get_attribute("title") == "Film: body cone and space cone"
+    standing.tab("Exercises")
+    page.wait_for_selector(READY["Exercises"])
+    assert page.get_by_role("textbox", name="variant", exact=True).count() == 1
+    link = page.context.new_cdp_session(page)
+    nodes = link.send("Accessibility.getFullAXTree")["nodes"]
+    names = [str(node.get("name", {}).get("value", "")) for node in nodes]
+    assert len(names) > 50
+    assert [name for name in names if "<" in name] == []
+
+
+def test_dark_and_narrow(standing: Watched):
+    """By night everything is dark; on a phone the picture comes before what moves it."""
+    from playwright.sync_api import expect
+
+    page = standing.page
+    page.set_viewport_size({"width": 400, "height": 800})
+    page.emulate_media(color_scheme="dark")
+    standing.tab("The top")
+    page.wait_for_selector(READY["The top"])
+    dark = """(e) => { while (e) {
+        const c = getComputedStyle(e).backgroundColor.match(/[0-9.]+/g).map(Number);
+        if (c.length < 4 || c[3] > 0) return Math.max(...c.slice(0, 3)) < 80;
+        e = e.parentElement; } }"""
+    assert page.locator("#top-plan").evaluate(dark)
+    light = "(e) => Math.min(...getComputedStyle(e).color.match(/[0-9]+/g).map(Number)) > 150"
+    assert page.locator("#top-said").evaluate(light)
+    assert "invert" in page.locator("iframe").evaluate("(e) => getComputedStyle(e).filter")
+    # Parts come one by one: the film may be there before what stood in its place is gone.
+    expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
+    film = page.locator("iframe").bounding_box()
+    sliders = page.get_by_role("slider", name="I1").bounding_box()
+    plan = page.locator("#top-plan").bounding_box()
+    assert film["y"] < 800
+    assert film["y"] < sliders["y"] < plan["y"]
+    assert too_wide(page) == []
+    page.emulate_media(color_scheme="light")
+
+
+def test_what_is_watched_is_drawn(standing: Watched):
+    """Another choice of what to watch changes the graph as well as the plan."""
+    page = standing.tab("The top")
+    page.get_by_label("nutation angle over time: right, and naive").wait_for()
+    page.get_by_label("to watch").select_option(label="energy")
+    page.get_by_label("energy over time: right, and naive").wait_for()
+    page.locator("#top-plan").get_by_text("To watch energy").wait_for()
+    page.get_by_label("to watch").select_option(label="nutation angle")
+    page.get_by_label("nutation angle over time: right, and naive").wait_for()
+
+
+def test_effects_are_switched(standing: Watched):
+    """Gravity alone changes nothing that is watched; with a fixed point it is in the equations."""
+    page = standing.tab("The top")
+    plan = page.locator("#top-plan")
+    plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
+    page.get_by_label(re.compile("^gravity")).check()
+    plan.locator("tr", has_text=re.compile(r"^\s*left out.*gravity", re.DOTALL)).first.wait_for()
+    page.get_by_label(re.compile("^fixed point")).check()
+    plan.locator("tr", has_text=re.compile(r"^\s*in.*gravity", re.DOTALL)).first.wait_for()
+    standing.says("#top-said", "angular momentum moves in space")
+    for effect, left in (("fixed point", "gravity"), ("gravity", "nothing")):
+        page.get_by_label(re.compile(f"^{effect}")).uncheck()
+        page.wait_for_url(lambda url, left=left: ("effects" in url) == (left != "nothing"))
+    plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
+
+
+def test_another_space_and_what_it_costs(standing: Watched):
+    """A chosen space brings its own coordinates and its loop; this case is the one measured."""
+    page = standing.tab("Loops")
+    page.wait_for_selector("#loop svg")
+    spaces_offered = page.get_by_label("space", exact=True)
+    usual = spaces_offered.input_value()
+    spaces_offered.select_option(label="heisenberg: the Heisenberg group (Nil)")
+    assert f"|b| = {np.pi * 0.3**2:.6g}" in standing.says("#loop-said", "in x and y")
+    standing.tab("What accuracy costs")
+    page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
+    page.get_by_label("the top", exact=True).click()
+    page.get_by_label("The top (free), to t = 12 s").wait_for()
+    page.get_by_role("radio", name="the loop").check()
+    standing.tab("Loops")
+    spaces_offered.select_option(usual)
+    standing.says("#loop-said", "in φ")
+
+
+def test_an_exercise_is_answered(standing: Watched):
+    """Wrong with its diagnosis, then right; a hint is taken."""
+    page = standing.tab("Exercises")
+    page.get_by_label("exercise", exact=True).select_option(
+        label=f"2.1 {exercises.titles()['2.1']}"
+    )
+    page.get_by_text("2.1 ", exact=False).first.wait_for()
+    field = page.get_by_label("connection")
+    field.wait_for()
+    field.fill("2,1,2 = 1/r")
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .wrong").wait_for()
+    field.fill("1,2,2 = 1/r")
+    page.get_by_role("button", name="Check").click()
+    page.locator("#verdict .right").wait_for()
+    assert page.locator("#verdict .wrong").count() == 0
+    page.get_by_role("button", name="Next hint").click()
+    page.locator("#hints li").first.wait_for()
+    assert page.locator("#hints li").count() == 1
+    page.get_by_label("exercise", exact=True).select_option(
+        label=f"1.1 {exercises.titles()['1.1']}"
+    )
+    page.get_by_label("legs").wait_for()

@@ -1,0 +1,234 @@
+"""Loops, curves, costs and tops: what the page says against closed forms and the library."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from geomtorsion import Loop, burgers_vector, spaces
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.teaching.lab.closure_failure import closure_failure
+from geomtorsion.teaching.lab.costs import costs
+from geomtorsion.teaching.lab.paths import paths
+from geomtorsion.teaching.lab.space_info import drawable, space_info
+from geomtorsion.teaching.lab.top import WATCHED, top
+from tests.chosen import one_in
+
+PI = math.pi
+
+
+def test_a_loop_in_the_heisenberg_group():
+    """b = (0, 0, -+ A): the torsion is constant, so 2 S A is exact at any size."""
+    for radius in (1e-12, 1e-3, 0.5, 1.0):
+        found = closure_failure("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])
+        assert abs(found["b"][2]) == pytest.approx(PI * radius**2, rel=1e-12)
+        assert np.allclose(found["b"], found["expected"], rtol=0, atol=1e-11 * PI * radius**2)
+
+
+def test_the_plane_has_a_sense():
+    """A loop in the plane (n, m) runs the other way: every number changes its sign."""
+    one = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
+    two = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [1, 0])
+    assert np.allclose(one["expected"], -np.array(two["expected"]), rtol=1e-14, atol=0)
+    assert one["expected"] != two["expected"]
+
+
+def test_two_s_a_is_the_limit_of_small_loops():
+    """b and 2 S A at the centre differ by an order of two in the radius."""
+    apart = []
+    for radius in (0.2, 0.1):
+        found = closure_failure("so3", [0.3, 1.0, 0.2], radius, [0, 1])
+        gap = np.abs(np.array(found["b"]) - found["expected"]).max()
+        apart.append(gap / np.abs(found["expected"]).max())
+    assert apart[0] / apart[1] == pytest.approx(4, rel=0.05)
+
+
+def test_the_table_shows_the_library():
+    """What stands in the table is the Burgers vector of the library."""
+    found = closure_failure("so3", [0.3, 1.0, 0.2], 0.45, [0, 1])
+    frame = spaces.load("so3").frame
+    b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
+    shown = re.findall(r"<td>([^<]*)</td>", found["table"])[::4]
+    assert np.allclose([float(x.replace("−", "-")) for x in shown], b.vector, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", one_in(3, list(drawable().values())))
+def test_every_offered_space_has_a_loop_and_a_path(name):
+    """No space of the list leads to an error where the page begins."""
+    known = space_info(name)
+    for low, high, step in known["ranges"]:
+        assert low <= high
+        assert step > 0
+    radius = 0.05 if name == "de_sitter" else 0.3
+    found = closure_failure(name, known["start"], radius, known["planes"][0])
+    assert len(found["pictures"]) == 2
+    drawn = paths(name, known["velocity"], known["t"] / 4)
+    assert "space" in drawn or "picture" in drawn
+
+
+def test_curves_of_the_plane():
+    """Straightest from r = 1 with u = (0, 1) circles; shortest goes straight: known distance."""
+    found = paths("flat_polar", [0.0, 1.0], 1.0)
+    circle, line = np.array([math.cos(1), math.sin(1)]), np.array([1.0, 1.0])
+    # Distances are measured with the metric half-way, not along the straight line between.
+    assert found["largest"] == pytest.approx(float(np.linalg.norm(circle - line)), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "component"),
+    [("screw_dislocation", 2), ("edge_dislocation", 0), ("edge_dislocation_elastic", 0)],
+)
+def test_the_first_loop_goes_round_the_line(name, component):
+    """Where the page begins, the whole Burgers vector of a dislocation is seen, at every radius."""
+    known = space_info(name)
+    b = known["values"]["b"]
+    for radius in (0.3, 1.0):
+        found = closure_failure(name, known["loop_centre"], radius, known["planes"][0])
+        expected = [b if k == component else 0.0 for k in range(3)]
+        assert np.allclose(found["b"], expected, rtol=0, atol=1e-12)
+        assert "all of b sits on the line" in found["sentence"]
+
+
+@pytest.mark.parametrize("name", ["wedge_disclination", "wedge_disclination_periodic"])
+def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
+    """Legs turned by 2 pi alpha: the image of a circle is a part of a circle, whose chord is b."""
+    known = space_info(name)
+    alpha = known["values"]["alpha"]
+    found = closure_failure(name, known["loop_centre"], 0.3, known["planes"][0])
+    assert len(found["pictures"]) == 2
+    if name == "wedge_disclination":
+        turn = 2 * math.pi * alpha
+        # Seen in the legs with which the loop comes back, which are those of its start turned.
+        assert math.hypot(*found["b"]) == pytest.approx(2 * 0.3 * abs(math.sin(turn / 2)))
+        angle = abs((turn + math.pi) % (2 * math.pi) - math.pi)
+        assert f"turned by {angle:.6g} rad" in found["sentence"]
+        assert "does not close" in found["pictures"][1]
+    else:
+        assert found["b"] == pytest.approx([0, 0, 0], abs=1e-12)
+        assert "The legs come back as they were" in found["sentence"]
+    # Beside the axis a loop is a circle in the coordinates, as elsewhere, and both are regular.
+    assert known["loop_ranges"][0][0] == 0
+    beside = closure_failure(name, [1.0, 1.0, 0.0], 0.3, known["planes"][0])
+    assert beside["error"] < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("name", "centre", "condition"),
+    [("flat_polar", [0.2, 1.0], "r > 0"), ("so3", [0.3, 0.1, 0.2], "phi2 > 0"),
+     ("edge_dislocation", [0.3, 0.1, 0.2], "2*pi*(x**2 + y**2) > b*y")],
+)  # fmt: skip
+def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
+    """What is integrated beyond the domain is no coframe of the space any more."""
+    outside = closure_failure(name, centre, 0.3, [0, 1])["sentence"]
+    assert f"leaves these coordinates (the domain is {condition})" in outside
+    inside = closure_failure(name, [1.0, 1.0, 1.0][: len(centre)], 0.3, [0, 1])["sentence"]
+    assert "leaves" not in inside
+
+
+def test_a_path_that_ends_is_named():
+    """Which of the two the sentence is about, and why it ends."""
+    said = paths("s2", [1.0, 1.0], 5.0)["sentence"]
+    assert "The straightest path: the motion stops at t = 1.24159" in said
+    assert "The shortest path" not in said
+
+
+def test_a_core_is_seen_from_its_middle():
+    """b r^2 / (r^2 + c^2) round the axis of a smooth core."""
+    known = space_info("screw_core")
+    b, core = known["values"]["b"], known["values"]["c"]
+    found = closure_failure("screw_core", known["loop_centre"], 0.3, known["planes"][0])
+    assert found["b"][2] == pytest.approx(b * 0.09 / (0.09 + core**2), rel=1e-12)
+
+
+def test_components_are_counted_from_one():
+    """Rows of the table and axes of the picture: 1, 2, 3 as in the paper."""
+    found = closure_failure("so3", [0.3, 1.0, 0.2], 0.3, [0, 1])
+    assert re.findall(r'scope="row">(b.)<', found["table"]) == ["b¹", "b²", "b³"]
+    assert "X⁰" not in found["pictures"][1]
+
+
+@pytest.mark.parametrize("watch", list(WATCHED))
+def test_the_graph_shows_what_is_watched(watch):
+    """Each choice has a graph of its own, with its unit."""
+    found = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 3.0, ["gravity"], [watch])["compared"]
+    unit = {"nutation": "rad", "energy": "J", "position": "m", "matrix": ""}.get(watch, "rad/s")
+    [label] = re.findall(r'aria-label="([^"]*) over time', found)
+    assert f">{label} in {unit}<" in found if unit else f">{label}<" in found
+
+
+def test_equal_moments_make_one_curve_of_two():
+    """On SO(3) straightest and shortest agree for equal moments, and part for unequal ones."""
+    velocity = [0.4, 0.3, 1.0]
+    assert paths("so3", velocity, 5.0)["largest"] < 1e-9
+    assert "are one curve" in paths("so3", velocity, 5.0, [2, 2, 2])["sentence"]
+    assert paths("so3", velocity, 5.0, [1, 2, 3])["largest"] > 0.1
+
+
+def test_the_document_of_a_picture_is_whole():
+    """The turnable picture holds its data as JSON and refers to nothing."""
+    document = paths("s2", [-0.2, 1.0], 6.0)["space"]
+    text = re.search(r'id="data">(.*?)</script>', document, re.DOTALL)
+    assert text
+    data = json.loads(text[1])
+    points = np.array(data["curves"][0]["points"])
+    assert np.allclose(np.linalg.norm(points, axis=1), 1, atol=1e-4)
+    assert len(data["times"]) == len(points)
+    assert not re.search(r"(src|href)=|https?:|@import|url\(", document)
+
+
+def test_costs_are_measured():
+    """Each row has an error and a time; accuracy asked for is reached."""
+    case = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 2.0, "moments": [1, 2, 3]}
+    found = costs("shortest", case)
+    assert len(found["rows"]) >= 4
+    assert all(error <= asked and seconds > 0 for _, asked, error, seconds in found["rows"])
+    assert {row[0] for row in found["rows"]} <= set(
+        re.findall(r">([^<]+)</text>", found["picture"])
+    )
+
+
+def test_costs_of_the_top():
+    """The case of the top is measured too, on its own equations."""
+    case = {"moments": [1, 2, 3], "omega": [0.1, 2, 0.1], "tilt": 0.3, "t": 3.0}
+    found = costs("top", case | {"watch": ["omega"]})
+    assert found["truth"] == "the closed form"
+    assert all(error <= asked for _, asked, error, _ in found["rows"])
+
+
+def test_a_symmetric_top_precesses():
+    """Omega_1 and Omega_2 of a free symmetric body turn with (I3 - I1) Omega_3 / I1."""
+    found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
+    rate = 0.8 * 2 * 5.0
+    assert np.allclose(found["omega"], [math.cos(rate), math.sin(rate), 2], atol=1e-7)
+    assert found["naive"] == pytest.approx([1, 0, 2], abs=1e-9)
+
+
+def test_the_naive_law_is_right_for_equal_moments():
+    """Where all moments are equal both laws say the same."""
+    assert "both laws say the same" in top([2, 2, 2], [0.5, 1, 2], 0.3, 5.0)["sentence"]
+
+
+def test_the_plan_follows_the_switches():
+    """Gravity alone is left out where the nutation is watched; with a fixed point it is in."""
+
+    def row(effects: list[str]) -> str:
+        plan = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, effects, ["nutation"])["plan"]
+        [found] = [line for line in plan.split("<tr>") if ">gravity<" in line]
+        return found
+
+    assert "left out" in row(["gravity"])
+    assert "left out" not in row(["gravity", "pivot"])
+    alone = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, [], ["omega"])["plan"]
+    assert "3 equations" in alone
+
+
+def test_what_cannot_be_is_refused():
+    """An impossible body and effects that contradict each other are told."""
+    with pytest.raises(GeomtorsionError, match="are impossible"):
+        top([1, 1, 3], [0, 0, 1], 0.3, 1.0)
+    with pytest.raises(GeomtorsionError, match="contradict"):
+        top([1, 2, 3], [0, 0, 1], 0.3, 1.0, ["torsion", "pivot"])

@@ -1,0 +1,174 @@
+"""Connections that harm others: one that never reads, one without an origin, one that takes all."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import contextlib
+import os
+import socket
+import time
+import urllib.parse
+import urllib.request
+from typing import Any
+
+import pytest
+
+from geomtorsion.teaching.lab.server import AccessControl
+from tests.teaching.lab.serving import served
+from tests.teaching.lab.session import run
+
+HOST = (b"host", b"127.0.0.1:2718")
+# Seconds after which a page that does not come counts as stopped; it takes one.
+SOON = 30
+
+
+def scope_of(kind: str, path: str, client: str = "10.0.0.1", *more: tuple[bytes, bytes]) -> Any:
+    """A request of a client."""
+    found = {"type": kind, "path": path, "headers": [HOST, *more], "client": (client, 4000)}
+    return found | ({"method": "GET"} if kind == "http" else {})
+
+
+async def page(scope: Any, receive: Any, send: Any) -> None:
+    """An application with a page, and sessions that begin, show a message and go on."""
+    await receive()
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.accept"})
+        await send({"type": "websocket.send", "text": '{"op": "completed-run"}'})
+        await asyncio.Event().wait()
+    await send({"type": "http.response.start", "status": 200, "headers": []})
+    await send({"type": "http.response.body", "body": b"hello"})
+
+
+class Client:
+    """A client that reads, or never does."""
+
+    def __init__(self, *, reads: bool = True) -> None:
+        self.reads = reads
+        self.got: list[str] = []
+
+    async def receive(self) -> Any:
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(self, message: Any) -> None:
+        if not self.reads:
+            await asyncio.Event().wait()
+        self.got.append(message["type"])
+
+
+@pytest.mark.parametrize(("kind", "path"), [("http", "/"), ("websocket", "/ws")])
+def test_a_client_that_never_reads_delays_nobody(kind: str, path: str):
+    """The lock of the page is free while an answer is on its way."""
+
+    async def both() -> list[str]:
+        control, other = AccessControl(page), Client()
+        idle = Client(reads=False)
+        stuck = asyncio.create_task(control(scope_of(kind, path), idle.receive, idle.send))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        scope = scope_of("http", "/", "10.0.0.2")
+        await asyncio.wait_for(control(scope, other.receive, other.send), 2)
+        stuck.cancel()
+        await asyncio.gather(stuck, return_exceptions=True)
+        return other.got
+
+    assert run(both()) == ["http.response.start", "http.response.body"]
+
+
+@pytest.mark.parametrize(
+    ("origin", "message"),
+    [
+        (b"null", "websocket.close"),
+        (b"http://evil.example", "websocket.close"),
+        (b"http://127.0.0.1:2718", "websocket.accept"),
+    ],
+)
+def test_sessions_of_pages_without_a_name(origin: bytes, message: str):
+    """A page from a file, or in a frame of another site, has the origin null."""
+
+    async def opened() -> str:
+        client = Client()
+        scope = scope_of("websocket", "/ws", "10.0.0.1", (b"origin", origin))
+        session = asyncio.create_task(AccessControl(page)(scope, client.receive, client.send))
+        await asyncio.wait((session,), timeout=0.2)
+        session.cancel()
+        await asyncio.gather(session, return_exceptions=True)
+        return client.got[0]
+
+    assert run(opened()) == message
+
+
+def test_one_client_cannot_fill_the_lab():
+    """Its sessions are refused from the limit on; another client, and it again later, come in."""
+
+    async def filled() -> list[str]:
+        control = AccessControl(page, sessions=8, each=3)
+        sessions = []
+
+        async def come(client: str) -> str:
+            one = Client()
+            scope = scope_of("websocket", "/ws", client)
+            sessions.append(asyncio.create_task(control(scope, one.receive, one.send)))
+            await asyncio.wait((sessions[-1],), timeout=0.1)
+            return one.got[0]
+
+        first = [await come("10.0.0.1") for _ in range(4)]
+        other = await come("10.0.0.2")
+        sessions[0].cancel()
+        await asyncio.gather(sessions[0], return_exceptions=True)
+        again = await come("10.0.0.1")
+        for session in sessions:
+            session.cancel()
+        await asyncio.gather(*sessions, return_exceptions=True)
+        return [*first, other, again]
+
+    accept, close = "websocket.accept", "websocket.close"
+    assert run(filled()) == [accept, accept, accept, close, accept, accept]
+
+
+def unread(host: str, port: int, request: bytes) -> socket.socket:
+    """A connection with little room that sends a request and never reads what comes."""
+    link = socket.socket()
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1024)
+    link.connect((host, port))
+    link.sendall(request)
+    return link
+
+
+def comes_soon(port: int, query: str) -> bool:
+    """Whether another browser gets the page."""
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/?{query}", timeout=SOON) as reply:
+        return reply.status == 200
+
+
+def test_real_pages_that_are_not_read():
+    """So many on one connection that the buffers of the system are full and an answer waits."""
+    with served() as url:
+        port = urllib.parse.urlsplit(url).port
+        assert port
+        wanted = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode() * 60
+        with unread("127.0.0.1", port, wanted):
+            # A page of 126 kB takes 0.3 s, and the system keeps 2.6 MB of them.
+            time.sleep(12)
+            assert comes_soon(port, "")
+
+
+def test_real_sessions_that_are_not_read():
+    """With the token and without it, and a page whose body never comes."""
+    with served("--host", "0.0.0.0") as url, contextlib.ExitStack() as links:
+        parts = urllib.parse.urlsplit(url)
+        assert parts.port
+        key = base64.b64encode(os.urandom(16)).decode()
+        head = f"HTTP/1.1\r\nHost: 127.0.0.1:{parts.port}\r\n"
+        upgrade = (
+            "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+            f"Sec-WebSocket-Key: {key}\r\n\r\n"
+        )
+        for request in (
+            f"GET / {head}Content-Length: 1000\r\n\r\n",
+            f"GET /?{parts.query} {head}Content-Length: 1000\r\n\r\n",
+            f"GET /ws?session_id=s_111111 {head}{upgrade}",
+            f"GET /ws?session_id=s_222222&{parts.query} {head}{upgrade}",
+        ):
+            links.enter_context(unread("127.0.0.1", parts.port, request.encode()))
+        assert comes_soon(parts.port, parts.query)

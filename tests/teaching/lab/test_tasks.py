@@ -1,0 +1,135 @@
+"""Tasks of the page: done elsewhere, within limits, and one failure is nobody else's."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from geomtorsion.teaching.exercises.worker_pool import WorkerPool
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.tasks import TASKS, TaskRunner
+from tests.teaching.lab.maps import bomb, wall_ctf
+
+# A metric of four unrelated functions of everything takes far longer than its limit here.
+SLOW = {
+    "coordinates": "a b c d",
+    "entries": [
+        [f"sqrt(1 + a^{i + 2}*b^{k + 1} + c^{k + 3}*sin(d)^{i + 1})" for k in range(4)]
+        for i in range(4)
+    ],
+    "show": ["weyl"],
+}
+
+
+@pytest.fixture(scope="module")
+def runner() -> Iterator[TaskRunner]:
+    """One for all tests, whatever one of them does to its worker."""
+    found = TaskRunner(workers=1, patience=20.0, limits={"tetrad": 2.0})
+    yield found
+    found.close()
+
+
+def test_a_request_is_answered_and_kept(runner: TaskRunner):
+    """The second of two equal requests is the same answer, not a second computation."""
+    one = runner.ask("space_info", space="s2")
+    assert one["coordinates"] == ["theta", "phi"]
+    assert runner.ask("space_info", space="s2") is one
+
+
+def test_a_request_that_takes_too_long_is_stopped(runner: TaskRunner):
+    """After its time the worker is ended; the next request is answered by another."""
+    runner.ask("space_info", space="s2")
+    assert isinstance(runner.pool, WorkerPool)
+    [worker] = runner.pool.workers
+    assert "takes longer than the 2 s" in runner.ask("tetrad", **SLOW)["problem"]
+    assert not worker.lives
+    assert runner.ask("tetrad", coordinates="r, phi", entries=[["1", "0"], ["0", "r"]])["html"]
+
+
+def test_nothing_that_lies_about_is_imported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A folder with a module named like one that is needed does not mislead a worker."""
+    (tmp_path / "json.py").write_text("raise SystemExit", "utf-8")
+    (tmp_path / "sympy.py").write_text("raise SystemExit", "utf-8")
+    monkeypatch.chdir(tmp_path)
+    runner = TaskRunner(workers=1)
+    try:
+        assert runner.ask("space_info", space="s2")["name"] == "s2"
+    finally:
+        runner.close()
+
+
+def test_warming_up_leaves_a_worker_free():
+    """While one worker practises, the other answers; what was practised is kept."""
+    runner = TaskRunner(workers=2, patience=30.0)
+    try:
+        runner.warm([("space_info", {"space": "heisenberg"})])
+        assert runner.ask("space_info", space="s2")["name"] == "s2"
+        for _ in range(600):
+            if runner.kept.keys() >= {
+                '{"task": "space_info", "arguments": {"space": "heisenberg"}}'
+            }:
+                break
+            time.sleep(0.1)
+        else:
+            pytest.fail("nothing was kept of the practice")
+    finally:
+        runner.close()
+
+
+def test_errors_come_as_messages(runner: TaskRunner):
+    """An error of the package is a message, and is not kept."""
+    case = {"centre": [1, 2, 3], "radius": 1, "plane": [0, 1]}
+    assert "has" in runner.ask("loop", space="s2", **case)["problem"]
+    assert "nobody" in runner.ask("space_info", space="nobody")["problem"]
+    assert "no task is called" in runner.ask("rm")["problem"]
+
+
+def test_a_request_that_is_too_long_is_refused(runner: TaskRunner):
+    """Long texts do not even reach a worker."""
+    found = runner.ask("tetrad", coordinates="r", entries=[["1" * PAGE.request]])
+    assert "24,000" in found["problem"]
+
+
+def test_a_file_is_looked_into_by_a_worker_only(runner: TaskRunner):
+    """Kept by its digest; too long a file, and a damaged one, are told; the page goes on."""
+    content = wall_ctf()
+    one = runner.ask("map_facts", content, name="wall.ctf")
+    assert one["shape"] == [24, 20]
+    assert runner.ask("map_facts", bytes(bytearray(content)), name="wall.ctf") is one
+    assert all(len(key) < 300 for key in runner.kept)
+    other = runner.ask("map_facts", content.replace(b"XStep\t1.0", b"XStep\t2.0"), name="wall.ctf")
+    assert other is not one
+    assert "4,000,000" in runner.ask("map_facts", bytes(PAGE.upload + 1), name="a")["problem"]
+    assert "unpacks up to" in runner.ask("map_facts", bomb(), name="a")["problem"]
+    assert runner.ask("map_facts", content, name="wall.ctf") is one
+
+
+def test_a_worker_that_dies_is_replaced(runner: TaskRunner):
+    """What goes wrong in one worker is told to whoever asked, and to nobody else."""
+    assert "worker ended" in runner.ask("space_info", wrong="argument")["problem"]
+    assert runner.ask("space_info", space="s2")["name"] == "s2"
+
+
+def test_a_crowd_that_waits_too_long_is_told():
+    """One worker, busy: the next in the queue is told to come back, and is not lost."""
+    runner = TaskRunner(workers=1, patience=0.2, limits={"tetrad": 1.0})
+    busy = threading.Thread(target=lambda: runner.ask("tetrad", **SLOW))
+    busy.start()
+    time.sleep(0.1)
+    try:
+        assert "not your turn" in runner.ask("space_info", space="s2")["problem"]
+    finally:
+        busy.join()
+        runner.close()
+
+
+def test_every_task_can_be_found():
+    """The list names functions that are there."""
+    assert len(TASKS) > 8
+    for task in TASKS.values():
+        assert callable(getattr(import_module(task.module), task.function))

@@ -1,0 +1,197 @@
+"""Typed tetrads: what is shown is what the library finds, what is wrong is told at its entry."""
+
+from __future__ import annotations
+
+import re
+from html import unescape
+
+import pytest
+
+from geomtorsion import spaces
+from geomtorsion.errors import SignatureError
+from geomtorsion.pictures.quantities import chosen_quantities
+from geomtorsion.pictures.sections import section
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.space_info import drawable, space_info
+from geomtorsion.teaching.lab.tetrad import OFFERED, signs_of, tetrad
+from tests.chosen import one_in
+
+POLAR = {"coordinates": "r, phi", "entries": [["1", "0"], ["0", "r"]]}
+
+
+def test_a_shipped_tetrad_typed_again_gives_the_same_cards():
+    """The coframe of so3, typed as text, gives the same mathematics as the shipped space."""
+    known = space_info("so3")
+    found = tetrad(", ".join(known["coordinates"]), known["coframe"], signature=known["signature"])
+    shipped = spaces.load("so3")
+    for name in ("metric", "torsion", "cartan_connection", "ricci", "cartan_curvature"):
+        [chosen] = chosen_quantities(shipped, [name])
+        assert section(chosen).removesuffix("</section>") in found["html"]
+
+
+@pytest.mark.parametrize("name", one_in(3, list(drawable().values())))
+def test_every_offered_space_can_be_typed(name):
+    """The facts about a space are enough to type its tetrad again."""
+    known = space_info(name)
+    found = tetrad(
+        ", ".join(known["coordinates"]),
+        known["coframe"],
+        ", ".join(known["parameters"]),
+        known["signature"],
+        ["metric", "torsion"],
+    )
+    assert found["errors"] == {}
+    assert "problem" not in found
+    assert 'id="torsion"' in found["html"]
+
+
+def test_only_what_is_asked_for_is_shown():
+    """Nothing is computed that nobody asked for."""
+    found = tetrad(**POLAR, show=["torsion"])
+    assert found["html"].count('<section class="card"') == 1
+    assert set(OFFERED) > {"torsion", "riemann"}
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("rr", "rr is neither a coordinate nor a declared parameter"),
+        ("sin(r", "never closed"),
+        ("0.5*r", "Write 1/2"),
+        ("__import__('os')", "expressions are not code"),
+        ("r.real", "a dot stands only between"),
+        ("abs(r)", "abs is not smooth"),
+        ("r**99", "the limit is 32"),
+        ("+".join(["r"] * 400), "the limit is 600"),
+        ("(" * 40 + "r" + ")" * 40, "the limit is 20"),
+    ],
+)
+def test_what_is_wrong_stands_at_its_entry(entry, message):
+    """Every refusal names the entry and nothing else."""
+    found = tetrad("r, phi", [["1", "0"], ["0", entry]])
+    assert list(found["errors"]) == ["1,1"]
+    assert message in found["errors"]["1,1"]
+    assert found["html"] == ""
+
+
+def test_several_faults_at_once():
+    """All entries at fault are told, not the first alone."""
+    found = tetrad("r, phi", [["oops", "0"], ["0", "rr"]])
+    assert list(found["errors"]) == ["0,0", "1,1"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"entries": [["1", "0"], ["1", "0"]]}, "singular"),
+        ({"coordinates": "r"}, "coordinates"),
+        ({"coordinates": "r, 2x"}, "'2x' is no name"),
+        ({"coordinates": ""}, "at least one name"),
+        ({"parameters": "r"}, "stands twice"),
+        ({"signature": "-++"}, "2 signs"),
+        ({"coordinates": "a b c d e f g"}, f"up to {PAGE.dimensions}"),
+    ],
+)
+def test_what_is_wrong_with_the_whole(changes, message):
+    """What is no single entry's fault is told as a problem."""
+    found = tetrad(**(POLAR | changes))
+    assert message in found["problem"]
+    assert found["html"] == ""
+
+
+def test_unknown_functions():
+    """What is shown of a(t) is what the library finds for it."""
+    known = space_info("frw")
+    found = tetrad(
+        ", ".join(known["coordinates"]),
+        known["coframe"],
+        ", ".join(known["parameters"]),
+        known["signature"],
+        ["torsion", "scalar_curvature"],
+        ", ".join(known["functions"]),
+    )
+    assert known["functions"] == ["a(t)"]
+    for chosen in chosen_quantities(spaces.load("frw"), ["torsion", "scalar_curvature"]):
+        assert section(chosen).removesuffix("</section>") in found["html"]
+
+
+@pytest.mark.parametrize(
+    ("functions", "message"),
+    [
+        ("a", "with its arguments"),
+        ("a(", "with its arguments"),
+        ("a()", "depends on nothing"),
+        ("a(x)", "depends on x"),
+        ("a(r), a(phi)", "stands twice"),
+        ("r(phi)", "stands twice"),
+        ("a(r) + 1", "'\\+1' is no function"),
+    ],
+)
+def test_odd_functions_are_refused(functions, message):
+    """What is no unknown function is told, with what to write."""
+    assert re.search(message, tetrad(**POLAR, functions=functions)["problem"])
+
+
+@pytest.mark.parametrize(
+    "entry", ["r", "2r/2", "r √(R²)/R", "½ 2r", "r sin²φ + r cos^2 phi", r"\frac{r^2}{r}", "R r/R"]
+)
+def test_entries_as_on_paper(entry):
+    """Products without a sign, functions without brackets, signs of other keys, LaTeX."""
+    assert tetrad("r, phi", [["1", "0"], ["0", entry]], "R") == tetrad(**POLAR, parameters="R")
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("sin r phi", "Write sin(r)*phi or sin(r*phi)."),
+        ("1/2r", "can be read in two ways"),
+        ("sqrt(-1)", "this page takes real entries"),
+        ("2 rr", "a sign is missing"),
+    ],
+)
+def test_what_cannot_be_read_on_paper_either(entry, message):
+    """Told as it was typed; what can be read in two ways with both."""
+    found = tetrad("r, phi", [["1", "0"], ["0", entry]])
+    assert message in found["errors"]["1,1"]
+    assert "complex=True" not in found["errors"]["1,1"]
+
+
+@pytest.mark.parametrize(
+    "text", ["-+", "− +", "-1, 1", "[-1, 1]", "(-,+)", "-1 1", "－＋", "-1 +1"]
+)
+def test_signs_as_people_write_them(text):
+    """As in a tetrad file, as in books, and with other minus signs."""
+    assert signs_of(text, 2) == (-1, 1)
+
+
+@pytest.mark.parametrize("text", ["1", "-", "+-+", "-1, 1, 1", "x", "0 1", "11 -1", "±+", "-2 1"])
+def test_signs_that_are_none(text):
+    """Too few, too many, or something else."""
+    with pytest.raises(SignatureError, match="2 signs"):
+        signs_of(text, 2)
+
+
+def test_rows_are_counted_from_one():
+    """The page says row 1 for the first row, in messages too."""
+    found = tetrad("r, phi", [["1", "r"], ["2", "2*r"]])
+    assert "Row 2 equals (2) * row 1." in found["problem"]
+    assert "from 0" not in found["problem"]
+
+
+def test_frame_indices_are_counted_from_one():
+    """Numbers with a hat are those of the rows, as in the paper."""
+    shown = tetrad(**POLAR, show=["anholonomy"])["html"]
+    assert set(re.findall(r"<mn>(\d)</mn><mo[^>]*>ˆ", shown)) == {"1", "2"}
+
+
+def test_each_card_has_its_latex():
+    """What the button copies are the nonzero components, one line each."""
+    shown = tetrad(**POLAR, show=["torsion"])["html"]
+    [latex] = re.findall(r'data-latex="([^"]*)"', shown)
+    assert unescape(latex).count("&=") == 1
+    assert r"\frac{1}{2 r}" in latex
+
+
+def test_a_blank_entry_is_zero():
+    """An entry left empty is read as zero."""
+    assert tetrad("r, phi", [["1", ""], [" ", "r"]]) == tetrad(**POLAR)

@@ -1,0 +1,79 @@
+"""Turning: pictures in space in a real browser: a film that runs, keys that turn it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geomtorsion.pictures.style import SERIES
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.turning import Curve, Film, turnable
+from tests.browser import WINDOW
+
+TIMES = 241
+# Where the film is after half of its time: a picture more or less at the edge of one.
+HALF = range(TIMES // 2 - 1, TIMES // 2 + 2)
+INK = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].join()"
+
+
+@pytest.fixture
+def film(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """A page with a film whose time is given by the test, in a window of its own."""
+    points = [(k / 10, k % 7, k % 5) for k in range(TIMES)]
+    scene = Film("a", "A film", ("x", "y", "z"), (Curve(points, SERIES[0]),), times=range(TIMES))
+    (tmp_path / "film.html").write_text(turnable(scene), "utf-8")
+    context = browser.new_context(viewport=WINDOW)
+    page = context.new_page()
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.clock.install(time=0)
+    page.goto((tmp_path / "film.html").as_uri())
+    page.clock.pause_at(1000)
+    yield page
+    context.close()
+    assert wrong == []
+
+
+def picture(page: Any) -> int:
+    """Which picture of the film is shown."""
+    return int(page.locator("#time").input_value())
+
+
+def test_a_film_takes_its_time(film: Any):
+    """Half of it in half of the time, though pictures do not fall on those of the screen."""
+    play = film.locator("#play")
+    play.click()
+    assert play.inner_text() == "Pause"
+    film.clock.run_for(500 * PAGE.film)
+    assert picture(film) in HALF
+    play.click()
+    assert play.inner_text() == "Play"
+    film.clock.run_for(1000)
+    assert picture(film) in HALF
+    play.click()
+    film.clock.run_for(500 * PAGE.film + 100)
+    assert (picture(film), play.inner_text()) == (TIMES - 1, "Play")
+
+
+def test_a_film_that_is_begun_again_runs_once(film: Any):
+    """However often the button was pressed before a picture was drawn."""
+    film.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
+    film.clock.run_for(500 * PAGE.film)
+    assert picture(film) in HALF
+
+
+def test_keys_of_the_browser_stay_its_own(film: Any):
+    """Arrows turn the picture and plus makes it larger, but not with a second key."""
+    canvas = film.locator("#space")
+    canvas.focus()
+    shown = canvas.evaluate(INK)
+    for key in ("Control++", "Alt+ArrowLeft", "Meta+-"):
+        film.keyboard.press(key)
+        assert canvas.evaluate(INK) == shown
+    for key in ("+", "ArrowLeft"):
+        film.keyboard.press(key)
+        assert canvas.evaluate(INK) != shown
+        shown = canvas.evaluate(INK)

@@ -1,0 +1,310 @@
+"""Files that are given to the page: recognised by content, read, or refused in a sentence."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportArgumentType=false
+
+from __future__ import annotations
+
+import base64
+import io
+import pickle
+from collections.abc import Iterator
+from math import radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geomtorsion import SampledFrame
+from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
+from geomtorsion.materials.maps import OrientationMap
+from geomtorsion.materials.measured import LatticeField
+from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.uploads import kind_of, read_map
+from tests.browser import Watched, loaded, opened
+from tests.real import real
+from tests.teaching.lab.maps import STEP, TILT, TWIST, atoms, bomb, saved, twisted, wall_ctf
+from tests.teaching.lab.session import Session, run
+
+# Of a phone and of a screen.
+NARROW, BROAD = 400, 1280
+# How wide an element is, and whether nothing is wider than the window.
+WIDTH = "e => e.getBoundingClientRect().width"
+WIDE = "() => document.documentElement.scrollWidth <= document.documentElement.clientWidth"
+
+
+def fits(page: Any) -> bool:
+    """Whether nothing is wider than the window, on a screen and on a phone."""
+    found = []
+    for width in (BROAD, NARROW):
+        page.set_viewport_size({"width": width, "height": 900})
+        found.append(page.evaluate(WIDE))
+    return all(found)
+
+
+class Trap:
+    """What runs when it is unpickled."""
+
+    def __reduce__(self):
+        return (pytest.fail, ("a file was unpickled",))
+
+
+def objects() -> bytes:
+    """An archive whose array holds pickled objects."""
+    stream = io.BytesIO()
+    np.savez(stream, axis_x=np.arange(5.0), axis_y=np.arange(5.0), coframe=np.array([Trap()]))
+    return stream.getvalue()
+
+
+def nowhere() -> bytes:
+    """A grid with NaN at every node."""
+    stream = io.BytesIO()
+    line = np.arange(9.0)
+    np.savez(stream, axis_x=line, axis_y=line, coframe=np.full((2, 2, 9, 9), np.nan))
+    return stream.getvalue()
+
+
+def npy(array: np.ndarray) -> bytes:
+    """An array as the bytes of an .npy file."""
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("end", [".npz", ".csv"])
+def test_a_sampled_frame_is_read_whatever_its_name(tmp_path: Path, end: str):
+    """Both formats in which frames are saved, under the name of neither."""
+    frame = twisted()
+    content = saved(frame, tmp_path, end)
+    assert kind_of(content) == end
+    found = read_map(content, "photo.png")
+    assert isinstance(found, SampledFrame)
+    assert np.allclose(found.coframe, frame.coframe)
+    assert found.sigma is not None
+    assert found.unit == "um"
+
+
+def test_an_orientation_map_is_read():
+    """A .ctf file by its first line."""
+    found = read_map(wall_ctf(), "table.csv")
+    assert isinstance(found, OrientationMap)
+    assert found.shape == (20, 24)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "empty"),
+        (b"  \n\n", "empty"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(50), "truncated"),
+        (b"II*\x00" + bytes(50), "truncated"),
+        (b"\x93NUMPY" + bytes(50), "truncated"),
+        (npy(np.array([Trap()])), "map.npz"),
+        (npy(np.zeros((2000, 2000), np.uint8)), "up to 1,048,576 are taken"),
+        (npy(np.full((64, 64), np.nan)), "not finite"),
+        (npy(np.random.default_rng(0).normal(size=(64, 64))), "no lattice that can be seen"),
+        (b"\xff\xd8\xff" + bytes(50), "JPEG"),
+        (nowhere(), "nothing is known"),
+        (wall_ctf().replace(b"\r\n1\t", b"\r\n0\t"), "no pixel is indexed"),
+        (wall_ctf().replace(b"\r\n1\t5.0", b"\r\n1\t5.3", 1).replace(b"5.3", b"5.7", 1), "mixed"),
+        (wall_ctf().replace(b"\r\n1\t7.0", b"\r\n4\t7.0", 1), "phase 4 is not described"),
+        (wall_ctf().replace(b"Euler2", b"Angle2"), "column Euler2 is missing"),
+        (pickle.dumps(Trap()), "pickle"),
+        (objects(), "map.npz"),
+        (bomb(), "unpacks up to"),
+        (b"PK\x03\x04" + bytes(40), "archive"),
+        (bytes(range(256)) * 9, "neither"),
+        (b"__import__('os').system('true')", "neither"),
+        (b"x,y,e_0_0,e_0_1\n0,0,__import__('os'),1\n", "line 2"),
+        (b"x,y,e_0_0,e_0_1\n0,0,1\n", "line 2"),
+        (wall_ctf()[:3000], "truncated"),
+        (wall_ctf().replace(b"Nickel\t11", b"Nickel\t99"), "line"),
+        (wall_ctf()[:900].replace(b"XCells\t24", b"XCells\t9999999999"), "XCells"),
+        (b"# HEADER\n 1 2 3 4 5 6 7 8\n", "map.npz"),
+    ],
+    ids=range(27),
+)
+def test_hostile_and_damaged_files_are_refused(content: bytes, said: str):
+    """An error of our own that says what is wrong, and no path of this machine."""
+    with pytest.raises(GeomtorsionError) as told:
+        read_map(content, "map.npz")
+    assert said in str(told.value)
+    assert "given-map" not in str(told.value)
+    assert "/tmp" not in str(told.value)
+
+
+@pytest.mark.parametrize("end", [".npz", ".csv", ".ctf"])
+def test_a_file_cut_anywhere_is_refused_or_read(tmp_path: Path, end: str):
+    """Cut after any hundredth: a map that is complete, or an error of our own."""
+    content = wall_ctf() if end == ".ctf" else saved(twisted((9, 8)), tmp_path, end)
+    refused = 0
+    for k in range(0, len(content), max(1, len(content) // 40)):
+        try:
+            read_map(content[:k], "map")
+        except GeomtorsionError:
+            refused += 1
+    # A table of nodes is a table of fewer nodes, with holes, wherever a line ends.
+    assert refused >= (20 if end != ".csv" else 5)
+
+
+@pytest.mark.parametrize("end", [".npy", ".png", ".tif"])
+def test_a_picture_of_a_lattice_is_read(end: str):
+    """In every format, with its lattice, whatever its name."""
+    found = read_map(atoms(end), "data.csv")
+    assert isinstance(found, LatticeField)
+    assert np.hypot(*found.phases.lattice.T) == pytest.approx([8, 8], rel=0.01)
+
+
+def test_a_map_with_too_many_nodes_is_refused():
+    """One node more than the page takes; as many as it takes are read."""
+    most = PAGE.nodes
+    stream = io.BytesIO()
+    for extra in (0, 1):
+        stream = io.BytesIO()
+        values = np.zeros((1, 2, most // 10 + extra, 10), np.float32)
+        axes = {"axis_x": np.arange(most // 10 + extra), "axis_y": np.arange(10)}
+        np.savez_compressed(stream, coframe=values, **axes)
+        if extra:
+            with pytest.raises(LimitError, match="the page takes up to"):
+                read_map(stream.getvalue(), "map")
+        else:
+            assert read_map(stream.getvalue(), "map") is not None
+
+
+def test_a_damaged_archive_says_so():
+    """The last byte of an archive is missing."""
+    with pytest.raises(FileFormatError, match="complete"):
+        read_map(bomb()[:-30], "map")
+
+
+async def give(session: Session, field: str, name: str, content: bytes) -> None:
+    """Put a file into the field, as the browser does; what was shown before is forgotten."""
+    session.outputs.clear()
+    await session.set(field, [[name, base64.b64encode(content).decode()]])
+
+
+def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
+    """A frame, then what is none, then an orientation map: each answered, none stops the page."""
+    frame = saved(twisted(), tmp_path, ".npz")
+
+    async def visit(url: str) -> dict[str, str]:
+        seen = {}
+        async with Session(url) as session:
+            await session.shown("Cartan connection")
+            await session.set(session.element("marimo-tabs"), "1")
+            await session.shown("A map or an image of your own")
+            field = session.element("marimo-file")
+            await give(session, field, "twisted.npz", frame)
+            await session.shown("twisted.npz is a sampled frame of 24 × 20 nodes")
+            seen["frame"] = (await session.shown(r"\|b\| = ([0-9.e+-]+) um"))[1]
+            for name, content, said in (
+                ("<b>x</b>", b"\x80\x04.", "a pickle"),
+                ("bomb.npz", bomb(), "unpacks up to"),
+                ("long", bytes(PAGE.upload + 1), "takes up to 4,000,000"),
+            ):
+                await give(session, field, name, content)
+                await session.shown(said)
+                assert not any("<b>x</b>" in text for text in session.outputs.values())
+                assert not any("Traceback" in text for text in session.outputs.values())
+            # What no browser sends: the page goes on as if nothing had come.
+            for odd in (5, [["a", "no base64"]], [[1, 2]], [[]]):
+                await session.set(field, odd)
+            await give(session, field, "atoms.png", atoms(".png"))
+            await session.shown("atoms.png is a picture of 256 × 256 pixels")
+            seen["whole"] = (await session.shown(r"b = \(([0-9−, ]+)\) in lattice vectors"))[1]
+            await give(session, field, "wall.ctf", wall_ctf())
+            await session.shown("wall.ctf is an orientation map of 20 × 24 pixels")
+            seen["wall"] = (await session.shown("Nickel; components along the axes"))[0]
+        return seen
+
+    seen = run(visit(address))
+    # The first circuit has an eighth of the shorter side.
+    assert float(seen["frame"]) == pytest.approx(TWIST * (2 * STEP) ** 2)
+    assert seen["wall"]
+    # The first circuit runs through the middle of the picture, round the core.
+    assert seen["whole"] == "−1, 0"
+
+
+@pytest.mark.parametrize("name", ["si_wafer.ctf", "sdss_ferrite_austenite.ang"])
+def test_measured_maps_are_read(name: str):
+    """The real files, where they are."""
+    assert isinstance(read_map(real(f"ebsd/{name}").read_bytes(), "given"), OrientationMap)
+
+
+@pytest.fixture(scope="module")
+def file_page(context: Any, address: str) -> Iterator[Watched]:
+    """A page of its own for files, loaded once: whatever is given takes the place of the last."""
+    seen = loaded(opened(context), address)
+    seen.page.set_viewport_size({"width": NARROW, "height": 900})
+    seen.tab("Loops")
+    seen.page.wait_for_selector("#loop svg")
+    yield seen
+    seen.page.close()
+
+
+@pytest.fixture
+def loops_tab(file_page: Watched) -> Iterator[Watched]:
+    """The same; what it logs as an error fails the test."""
+    yield file_page
+    assert file_page.errors == []
+
+
+def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path):
+    """The file chosen, the circuit moved off the core: other whole numbers."""
+    page: Any = loops_tab.page
+    file = tmp_path / "atoms.png"
+    file.write_bytes(atoms(".png"))
+    page.locator("input[type=file]").set_input_files(str(file))
+    loops_tab.says("#map-facts", "atoms.png is a picture of 256 × 256 pixels of a lattice")
+    loops_tab.says("#map-said", "b = (−1, 0) in lattice vectors, exactly")
+    assert page.locator("#map svg image").first.evaluate(WIDTH) > 150
+    assert page.locator("#map svg #circuit").count() == 2
+    slider = page.get_by_role("slider", name="middle x in pixels")
+    slider.focus()
+    page.keyboard.press("Home")
+    loops_tab.says("#map-said", "leaves the image")
+    assert fits(page)
+
+
+def test_grains_and_symmetry_are_chosen_in_a_browser(loops_tab: Watched, tmp_path: Path):
+    """A finer threshold splits the wall; another Laue group does too; the circuit stays."""
+    page: Any = loops_tab.page
+    file = tmp_path / "wall.ctf"
+    file.write_bytes(wall_ctf())
+    page.locator("input[type=file]").set_input_files(str(file))
+    loops_tab.says("#map-facts", "(Nickel: m-3m), 1 grain at 5°")
+    slider = page.get_by_role("slider", name="grains differ by, in degrees")
+    slider.focus()
+    page.keyboard.press("Home")
+    loops_tab.says("#map-facts", "2 grains at 0.5°")
+    loops_tab.says("#map-said", "crosses a boundary")
+    page.keyboard.press("End")
+    loops_tab.says("#map-facts", "1 grain at 20°")
+    page.get_by_label("its Laue group").select_option("mmm")
+    loops_tab.says("#map-facts", "(Nickel: mmm), 2 grains at 20°")
+    page.get_by_label("phase", exact=True).select_option("1: Nickel")
+    page.get_by_label("its Laue group").select_option("4/m")
+    loops_tab.says("#map-facts", "(Nickel: 4/m), 1 grain at 20°")
+    loops_tab.says("#map-said", "Circuit of 2 × 2 cells: |b| =")
+    assert fits(page)
+
+
+def test_a_map_in_a_browser(loops_tab: Watched, tmp_path: Path):
+    """The file chosen, the circuit moved: numbers, picture, and nothing wider than the window."""
+    page: Any = loops_tab.page
+    file = tmp_path / "wall.ctf"
+    file.write_bytes(wall_ctf())
+    page.locator("input[type=file]").set_input_files(str(file))
+    loops_tab.says("#map-facts", "wall.ctf is an orientation map of 20 × 24 pixels (Nickel: m-3m)")
+    b = 2 * 2 * sin(radians(TILT) / 2)
+    loops_tab.says("#map-said", f"Circuit of 2 × 2 cells: |b| = {b:.4g} um")
+    image = page.locator("#map svg image").first
+    assert image.evaluate(WIDTH) > 150
+    slider = page.get_by_role("slider", name="side in pixels")
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    loops_tab.says("#map-said", f"Circuit of 3 × 3 cells: |b| = {1.5 * b:.4g} um")
+    assert fits(page)
+    page.get_by_label("unit of the map").click()
+    page.get_by_role("slider", name="side in um").wait_for()

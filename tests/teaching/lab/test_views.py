@@ -1,0 +1,42 @@
+"""What each tab says of itself: a few sentences, and its words explained where they appear."""
+
+from __future__ import annotations
+
+import pytest
+
+from geomtorsion.teaching.lab.space_info import typable
+from geomtorsion.teaching.lab.views import GUIDES, LOOPS, PATHS, TABS, TOP, intro, words
+
+TERMS = {
+    LOOPS: ("b", "2 S A", "flux of torsion"),
+    PATHS: ("torsion force", "straightest (autoparallel)", "shortest (geodesic)"),
+    TOP: ("body cone", "space cone", "torsion force", "nutation"),
+}
+
+
+@pytest.mark.parametrize("tab", TABS)
+def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
+    """Two sentences at least, and not a page."""
+    guide = GUIDES[tab]
+    text = f"{guide.seen} {guide.tried}"
+    assert 2 <= text.count(".") + text.count(";") <= 8
+    assert 100 < len(text) < 600
+    assert guide.tried[:40] in intro(tab)
+    assert "Try:" not in intro(tab, still=True)
+
+
+@pytest.mark.parametrize(("tab", "terms"), TERMS.items())
+def test_words_are_explained_where_they_appear(tab: str, terms: tuple[str, ...]):
+    """The words that nobody knows who sees them for the first time."""
+    shown = words(tab)
+    for term in terms:
+        assert f"<dt>{term}</dt>" in shown
+        assert len(GUIDES[tab].words[term]) > 30
+
+
+def test_spaces_that_are_named_are_there():
+    """A guide sends nobody to a space that is not on the list."""
+    named = {"flat_polar", "screw_dislocation", "so3"}
+    text = " ".join(guide.tried for guide in GUIDES.values())
+    assert all(name in text for name in named)
+    assert named <= set(typable().values())
