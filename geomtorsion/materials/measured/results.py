@@ -13,6 +13,7 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.files import written
 from geomtorsion.loops import Loop
+from geomtorsion.npz import write_npz
 from geomtorsion.outgoing import csv_cell, one_line
 
 
@@ -305,5 +306,5 @@ def write_arrays(survey: Survey, path: Path) -> None:
     if survey.arrows is not None:
         arrays["in_plane"] = survey.arrows
     arrays["first_centres"], arrays["second_centres"] = survey.centres
-    with written(path) as part, part.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
+    with written(path) as part:
+        write_npz(part, arrays)
