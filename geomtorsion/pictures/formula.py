@@ -10,6 +10,7 @@ from pathlib import Path
 from math_core import LatexError, LatexToMathML
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.pictures.latex import FUNCTIONS as latex_functions
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import GREEK
 
@@ -22,9 +23,7 @@ _CAPITAL = re.compile("<mi>([Α-Ω])</mi>")
 _LOW = re.compile(
     r"\\left([(\[|])((?:(?!\\left|\\right|\\[dt]?frac|\\sqrt|\\begin).)*)\\right([)\]|])"
 )
-FUNCTIONS = (
-    "sin cos tan cot sec csc sinh cosh tanh coth ln log exp det arcsin arccos arctan".split()
-)
+FUNCTIONS = (*latex_functions, "log", "exp", "det")
 # A function, perhaps with a power, before an argument in braces that needs no brackets.
 _NAMED = re.compile(rf"(\\(?:{'|'.join(FUNCTIONS)})(?:\^\{{[^{{}}]*\}})?)(?=\{{(?!\(|\\left))")
 
