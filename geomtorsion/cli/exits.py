@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
 
@@ -51,10 +52,29 @@ def interruptible(came: list[bool]) -> Iterator[None]:
         signal.signal(signal.SIGINT, stop_at_once)
 
 
+def limit_memory() -> None:
+    """Let this process take at most the memory of the machine, where the system can do that.
+
+    A damaged file that asks for more then ends in an error, before the system ends other programs.
+    """
+    try:
+        # Not on Windows.
+        import resource
+    except ImportError:
+        return
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    # Of data, not of addresses: files that are mapped into memory do not count.
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    if soft == resource.RLIM_INFINITY or soft > memory:
+        with suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard))
+
+
 @contextmanager
 def clean_exits() -> Iterator[None]:
     """End with 2 on an error of this package or of a file, and with 130 on Ctrl-C."""
     came: list[bool] = []
+    limit_memory()
     try:
         with interruptible(came):
             yield
@@ -71,6 +91,13 @@ def clean_exits() -> Iterator[None]:
             typer.echo(f"geomtorsion: {error}", err=True)
             if pages := more_on(error):
                 typer.echo(pages, err=True)
+            raise typer.Exit(ExitCode.wrong_input) from None
+        if isinstance(error, MemoryError):
+            typer.echo(
+                "geomtorsion: this needs more memory than there is. Ask for less, or check that "
+                "the file is what it should be.",
+                err=True,
+            )
             raise typer.Exit(ExitCode.wrong_input) from None
         # `| head` closed the pipe: typer ends without a word.
         if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):

@@ -168,6 +168,22 @@ def test_limits_end_a_command(option, said, tmp_path):
     assert "Traceback" not in error
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such limit")
+def test_too_little_memory_ends_in_words(tmp_path):
+    """A command that is refused memory says so in one line, without a traceback."""
+    nodes = np.arange(2000)
+    field = np.zeros((2, 2, len(nodes), len(nodes)), np.float32)
+    np.savez_compressed(tmp_path / "a.npz", axis_x=nodes, axis_y=nodes, coframe=field)
+    limited = f"ulimit -d 300000 && {sys.executable} -m geomtorsion map a.npz"
+    done = subprocess.run(
+        ["sh", "-c", limited], cwd=tmp_path, capture_output=True, text=True, check=False,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("geomtorsion: this needs more memory than there is.")
+    assert done.stderr.count("\n") == 1
+
+
 def test_limits_that_are_none():
     """A limit below zero is refused."""
     error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
