@@ -69,7 +69,7 @@ _LIKE: dict[tuple[int, float], sp.Expr] = {
     for rest, size in ((0.5, sp.Rational(1, 2)), (1, sp.Integer(1)), (0, sp.Integer(2)))
 }
 
-_GREEK: dict[str, str] = dict(
+_SMALL: dict[str, str] = dict(
     zip(
         "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
         "sigma tau upsilon phi chi psi omega".split(),
@@ -77,6 +77,8 @@ _GREEK: dict[str, str] = dict(
         strict=True,
     )
 )
+# Name -> Greek letter, small and capital.
+GREEK = _SMALL | {name.capitalize(): letter.upper() for name, letter in _SMALL.items()}
 
 
 # -- what messages show ---------------------------------------------------------------------------
@@ -726,6 +728,8 @@ def near_names(name: object, known: Iterable[str]) -> str:
     'theta'
     >>> near_names("θ", ["r", "theta", "phi"])
     'theta'
+    >>> near_names("Ω", ["Omega"])
+    'Omega'
     >>> near_names("banana", ["r", "theta", "phi"])
     ''
     """
@@ -735,7 +739,7 @@ def near_names(name: object, known: Iterable[str]) -> str:
     for candidate in known:
         if candidate.lower() == name.lower():
             return candidate
-        if _GREEK.get(candidate) == name or _GREEK.get(name) == candidate:
+        if GREEK.get(candidate) == name or GREEK.get(name) == candidate:
             return candidate
     return next(iter(close_names(name, known)), "")
 

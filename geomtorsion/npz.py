@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from io import DEFAULT_BUFFER_SIZE
 from math import prod
 from os import PathLike
+from pathlib import Path
 from stat import S_ISREG
 from types import EllipsisType
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from geomtorsion.files import BOUNDS, LARGEST_TEXT, conforming, read_json_text
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import ArrayLike
 
 
 _FOREIGN = (
@@ -109,7 +111,6 @@ def read_npz(
     Examples
     --------
     >>> import numpy as np
-    >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
     ...     file = Path(folder, "a.npz")
@@ -211,6 +212,29 @@ def _check_shape(
         more = ", ..." if ... in form.shape else ""
         came = cut(str(shape))
         raise ValueError(f"{name} has the shape {came}, but ({needed}{more}) is needed")
+
+
+def write_npz(path: Path, arrays: Mapping[str, ArrayLike], *, packed: bool = True) -> None:
+    """Write arrays by name as an NPZ file; within `written` whole or not at all.
+
+    packed: smaller and slower.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder, "a.npz")
+    ...     write_npz(file, {"times": [1.0, 2.0]})
+    ...     read_npz(file, {"times": ArrayForm((2,))})["times"].tolist()
+    [1.0, 2.0]
+    """
+    # As above.
+    import numpy as np
+
+    write: Any = np.savez_compressed if packed else np.savez
+    # Given a name, NumPy would add an ending to it.
+    with path.open("wb") as stream:
+        write(stream, **arrays)
 
 
 def text_of(array: np.ndarray) -> str:

@@ -7,10 +7,10 @@ from itertools import product
 import numpy as np
 
 from geomtorsion.materials.crystals.reports import Json
-from geomtorsion.teaching.lab.plot import LOOKS, Look
+from geomtorsion.pictures.style import SERIES, Stroke
 from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 
-EDGE = Look("#9aa0a8", "", "", 1.0)
+EDGE = Stroke("#9aa0a8", "-", 1.0, "")
 
 
 def crystal_page(report: Json, title: str) -> str:
@@ -22,11 +22,11 @@ def crystal_page(report: Json, title: str) -> str:
     families = sorted({line["family"] for line in report["lines"]})
     labelled: set[str] = set()
     for line in report["lines"]:
-        look = LOOKS[families.index(line["family"]) % len(LOOKS)]
+        stroke = SERIES[families.index(line["family"]) % len(SERIES)]
         label = "" if line["family"] in labelled else f"b = {line['family']}"
         labelled.add(line["family"])
         tip = f"({', '.join(line['burgers_lattice'])})"
-        curves.append(Curve(line["path"], look, label, tip))
+        curves.append(Curve(line["path"], stroke, label, tip))
     count = len(report["lines"])
     note = f"{count} line{'s' * (count != 1)}; the tip of each says b in lattice constants."
     return turnable(Film("crystal", title, ("x", "y", "z"), tuple(curves), equal=True, note=note))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
@@ -14,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.checks import cut
-from geomtorsion.errors import CheckpointError
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
+from geomtorsion.errors import CheckpointError, FileFormatError
+from geomtorsion.files import written
+from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode.engines.taylor import Taylor, is_available
 from geomtorsion.ode.numbers import PARTS
 from geomtorsion.ode.system import Engine, Run
@@ -135,21 +135,16 @@ class Checkpoint:
     def write(self) -> None:
         """Replace the file at once: it is always whole, the old one or the new one."""
         began = time.perf_counter()
-        parts = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with parts.open("wb") as file:
-                np.savez(file, metadata=np.array(json.dumps(self.metadata)), **self.arrays)  # type: ignore[arg-type]  # an array may be named as it likes
-                file.flush()
-                os.fsync(file.fileno())
-            parts.replace(self.path)
-        except OSError as error:
-            raise CheckpointError(
-                f"{self.path}: the checkpoint cannot be written ({error}). Name another file."
-            ) from None
-        finally:
-            with contextlib.suppress(OSError):
-                parts.unlink(missing_ok=True)
+            with written(self.path.parent, is_folder=True), written(self.path) as part:
+                write_npz(
+                    part, {"metadata": json.dumps(self.metadata), **self.arrays}, packed=False
+                )
+                # On the disk before it takes the place of the file that is there.
+                with part.open("r+b") as file:
+                    os.fsync(file.fileno())
+        except FileFormatError as error:
+            raise CheckpointError(str(error)) from None
         self._written = time.perf_counter()
         self._took = self._written - began
 

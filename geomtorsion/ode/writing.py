@@ -14,6 +14,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import MissingExtraError
 from geomtorsion.files import written
+from geomtorsion.npz import write_npz
 from geomtorsion.ode.engines.named import own_name
 from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real
@@ -45,20 +46,15 @@ def write_solution(
             "unit": unit,
         },
     }
-    # Any array may be named as it likes; the type takes one name for an option.
-    plain: dict[str, Any] = {
-        f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()
-    }
+    plain = {f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()}
     times = times.astype(float)
     grid = times if times[0] == 0 else np.concatenate(([0.0], times))
     found = checks.file_name(path)
     # As numpy names files of arrays.
     if found.name and found.suffix != ".npz":
         found = found.with_name(f"{found.name}.npz")
-    with written(found) as part, part.open("wb") as file:
-        np.savez_compressed(
-            file, metadata=np.array(json.dumps(metadata)), times=times, grid=grid, **plain
-        )
+    with written(found) as part:
+        write_npz(part, {"metadata": json.dumps(metadata), "times": times, "grid": grid, **plain})
 
 
 def term_text(term: sp.Expr) -> str:

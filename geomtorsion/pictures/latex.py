@@ -151,7 +151,7 @@ class _Printer(PrintedOnce, LatexPrinter):
             return rf"{latex_name(name)}\left({inner}\right){power}"
         # In physics log is that of base ten to many readers; ln is no question.
         name = {"log": "ln"}.get(name, re.sub("^a(?=sin|cos|tan)", "arc", name))
-        head = rf"\{name}" if name in _NAMED else rf"\operatorname{{{name}}}"
+        head = rf"\{name}" if name in FUNCTIONS else rf"\operatorname{{{name}}}"
         simple = len(expr.args) == 1 and (expr.args[0].is_Symbol or expr.args[0].is_Integer)
         return rf"{head}{power}{{{inner}}}" if simple else rf"{head}{power}\left({inner}\right)"
 
@@ -173,7 +173,8 @@ class _Printer(PrintedOnce, LatexPrinter):
         return rf"{name}\left({inner}\right)"
 
 
-_NAMED = "sin cos tan cot sec csc sinh cosh tanh coth ln arcsin arccos arctan".split()
+# Functions that LaTeX has commands for, and that sympy prints.
+FUNCTIONS = "sin cos tan cot sec csc sinh cosh tanh coth ln arcsin arccos arctan".split()
 
 
 Index = tuple[int, ...]

@@ -12,7 +12,7 @@ from sympy import latex
 from geomtorsion import checks
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import BurgersMap, BurgersVector, Hodograph, hodograph
-from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet
+from geomtorsion.pictures.style import FLAT, arrow, new_figure, quiet, sense
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +85,8 @@ def _draw_path(axes: Axes, drawn: Hodograph, names: list[str]) -> None:
     chosen = _extents(drawn.path)
     points = drawn.path[chosen]
     axes.plot(*points, color=PATH, linewidth=2)
-    _sense(axes, points, PATH)
+    if len(points) == 2:
+        sense(axes, points, PATH)
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
     unit = drawn.unit
     labels = [_offset_label(names[k], drawn.centre[k], unit) for k in chosen]
@@ -116,7 +117,8 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
     chosen = _extents(drawn.image)
     points = drawn.image[chosen]
     axes.plot(*points, color=IMAGE, linewidth=2)
-    _sense(axes, points, IMAGE)
+    if len(points) == 2:
+        sense(axes, points, IMAGE)
     start, end = points[:, 0], points[:, -1]
     step = end - start
     if abs(step).max() > 1e-9 * abs(points).max():
@@ -131,14 +133,6 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
         size += f" ± {b.error:.0e}" if b.error else ""
     grown = "" if drawn.magnified == 1 else f", gap enlarged {_power(drawn.magnified)} times"
     axes.set_title(f"its image in the frame{grown}\n{size}", fontsize=11, color=START)
-
-
-def _sense(axes: Axes, points: np.ndarray, colour: str) -> None:
-    """A small arrow head that shows the sense in which a curve is run through."""
-    if len(points) != 2:
-        return
-    k = points.shape[1] // 6
-    arrow(axes, points[:, k], points[:, k + 1], colour)
 
 
 def _label(axes: Axes, labels: list[str]) -> None:

@@ -197,15 +197,21 @@ def _plain_texts(figure: Figure) -> None:
             part.set_text(shown)
 
 
-def svg_text(figure: Figure) -> str:
-    """A figure as an SVG file, the same each time."""
+def svg_text(figure: Figure, *, outlines: bool = True) -> str:
+    """A figure as an SVG file, the same each time.
+
+    outlines: letters are drawn as curves, the same in every viewer; otherwise they are text.
+    """
     # Whoever has a figure has matplotlib.
     import matplotlib as mpl
 
     _plain_texts(figure)
     data = StringIO()
-    with mpl.rc_context({"svg.hashsalt": "geomtorsion"}):
-        figure.savefig(data, format="svg", metadata={"Date": None, "Creator": None})
+    look: Any = {"svg.hashsalt": "geomtorsion", "svg.fonttype": "path" if outlines else "none"}
+    with mpl.rc_context(look):
+        figure.savefig(
+            data, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Type", "Format"))
+        )
     return data.getvalue()
 
 
@@ -287,6 +293,12 @@ def arrow(axes: Axes, start: Point, end: Point, color: str, width: float = 1.5) 
     look = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
     look["mutation_scale"] = 12 + 2 * width
     axes.annotate("", xy=(end[0], end[1]), xytext=(start[0], start[1]), arrowprops=look, zorder=5)
+
+
+def sense(axes: Axes, points: np.ndarray, color: str) -> None:
+    """An arrow head on a curve in a plane, shape (2, m), a sixth of the way along it."""
+    k = points.shape[1] // 6
+    arrow(axes, points[:, k], points[:, k + 1], color)
 
 
 def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:

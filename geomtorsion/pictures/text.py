@@ -9,17 +9,13 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
+from geomtorsion import checks
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import PrintedOnce
 
-_LETTERS = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
-    "sigma tau upsilon phi chi psi omega".split()
-)
-GREEK: dict[str, str] = dict(zip(_LETTERS, "αβγδεζηθικλμνξοπρστυφχψω", strict=True))
-GREEK |= {name.capitalize(): letter.upper() for name, letter in GREEK.items()}
-GREEK |= {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
+# Letters by the names that LaTeX has for them.
+GREEK = checks.GREEK | {"varphi": "φ", "vartheta": "ϑ", "ell": "ℓ"}
 _NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
 # Nobody counts four primes.
 MOST_PRIMES = 3

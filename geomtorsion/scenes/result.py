@@ -17,7 +17,7 @@ from geomtorsion.checks import did_you_mean, shown
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import FileFormatError, SceneError, UnknownNameError
 from geomtorsion.files import written
-from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz
+from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.writing import pandas_table
@@ -292,8 +292,8 @@ class SceneResult:
             "watch": list(self.values),
         }
         arrays: dict[str, Any] = {f"value {name}": value for name, value in self.values.items()}
-        with written(path) as target, target.open("wb") as file:
-            np.savez_compressed(file, times=self.times, about=json.dumps(about), **arrays)
+        with written(path) as target:
+            write_npz(target, {"times": self.times, "about": json.dumps(about), **arrays})
 
     @classmethod
     def load(cls, path: str | Path) -> SceneResult:

@@ -52,8 +52,8 @@ def test_chosen_names_are_shown():
     """In the table of a notebook, too; legs have a hat."""
     polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
     assert rows(gt.cartan(polar).torsion.S.table("uv")._repr_html_())[0][0] == "Suvv"
-    assert rows(polar.anholonomy.table("uv")._repr_html_())[0][0] == "Cu^v^v^"
-    assert rows(polar.anholonomy._repr_html_())[0][0] == "C0^1^1^"
+    assert rows(polar.anholonomy.table("uv")._repr_html_())[0][0] == "Cuˆvˆvˆ"
+    assert rows(polar.anholonomy._repr_html_())[0][0] == "C0ˆ1ˆ1ˆ"
 
 
 def test_short_things_are_short():
@@ -92,10 +92,10 @@ def test_a_frame_shows_its_forms():
     found = rows(frame._repr_html_())
     assert len(found) == 4
     assert found[2][1] == "= rdθ"
-    assert "η=diag(−1,1,1,1)" in "".join(tree(frame._repr_html_()).itertext())
+    assert "η=diag\u2061(−1,1,1,1)" in "".join(tree(frame._repr_html_()).itertext())
     assert "right where" in frame._repr_html_() or not frame.branches
     null = gt.spaces.load("kerr_kinnersley").frame
-    assert "<mtable>" in null._repr_html_()
+    assert "<mtable" in null._repr_html_()
 
 
 def test_what_users_type_is_escaped():

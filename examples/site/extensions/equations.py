@@ -1,14 +1,11 @@
 """equations: mathematics as docstrings write it, in LaTeX; lines of it, or pieces in a sentence."""
 
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 import re
 
-from formulas import mathml
-from math_core import LatexError
-
+from geomtorsion.errors import ExpressionError
+from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import equation_latex
 from geomtorsion.pictures.text import GREEK, greek_words
 
@@ -86,8 +83,8 @@ def latex_of(text: str) -> str | None:
     for letter, name in _CAPITALS.items():
         latex = latex.replace(letter, name)
     try:
-        mathml(latex, display=False)
-    except LatexError:
+        mathml(latex)
+    except ExpressionError:
         return None
     return latex
 

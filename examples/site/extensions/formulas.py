@@ -1,7 +1,7 @@
 """formulas: LaTeX becomes MathML while the site is built, set in the font that reports use."""
 
 # pyright: reportMissingImports=false
-# Sphinx and math-core come with the extra `docs`, which checking types does not need.
+# Sphinx comes with the extra `docs`, which checking types does not need.
 
 from __future__ import annotations
 
@@ -10,26 +10,20 @@ from pathlib import Path
 
 from docutils import nodes
 from docutils.nodes import SkipNode
-from math_core import LatexError, LatexToMathML
 from sphinx.util import logging
 
-from geomtorsion.pictures import formula
+from geomtorsion.errors import ExpressionError
+from geomtorsion.pictures.formula import font_face, mathml
 
-_CONVERTER = LatexToMathML(fancy_error=False)
 _STOP = re.compile(r"[.,;:?)]+")
 _LOG = logging.getLogger(__name__)
-
-
-def mathml(latex: str, *, display: bool) -> str:
-    """A formula as a math element."""
-    return _CONVERTER.convert_with_local_state(latex, displaystyle=display)
 
 
 def _element(node, *, display: bool) -> str:
     try:
         return mathml(node.astext(), display=display)
-    except LatexError as error:
-        _LOG.warning("formula %r: %s", node.astext(), error, location=node)
+    except ExpressionError as error:
+        _LOG.warning("%s", error, location=node)
         return ""
 
 
@@ -58,7 +52,7 @@ def _write_font(app, error) -> None:
     if error is None and app.builder.format == "html":
         folder = Path(app.outdir) / "_static"
         folder.mkdir(exist_ok=True)
-        (folder / "formulas.css").write_text(formula.font_face(), "utf-8")
+        (folder / "formulas.css").write_text(font_face(), "utf-8")
 
 
 def setup(app) -> dict[str, bool]:

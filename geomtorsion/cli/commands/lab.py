@@ -35,7 +35,7 @@ def lab(
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
     By default only this machine can open the page; --host changes that. The page loads nothing
-    from the network. It needs the extra `lab`; --export does not.
+    from the network. It needs the extra `lab`; --export needs only the extra `plots`.
 
     \b
     Examples:

@@ -27,7 +27,7 @@ from geomtorsion.materials.fields.contents import (
     periodic_names,
 )
 from geomtorsion.materials.fields.displacement import FIND
-from geomtorsion.npz import ArrayForm, read_npz, text_of
+from geomtorsion.npz import ArrayForm, read_npz, text_of, write_npz
 
 FORMS = {
     "names": ArrayForm((None,), "U", optional=True),
@@ -148,8 +148,7 @@ def _write_npz(path: Path, contents: Contents) -> None:
     for name, axis in zip(contents.names, contents.axes, strict=True):
         arrays[f"axis_{name}"] = axis
     arrays |= {key: np.asarray(value) for key, value in contents.options.items()}
-    with path.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
+    write_npz(path, arrays)
 
 
 def read_netcdf(path: Path) -> Contents:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,55 +21,12 @@ from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import DislocationLine, LineArrays
 from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import CONSTRAINTS
+from geomtorsion.materials.structures import STRUCTURES
 
 # One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
 
-# Lattice -> its number and full name in OVITO, and its families: name, prototype, colour.
-Family = tuple[str, str, str]
-_THIRD, _SIXTH, _HALF = "0.333333333333", "0.166666666667", "0.5"
-_HEXAGONAL: tuple[Family, ...] = (
-    ("1/3<1-210>", f"{math.sqrt(0.5)!r} 0 0", "0 1 0"),
-    ("<0001>", f"0 0 {math.sqrt(4 / 3)!r}", "0.2 0.2 1"),
-    ("<1-100>", f"0 {math.sqrt(1.5)!r} 0", "1 0 1"),
-    ("1/3<1-100>", f"0 {math.sqrt(1 / 6)!r} 0", "1 0.5 0"),
-    ("1/3<1-213>", f"{math.sqrt(0.5)!r} 0 {math.sqrt(4 / 3)!r}", "1 1 0"),
-)
-STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
-    "fcc": (
-        1,
-        "FCC",
-        (
-            ("1/2<110> (Perfect)", f"{_HALF} {_HALF} 0", "0.2 0.2 1"),
-            ("1/6<112> (Shockley)", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
-            ("1/6<110> (Stair-rod)", f"{_SIXTH} {_SIXTH} 0", "1 0 1"),
-            ("1/3<100> (Hirth)", f"{_THIRD} 0 0", "1 1 0"),
-            ("1/3<111> (Frank)", f"{_THIRD} {_THIRD} {_THIRD}", "0 1 1"),
-        ),
-    ),
-    "hcp": (2, "HCP", _HEXAGONAL),
-    "bcc": (
-        3,
-        "BCC",
-        (
-            ("1/2<111>", f"{_HALF} {_HALF} {_HALF}", "0 1 0"),
-            ("<100>", "1 0 0", "1 0.3 0.8"),
-            ("<110>", "1 1 0", "0.2 0.5 1"),
-        ),
-    ),
-    "diamond": (
-        4,
-        "Cubic diamond",
-        (
-            ("1/2<110>", f"{_HALF} {_HALF} 0", "0.2 0.2 1"),
-            ("1/6<112>", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
-        ),
-    ),
-    # OVITO finds no lines in it; their families are those of hcp.
-    "hexagonal diamond": (6, "Hexagonal diamond", _HEXAGONAL),
-    # A network that knows no crystal: OVITO shows its lines in one colour.
-    "": (5, "unknown", ()),
-}
+NAMES = tuple(name for name, one in STRUCTURES.items() if one.number)
 
 
 # -- writing --------------------------------------------------------------------------------------
@@ -80,7 +36,7 @@ STRUCTURES: Mapping[str, tuple[int, str, tuple[Family, ...]]] = {
 class Cluster:
     """A grain, as OVITO has it.
 
-    lattice: a key of `STRUCTURES`, by whose families OVITO names and colours lines.
+    lattice: one of NAMES, by whose families OVITO names and colours lines.
     matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
         the orientation of the cluster. The file has b in units of the lattice.
     atoms: how many.
@@ -92,7 +48,7 @@ class Cluster:
 
     def __post_init__(self) -> None:
         """Look at what came."""
-        checks.choice(self.lattice, tuple(STRUCTURES), "lattice", NetworkError)
+        checks.choice(self.lattice, NAMES, "lattice", NetworkError)
         matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
         if np.linalg.matrix_rank(matrix) < 3:
             raise NetworkError("matrix: its columns lie in one plane. Give three independent ones.")
@@ -181,7 +137,7 @@ def crystal_analysis_text(
     ]  # fmt: skip
     for k, cluster in enumerate(clusters, 1):
         head += [
-            f"CLUSTER {k}", f"CLUSTER_STRUCTURE {STRUCTURES[cluster.lattice][0]}",
+            f"CLUSTER {k}", f"CLUSTER_STRUCTURE {STRUCTURES[cluster.lattice].number}",
             "CLUSTER_ORIENTATION", *map(_row, cluster.matrix), "CLUSTER_COLOR 1 1 1",
             f"CLUSTER_SIZE {cluster.atoms}", "END_CLUSTER",
         ]  # fmt: skip
@@ -199,13 +155,13 @@ def crystal_analysis_text(
 
 def _structure(lattice: str) -> Iterator[str]:
     """A lattice with its families."""
-    number, title, families = STRUCTURES[lattice]
+    one = STRUCTURES[lattice]
     yield from (
-        f"STRUCTURE_TYPE {number}", f"NAME {lattice or 'unknown'}", f"FULL_NAME {title}",
-        "COLOR 0.4 0.4 1", "TYPE LATTICE", f"BURGERS_VECTOR_FAMILIES {1 + len(families)}",
+        f"STRUCTURE_TYPE {one.number}", f"NAME {lattice or 'unknown'}", f"FULL_NAME {one.title}",
+        "COLOR 0.4 0.4 1", "TYPE LATTICE", f"BURGERS_VECTOR_FAMILIES {1 + len(one.families)}",
         "BURGERS_VECTOR_FAMILY ID 0", "Other", "0 0 0", "0.9 0.2 0.2",
     )  # fmt: skip
-    for k, family in enumerate(families, 1):
+    for k, family in enumerate(one.families, 1):
         yield from (f"BURGERS_VECTOR_FAMILY ID {k}", *family)
     yield "END_STRUCTURE_TYPE"
 
@@ -468,7 +424,7 @@ class _Contents:
             name = self.names.get(self.lattices.get(cluster, -1), "")
             # A cluster without lines may have no orientation.
             whole = matrix if np.linalg.matrix_rank(matrix) == 3 else np.eye(3)
-            lattice = name if name in STRUCTURES else ""
+            lattice = name if name in NAMES else ""
             found.append(Cluster(lattice, whole, self.sizes.get(cluster, 0)))
         if len(found) < 2:
             return {"clusters": {None: (found or [Cluster()])[0]}}

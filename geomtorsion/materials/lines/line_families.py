@@ -11,15 +11,9 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import NetworkError
 from geomtorsion.materials.lines.line_arrays import LineArrays
+from geomtorsion.materials.structures import STRUCTURES
 
-# Rows are lattice vectors in units of the shortest one, in which simulations give b.
-LATTICES = {
-    "sc": np.eye(3),
-    "fcc": np.array([[0, 1, 1], [1, 0, 1], [1, 1, 0]]) / np.sqrt(2),
-    "bcc": np.array([[-1, 1, 1], [1, -1, 1], [1, 1, -1]]) / np.sqrt(3),
-    # Ideal: c / a of real crystals differs; give rows then.
-    "hcp": np.array([[1, 0, 0], [-0.5, np.sqrt(0.75), 0], [0, 0, np.sqrt(8 / 3)]]),
-}
+LATTICES = {name: np.array(one.rows, dtype=float) for name, one in STRUCTURES.items() if one.rows}
 SYMMETRIES = ("cubic", "hexagonal", "none")
 Lattice = str | Sequence[Sequence[float]] | np.ndarray
 Symmetry = str | Sequence[Sequence[Sequence[float]]] | np.ndarray

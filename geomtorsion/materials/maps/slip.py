@@ -11,24 +11,9 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
 from geomtorsion.materials.maps.phases import Phase, cell_vector, images_of
+from geomtorsion.materials.structures import STRUCTURES, Indices
 
-Indices = Sequence[float]
-# Structure -> plane (h, k, l) and Burgers vector in units of a, b, c; of hcp with four indices.
-FAMILIES: dict[str, tuple[tuple[Indices, Indices], ...]] = {
-    "fcc": (((1, 1, 1), (0.5, -0.5, 0)),),
-    "diamond": (((1, 1, 1), (0.5, -0.5, 0)),),
-    "bcc": (
-        ((1, 1, 0), (0.5, -0.5, 0.5)),
-        ((1, 1, 2), (0.5, 0.5, -0.5)),
-        ((1, 2, 3), (0.5, 0.5, -0.5)),
-    ),
-    "hcp": (
-        ((0, 0, 0, 1), (2 / 3, -1 / 3, -1 / 3, 0)),
-        ((0, 1, -1, 0), (2 / 3, -1 / 3, -1 / 3, 0)),
-        ((0, 1, -1, 1), (2 / 3, -1 / 3, -1 / 3, 0)),
-        ((1, 1, -2, 2), (-1 / 3, -1 / 3, 2 / 3, 1)),
-    ),
-}
+FAMILIES = {name: one.slip for name, one in STRUCTURES.items() if one.slip}
 
 
 @dataclass(frozen=True, eq=False, repr=False)

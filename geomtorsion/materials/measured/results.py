@@ -13,6 +13,7 @@ import numpy as np
 from geomtorsion.files import written
 from geomtorsion.loops import Loop
 from geomtorsion.materials.burgers import noise_level
+from geomtorsion.npz import write_npz
 from geomtorsion.outgoing import csv_cell, one_line
 
 
@@ -294,5 +295,5 @@ def write_arrays(survey: Survey, path: Path) -> None:
     if survey.arrows is not None:
         arrays["in_plane"] = survey.arrows
     arrays["first_centres"], arrays["second_centres"] = survey.centres
-    with written(path) as part, part.open("wb") as stream:
-        np.savez_compressed(stream, **arrays)
+    with written(path) as part:
+        write_npz(part, arrays)

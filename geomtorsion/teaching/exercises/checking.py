@@ -5,14 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite, pi
-from types import MappingProxyType
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import sympy
 
+from geomtorsion import errors
 from geomtorsion.checks import close_names
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
+from geomtorsion.scenes.units import scale_of, unit
 from geomtorsion.teaching.exercises.answers import completed, components, expression
 from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
 from geomtorsion.teaching.exercises.domain import Domain
@@ -28,21 +29,6 @@ if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.question import Question
 
 
-# Unit -> what it measures, and its size.
-UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
-    {
-        "rad": ("angle", 1.0), "radian": ("angle", 1.0), "radians": ("angle", 1.0),
-        "mrad": ("angle", 1e-3), "deg": ("angle", pi / 180),
-        "degree": ("angle", pi / 180), "degrees": ("angle", pi / 180), "°": ("angle", pi / 180),
-        "turn": ("angle", 2 * pi), "turns": ("angle", 2 * pi),
-        "s": ("time", 1.0), "ms": ("time", 1e-3), "min": ("time", 60.0),
-        "m": ("length", 1.0), "mm": ("length", 1e-3), "cm": ("length", 1e-2),
-        "km": ("length", 1e3), "nm": ("length", 1e-9),
-        "rad/s": ("rate", 1.0), "deg/s": ("rate", pi / 180), "1/s": ("rate", 1.0),
-        "m/s": ("speed", 1.0), "km/s": ("speed", 1e3),
-        "J": ("energy", 1.0), "Nm": ("energy", 1.0), "%": ("share", 1e-2),
-    }
-)  # fmt: skip
 _UNIT = re.compile(r"^(.*?(?:[\d.)]|pi|π))\s*([A-Za-z°%]+(?:/s)?|1/s)\s*$", re.DOTALL)
 # Rounding to two digits changes a number by no more than this share: 1.05 is written as 1.1.
 ROUNDED = 0.05
@@ -81,24 +67,16 @@ def _without_unit(question: Question, text: str, where: str) -> tuple[str, float
     """The text before the unit, and how many units of the question it is worth."""
     # Cut before it is matched: a pattern with a lazy part is slow on long texts.
     match = _UNIT.match(text.strip()[:2000])
-    if match is None or (match[2] not in UNITS and match[2] in ("pi", "π", "E", "i", "I")):
+    if match is None:
         return text, 1.0
-    unit = match[2]
-    if unit not in UNITS:
-        known = ", ".join(name for name in UNITS if name.isascii())
-        raise UnitError(f"{where}: {unit[:20]} is no unit that is known here. Known are {known}.")
-    if not question.unit:
-        if UNITS[unit][0] == "share":
-            return match[1], UNITS[unit][1]
-        raise UnitError(f"{where}: a pure number was needed, but one in {unit} came.")
-    measured, size = UNITS[unit]
-    wanted, own = UNITS[question.unit]
-    if measured != wanted:
-        raise UnitError(
-            f"{where}: a number in {question.unit} ({wanted}) was needed, but one in {unit} "
-            f"({measured}) came."
-        )
-    return match[1], size / own
+    if match[2] == "%" and not question.unit:
+        return match[1], 1e-2
+    try:
+        return match[1], scale_of(unit(match[2]), question.unit)
+    except errors.UnitError as error:
+        if match[2] in ("pi", "π", "E", "i", "I"):
+            return text, 1.0
+        raise UnitError(f"{where}: {error}") from None
 
 
 def _float(expr: sympy.Expr, where: str) -> float:

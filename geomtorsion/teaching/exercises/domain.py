@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.core.relational import Relational
 
+from geomtorsion.checks import GREEK
 from geomtorsion.exact import Field
 from geomtorsion.geometry.validation import FINE, candidate_points
 
@@ -20,14 +21,6 @@ if TYPE_CHECKING:
 Point = Mapping[sympy.Symbol, sympy.Rational]
 # As many points decide where in the domain an answer is right; each exact decision is its own.
 POINTS = 24
-LETTERS = dict(
-    zip(
-        "alpha beta gamma delta epsilon theta lambda mu nu rho sigma tau phi chi psi omega "
-        "Gamma Omega Phi Theta".split(),
-        "αβγδεθλμνρστφχψωΓΩΦΘ",
-        strict=True,
-    )
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +51,7 @@ class Domain:
         """Name -> symbol; Greek letters may be written as themselves."""
         found = {symbol.name: symbol for symbol in self.symbols}
         for symbol in self.symbols:
-            for word, letter in LETTERS.items():
+            for word, letter in GREEK.items():
                 if symbol.name.startswith(word) and not symbol.name[len(word) :].isalpha():
                     found.setdefault(letter + symbol.name[len(word) :], symbol)
         return found

@@ -14,9 +14,9 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import NoReturn
 
+from geomtorsion.checks import GREEK
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
-from geomtorsion.teaching.exercises.domain import LETTERS
 from geomtorsion.teaching.exercises.limits import ANSWER
 
 _SPACES = re.compile(
@@ -67,7 +67,7 @@ def _rows(match: re.Match[str]) -> str:
 
 _BRACES = r"\s*\{([^{}]*)\}"
 # Of a quotient a part that is one sign, such as 2, r or \phi, needs no braces.
-_PART = rf"\s*(?:\{{([^{{}}]*)\}}|([0-9A-Za-z]|\\(?:{'|'.join(LETTERS)})(?![A-Za-z])))"
+_PART = rf"\s*(?:\{{([^{{}}]*)\}}|([0-9A-Za-z]|\\(?:{'|'.join(GREEK)})(?![A-Za-z])))"
 _QUOTIENT = re.compile(r"\\[dtc]?frac(?![A-Za-z])" + _PART + _PART)
 _ROOT = re.compile(r"\\sqrt\s*(?:\[\s*([0-9]+)\s*\])?" + _BRACES)
 _SCRIPT = re.compile(r"([_^])" + _BRACES)
@@ -314,7 +314,7 @@ def _spelled(word: str) -> str:
     return "".join(_NAMES_OF_LETTERS.get(sign, sign) for sign in word)
 
 
-_NAMES_OF_LETTERS = {letter: name for name, letter in LETTERS.items()}
+_NAMES_OF_LETTERS = {letter: name for name, letter in GREEK.items()}
 
 
 def _rate_name(word: str, order: int, names: Mapping[str, object]) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from html import escape
+from xml.etree import ElementTree
 
-from geomtorsion.pictures.formula import EMPTY, FUNCTIONS, Node, mathml, tree_of
+from geomtorsion.pictures.formula import FUNCTIONS, converted, mathml
 
 _MARKS = {"˙": "\u0307", "¨": "\u0308", "¯": "\u0304", "^": "\u0302", "~": "\u0303"}
 _SPACED = "=+-∧×≤≥≠→≈<>"
@@ -167,6 +169,119 @@ def lines_of(latex: str) -> list[str]:
         lead = before if k == middle else " " * len(before)
         found.append(f"{lead}{left} {row} {right}{after if k == middle else ''}")
     return found
+
+
+@dataclass(frozen=True)
+class Node:
+    """A part of a formula.
+
+    kind: row, letter, sign, number, word, space, fraction, root, scripts, accent, fence or matrix.
+    text: the letter, sign, number, word or accent; of a fence its two brackets.
+    parts: what is inside; of scripts: base, subscript, superscript (empty rows where missing);
+    of a root: what is under it, and its degree if that is not two.
+    width: of a space, in em.
+    """
+
+    kind: str
+    text: str = ""
+    parts: tuple[Node, ...] = ()
+    width: float = 0.0
+
+
+EMPTY = Node("row")
+_APPLIED = "\u2061"
+_SIGNS = {"−": "-", "ˆ": "^", "˜": "~", "″": "′′", "‴": "′′′"}
+_KINDS = {"mfrac": "fraction", "mroot": "root"}
+# Tag -> which child after the base is the subscript, and which the superscript; 2 is none.
+_SCRIPTS = {
+    "msub": (0, 2), "munder": (0, 2), "msup": (2, 0), "mover": (2, 0), "msubsup": (0, 1),
+    "munderover": (0, 1),
+}  # fmt: skip
+
+
+def tree_of(latex: str) -> Node:
+    """The tree of a formula, from its MathML.
+
+    Raises
+    ------
+    ExpressionError
+        The formula has an unknown command, or braces that do not match.
+
+    Examples
+    --------
+    >>> tree_of("x_1").kind
+    'scripts'
+    """
+    return _row_of(_parts(ElementTree.fromstring(converted(latex))))
+
+
+def _row_of(parts: tuple[Node, ...]) -> Node:
+    return parts[0] if len(parts) == 1 else Node("row", parts=parts)
+
+
+def _parts(element: ElementTree.Element) -> tuple[Node, ...]:
+    """Nodes of the children of a row; a function and its argument become parts of the row."""
+    nodes: list[Node] = []
+    for child in element:
+        if child.tag in ("mrow", "mpadded") and any(part.text == _APPLIED for part in child):
+            nodes += _parts(child)
+        elif child.text != _APPLIED and (child.tag != "mspace" or _width(child)):
+            nodes.append(_node(child))
+    return tuple(nodes)
+
+
+def _width(space: ElementTree.Element) -> float:
+    r"""Width of a space that somebody wrote; 0.1667em is what a function has on both sides."""
+    width = space.get("width", "0em").removesuffix("em")
+    return 0.0 if width == "0.1667" else float(width)
+
+
+def _node(element: ElementTree.Element) -> Node:
+    tag, text = element.tag, (element.text or "").replace("\xa0", " ")
+    children = list(element)
+    if tag in ("mi", "mo", "mn", "mtext"):
+        return _leaf(tag, text, upright=bool(element.get("mathvariant")))
+    if tag == "mspace":
+        return Node("space", width=_width(element))
+    if tag == "mtable":
+        rows = (Node("row", parts=tuple(_row_of(_parts(cell)) for cell in row)) for row in element)
+        return Node("matrix", parts=tuple(rows))
+    if tag == "msqrt":
+        return Node("root", parts=(_row_of(_parts(element)),))
+    if tag == "mover" and element.get("accent"):
+        base, mark = map(_node, children)
+        return Node("accent", mark.text, (base,))
+    if tag in _KINDS:
+        return Node(_KINDS[tag], parts=tuple(map(_node, children)))
+    if tag in _SCRIPTS:
+        base, *marks = map(_node, children)
+        return _scripted(base, *(marks[k] if k < len(marks) else EMPTY for k in _SCRIPTS[tag]))
+    inner = _parts(element)
+    # A bracket of a pair that grows with what it holds has no attribute that stops it.
+    ends = [one.tag for one in (*children[:1], *children[-1:]) if not one.get("stretchy")]
+    if tag == "mrow" and ends == ["mo", "mo"] and len(children) > 1:
+        if [part.kind for part in inner[1:-1]] == ["matrix"]:
+            return inner[1]
+        return Node("fence", inner[0].text + inner[-1].text, (_row_of(inner[1:-1]),))
+    return _row_of(inner)
+
+
+def _leaf(tag: str, text: str, *, upright: bool) -> Node:
+    """A letter, sign, number or word; a blank of its own is a space."""
+    if tag == "mtext":
+        return Node("word", text) if text.strip() else Node("space", width=0.25)
+    if tag == "mn":
+        return Node("number", text)
+    if text.isalpha() and (len(text) > 1 or (upright and text.isascii())):
+        return Node("word", text)
+    return Node("letter" if text.isalpha() else "sign", _SIGNS.get(text, text))
+
+
+def _scripted(base: Node, below: Node, above: Node) -> Node:
+    """A base with its scripts; primes that another superscript follows come before it."""
+    if above.kind == "row" and above.parts and set(above.parts[0].text) == {"′"}:
+        base, above = Node("scripts", parts=(base, EMPTY, above.parts[0])), _row_of(above.parts[1:])
+    return Node("scripts", parts=(base, below, above))
 
 
 def _written(node: Node) -> str:

@@ -13,22 +13,23 @@ from geomtorsion.codegen import graph
 from geomtorsion.curves import edges_of
 from geomtorsion.geometry import cartan
 from geomtorsion.loops import Hodograph, Loop, burgers_vector, develop, forms, hodograph
-from geomtorsion.pictures.style import number
+from geomtorsion.pictures.loops import GAP, START
+from geomtorsion.pictures.style import SERIES, Stroke, arrow, number, sense
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
-from geomtorsion.teaching.lab.plot import LOOKS, Look, Plot
+from geomtorsion.teaching.lab.plot import beside, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import is_round_the_axis, space_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from geomtorsion.geometry import Frame
     from geomtorsion.loops import BurgersVector
 
-PATH, IMAGE = LOOKS[0], LOOKS[2]
-GAP = Look("#C24E00", "", "triangle", 3.4)
-START = Look("#222222", "", "dot")
+PATH, IMAGE = SERIES[0], SERIES[2]
 
 
 def closure_failure(
@@ -66,7 +67,7 @@ def closure_failure(
     # Enough points for a smooth curve at 520 pixels, few enough to send with each move of a slider.
     drawn = hodograph(b, 160)
     return {
-        "pictures": [_path(drawn, names, first, second), _image(drawn, b)],
+        "pictures": [_path_picture(drawn, names, first, second), _image_picture(drawn, b)],
         "table": _table(b, expected),
         "sentence": _sentence(b, expected, names, (first, second)) + _outside(frame, b),
         "b": np.real(b.vector).tolist(),
@@ -90,15 +91,8 @@ def _round_the_axis(
     place = [radius, angles, *centre[2:], *(values[p.name] for p in frame.parameters)]
     rates = [np.broadcast_to(row, PAGE.samples) for row in legs(*place)]
     image = scipy.integrate.cumulative_simpson(rates, x=angles, initial=0)
-    circle = list(zip(radius * np.cos(angles), radius * np.sin(angles), strict=True))
-    plot = Plot("The loop about the axis: it closes", ("r cos φ", "r sin φ"), equal=True)
-    plot.line(circle, PATH).sense(circle, PATH).mark((0.0, 0.0), LOOKS[3], "cross", "axis")
-    drawn = list(zip(image[0].tolist(), image[1].tolist(), strict=True))
-    closes = "it closes" if np.hypot(*found.burgers[:2]) <= found.error else "it does not close"
-    gap = Plot(f"Its image in the frame: {closes}", ("X¹", "X²"), equal=True)
-    gap.line(drawn, IMAGE).sense(drawn, IMAGE)
-    if closes != "it closes":
-        gap.arrow(drawn[0], drawn[-1], GAP, "b").mark(drawn[-1], GAP, "triangle", "end")
+    circle = radius * np.array([np.cos(angles), np.sin(angles)])
+    closed = bool(np.hypot(*found.burgers[:2]) <= found.error)
     turn = found.angle
     said = (
         f"The legs come back turned by {turn:.6g} rad (the Frank vector of the line): this is a "
@@ -109,14 +103,16 @@ def _round_the_axis(
     )
     rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
     return {
-        "pictures": [plot.mark(circle[0], START, "dot", "start = end").svg(),
-                     gap.mark(drawn[0], START, "dot", "start").svg()],
+        "pictures": [
+            _loop(circle, "The loop about the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
+            _image(image[:2], _image_title(closed), ("X¹", "X²"), closed=closed),
+        ],
         "table": table(("", "b"), rows, "Burgers vector at the start of the loop"),
         "sentence": said,
         "b": found.burgers.tolist(),
         "expected": [0.0] * len(centre),
         "error": float(found.error),
-    }  # fmt: skip
+    }
 
 
 def _outside(frame: Frame, b: BurgersVector) -> str:
@@ -152,18 +148,46 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
     return [float(x) * area for x in result]
 
 
-def _path(drawn: Hodograph, names: list[str], first: int, second: int) -> str:
+def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str) -> str:
+    """A loop round the origin, with its base point and its sense."""
+    figure, axes = plane(title, labels, equal=True)
+    _curve(axes, points, PATH)
+    mark(axes, (0.0, 0.0), START, "X", centre)
+    mark(axes, points[:, 0], START, "o", "start = end")
+    return svg(figure)
+
+
+def _image(points: np.ndarray, title: str, labels: tuple[str, str], *, closed: bool) -> str:
+    """The image of a loop; where it is not closed with an arrow from its start to its end."""
+    figure, axes = plane(title, labels, equal=True)
+    _curve(axes, points, IMAGE)
+    start, end = points[:, 0], points[:, -1]
+    if not closed:
+        arrow(axes, start, end, GAP, 2.4)
+        beside(axes, (start + end) / 2, GAP, "b")
+        mark(axes, end, GAP, "^", "end")
+    mark(axes, start, START, "o", "start")
+    return svg(figure)
+
+
+def _curve(axes: Axes, points: np.ndarray, stroke: Stroke) -> None:
+    axes.plot(*points, **stroke.line)
+    sense(axes, points, stroke.color)
+
+
+def _image_title(closed: bool) -> str:
+    return f"Its image in the frame: {'it closes' if closed else 'it does not close'}"
+
+
+def _path_picture(drawn: Hodograph, names: list[str], first: int, second: int) -> str:
     """The loop in its plane, in coordinates."""
     unit = f", in {drawn.unit}" if drawn.unit else ""
     labels = [f"{names[k]} − centre{unit}" for k in (first, second)]
-    points = list(zip(drawn.path[first].tolist(), drawn.path[second].tolist(), strict=True))
-    plot = Plot("The loop, in coordinates: it closes", (labels[0], labels[1]), equal=True)
-    plot.line(points, PATH).sense(points, PATH)
-    plot.mark((0.0, 0.0), LOOKS[3], "cross", "centre")
-    return plot.mark(points[0], START, "dot", "start = end").svg()
+    title = "The loop, in coordinates: it closes"
+    return _loop(drawn.path[[first, second]], title, (labels[0], labels[1]), "centre")
 
 
-def _image(drawn: Hodograph, b: BurgersVector) -> str:
+def _image_picture(drawn: Hodograph, b: BurgersVector) -> str:
     """The image in the frame, seen from the side from which the gap is widest."""
     curve = np.real(drawn.image)
     widths = np.ptp(curve, axis=1)
@@ -172,17 +196,11 @@ def _image(drawn: Hodograph, b: BurgersVector) -> str:
     main = int(gap.argmax()) if gap.max() > 1e-9 * widths.max() else int(widths.argmax())
     others = [k for k in range(len(widths)) if k != main]
     i, k = sorted((main, max(others, key=lambda j: widths[j])))
-    points = list(zip(curve[i].tolist(), curve[k].tolist(), strict=True))
     grown = "" if drawn.magnified == 1 else f", gap × {number(drawn.magnified)}"
-    closes = "it closes" if b.vanishes else "it does not close"
     unit = f", in {drawn.unit}" if drawn.unit else ""
     labels = (f"X{raised(i)}{unit}", f"X{raised(k)}{unit}")
-    plot = Plot(f"Its image in the frame: {closes}{grown}", labels, equal=True)
-    plot.line(points, IMAGE).sense(points, IMAGE)
-    if not b.vanishes:
-        plot.arrow(points[0], points[-1], GAP, "b")
-        plot.mark(points[-1], GAP, "triangle", "end")
-    return plot.mark(points[0], START, "dot", "start").svg()
+    title = _image_title(b.vanishes) + grown
+    return _image(curve[[i, k]], title, labels, closed=b.vanishes)
 
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:

@@ -6,18 +6,19 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.accuracy.loops import loop_costs
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop
-from geomtorsion.pictures.style import number
+from geomtorsion.pictures.style import SERIES, number, visible
 from geomtorsion.scenes.solve import scene_accuracy
 from geomtorsion.spaces import pair_problems
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import table
-from geomtorsion.teaching.lab.plot import LOOKS, Plot
-from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.plot import key, plane, svg
 from geomtorsion.teaching.lab.space_info import is_round_the_axis, space_of
 from geomtorsion.teaching.lab.top import made, scene_of
 
@@ -118,21 +119,23 @@ def _of_table(title: str, found: CostTable) -> Json:
 
 def _shown(title: str, rows: list[list[Any]], advice: str) -> Json:
     """Picture and table of measured rows."""
-    plot = Plot(title, ("error, relative", "ms"), log="xy", falling=True)
-    plot.width, plot.height = 640, 470
+    figure, axes = plane(title, ("error, relative", "time in ms"), height=4.6)
     names = list(dict.fromkeys(row[0] for row in rows))
-    for name, look in zip(names, LOOKS, strict=False):
-        points = [(max(row[2], PAGE.nothing), 1e3 * row[3]) for row in rows if row[0] == name]
-        plot.line(points, look, name)
-        for point in points:
-            plot.mark(point, look)
+    for name, stroke in zip(names, SERIES, strict=False):
+        errors, seconds = np.array([row[2:4] for row in rows if row[0] == name]).T
+        axes.plot(visible(errors), 1e3 * seconds, **stroke.line, marker=stroke.end, label=name)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    # Better is further right, as in work-precision diagrams of the field.
+    axes.invert_xaxis()
+    key(figure, axes)
     body = [
         [row[0], "–" if row[1] is None else f"{row[1]:.0e}", f"{row[2]:.1e}", _time(row[3])]
         for row in rows
     ]
     listed = table(("", "asked", "error", "time"), body, "Every measurement")
     return {
-        "picture": plot.svg(),
+        "picture": svg(figure),
         "table": f"<details><summary>{len(rows)} measurements</summary>{listed}</details>",
         "advice": escape(f"{advice} {_CAPTION}"),
         "rows": rows,

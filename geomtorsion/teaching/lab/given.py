@@ -17,7 +17,6 @@ from geomtorsion.materials.measured import LatticeField
 from geomtorsion.pictures.style import number
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import raised, table
-from geomtorsion.teaching.lab.plot import colours
 from geomtorsion.teaching.lab.settings import PAGE
 
 
@@ -38,17 +37,16 @@ class Layout:
 
 @dataclass(frozen=True)
 class Shown:
-    """Pixels of a picture of all nodes, shape (y, x, 3), what they show, and its scale.
+    """Picture of all nodes: numbers, shape (y, x), or colours, shape (y, x, 3).
 
-    side: of the circuits in whose middles values stand, 0 where they stand at nodes.
-    most, unit: of the colours, None where there is no scale.
+    title: what they show. unit: of numbers, which are not finite where they are not known.
+    side: of the circuits in whose middles numbers stand, 0 where they stand at nodes.
     """
 
     pixels: np.ndarray
     title: str
-    side: int
-    most: float | None
-    unit: str
+    side: int = 0
+    unit: str = ""
 
 
 class Given(Protocol):
@@ -253,7 +251,7 @@ class GivenImage:
 
     def shown(self, side: int) -> Shown:
         """The picture itself."""
-        return Shown(self._pixels, "the picture; red: no lattice is seen there", 0, None, "")
+        return Shown(self._pixels, "the picture; red: no lattice is seen there")
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Whole numbers, and the chance that noise has changed one."""
@@ -295,14 +293,10 @@ def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Show
     whole = np.full(layout.shape, np.nan)
     half = side // 2
     whole[half : half + density.shape[0], half : half + density.shape[1]] = density
-    known = density[np.isfinite(density)]
-    most = float(known.max()) if known.size else 0.0
     # Pixels run as coordinates do, also where an axis descends.
     turned = whole[:: int(np.sign(layout.steps[0])), :: int(np.sign(layout.steps[1]))]
     title = f"|b| per area, circuits of {side} × {side} cells"
-    return Shown(
-        colours(turned.T, most), title, side, most, density_unit(vectors, layout.unit)
-    )  # fmt: skip
+    return Shown(turned.T, title, side, density_unit(vectors, layout.unit))
 
 
 def density_unit(vectors: str, lengths: str) -> str:

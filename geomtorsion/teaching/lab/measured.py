@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.given import Given, Shown, given_of
-from geomtorsion.teaching.lab.plot import Look, Plot, address, png, scale
+from geomtorsion.teaching.lab.plot import plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import read_map, title_of
 
 # Bright with a dark edge: seen on every colour of the map.
-LINE, EDGE = Look("#ffffff", "", "", 2.4), Look("#a3201a", "", "", 5.0)
+LINE, EDGE, UNKNOWN = "#ffffff", "#a3201a", "#cdd0d5"
 
 
 def map_facts(
@@ -102,7 +102,7 @@ def map_circuit(
 
     Returns
     -------
-    picture: svg elements, the map and its scale. refused: why the circuit has no b, where it has
+    picture: svg, the map and its scale. refused: why the circuit has no b, where it has
     none. Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
 
     Raises
@@ -133,12 +133,15 @@ def _read(content: bytes, title: str, threshold: float | None, phase: int, laue:
 
 
 def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> str:
-    """The map with the circuit; below it the scale."""
+    """The map with the circuit; beside it the scale."""
     layout = found.layout
     (x, y), (dx, dy) = layout.starts, layout.steps
     unit = f" in {layout.unit}" if layout.unit else ""
     labels = (f"{layout.names[0]}{unit}", f"{layout.names[1]}{unit}")
-    plot = Plot(shown.title, labels, equal=True)
+    figure, axes = plane(shown.title, labels, equal=True)
+    # Whoever has a figure has matplotlib.
+    from matplotlib import colormaps
+    from matplotlib.patches import Patch
 
     def at(i: float, k: float) -> tuple[float, float]:
         return x + dx * i, y + dy * k
@@ -148,8 +151,16 @@ def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> st
     last = (layout.shape[0] - 0.5 + shift, layout.shape[1] - 0.5 + shift)
     ends = zip(at(shift - 0.5, shift - 0.5), at(*last), strict=True)
     (left, right), (bottom, top) = (sorted(pair) for pair in ends)
-    plot.picture((left, bottom), (right, top), address(png(shown.pixels)))
+    image = axes.imshow(
+        shown.pixels, origin="lower", extent=(left, right, bottom, top), interpolation="none",
+        cmap=colormaps["viridis"].with_extremes(bad=UNKNOWN), vmin=0.0, zorder=2,
+    )  # fmt: skip
+    if shown.pixels.ndim == 2:
+        figure.colorbar(image, ax=axes, shrink=0.86, label=shown.unit)
+        grey = Patch(color=UNKNOWN, label="hole, boundary or edge")
+        figure.legend(handles=[grey], loc="outside lower center", frameon=False)
     i, k = corner
     square = [at(i, k), at(i + side, k), at(i + side, k + side), at(i, k + side), at(i, k)]
-    plot.line(square, EDGE).line(square, LINE)
-    return plot.svg() + ("" if shown.most is None else scale(shown.most, shown.unit))
+    for color, width in ((EDGE, 4.0), (LINE, 1.8)):
+        axes.plot(*zip(*square, strict=True), color=color, linewidth=width, gid="circuit")
+    return svg(figure)

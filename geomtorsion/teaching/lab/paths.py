@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geomtorsion.pictures.style import number
+from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import table
-from geomtorsion.teaching.lab.plot import LOOKS, Look, Plot
+from geomtorsion.teaching.lab.plot import key, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
 from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
@@ -20,9 +20,7 @@ from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
 if TYPE_CHECKING:
     from geomtorsion.spaces import Pair
 
-STRAIGHT, SHORT, APART = LOOKS[0], LOOKS[1], LOOKS[3]
 LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}
-STROKES = {"autoparallel": STRAIGHT, "geodesic": SHORT}
 
 
 def paths(
@@ -143,29 +141,29 @@ def _axes(pair: Pair) -> tuple[Curve, ...]:
 
 
 def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, equal: bool) -> str:
-    plot = Plot(title, (names[0], names[1]), equal=equal)
+    figure, axes = plane(title, (names[0], names[1]), equal=equal)
     for curve, points in places.items():
-        plot.line([(x, y) for x, y in thinned(points.tolist())], STROKES[curve], LABELS[curve])
-    for curve, points in places.items():
-        plot.mark(tuple(points[-1].tolist()), STROKES[curve])
-        plot.mark(tuple(points[0].tolist()), Look("#222222"), "dot")
-    return plot.svg()
+        axes.plot(*points.T, **STROKES[curve].line, label=LABELS[curve])
+        ends(axes, points, STROKES[curve])
+    key(figure, axes)
+    return svg(figure)
 
 
 def _distance(pair: Pair) -> str:
     """Their distance over time; on a logarithmic axis where they are one."""
-    times = pair.times[: len(pair.distance)].tolist()
-    distances = pair.distance.tolist()
+    times = pair.times[: len(pair.distance)]
     if pair.coincide:
-        plot = Plot("Distance: the two are one, to the accuracy", ("t", "distance"), log="y")
-        plot.line([(t, max(d, PAGE.nothing)) for t, d in zip(times, distances, strict=True)], APART)
-        plot.line(
-            [(times[0], PAGE.accuracy), (times[-1], PAGE.accuracy)], LOOKS[5], "accuracy asked for"
-        )
-        return plot.svg()
-    plot = Plot("Distance of the two over time", ("t", "distance"))
-    plot.line(list(zip(times, distances, strict=True)), LOOKS[0])
-    return plot.mark((times[-1], distances[-1]), LOOKS[0], "square", number(distances[-1])).svg()
+        figure, axes = plane("Distance: the two are one, to the accuracy", ("t", "distance"))
+        axes.plot(times, visible(pair.distance), **SERIES[3].line)
+        axes.axhline(PAGE.accuracy, **SERIES[5].line, label="accuracy asked for")
+        axes.set_yscale("log")
+        key(figure, axes)
+        return svg(figure)
+    figure, axes = plane("Distance of the two over time", ("t", "distance"))
+    stroke, last = SERIES[0], (times[-1], pair.distance[-1])
+    axes.plot(times, pair.distance, **stroke.line)
+    mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))
+    return svg(figure)
 
 
 def _table(pair: Pair) -> str:

@@ -40,7 +40,8 @@ class Settings:
     of a map, of which the side of the first circuit is one: more noise if it is smaller, more
     grains if it is larger.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
-    is shown as zero. nothing: an error of rounding is drawn here on a logarithmic axis.
+    is shown as zero. width, height: of a figure, inches; its letters of ten points are then as
+    large as those of the page.
     """
 
     sessions: int = 64
@@ -78,7 +79,8 @@ class Settings:
     parts: int = 8
     fastest: float = 3.0
     zero: float = 3.0
-    nothing: float = 1e-17
+    width: float = 5.2
+    height: float = 4.0
 
     @property
     def carried(self) -> int:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.pictures.style import SERIES, Stroke
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import shown, table
-from geomtorsion.teaching.lab.plot import LOOKS, Look, Plot
+from geomtorsion.teaching.lab.plot import key, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
 
@@ -49,8 +51,7 @@ _SHOWN = {
     "energy": (("energy",), "J"),
     "position": (("x", "y", "z"), "m"),
 }
-_SPACE, _BODY, _AXIS = LOOKS[0], LOOKS[1], LOOKS[2]
-_MOMENTUM = LOOKS[3]
+_SPACE, _BODY, _AXIS, _MOMENTUM = SERIES[:4]
 
 
 def top(
@@ -161,22 +162,22 @@ def _film(result: SceneResult) -> Film:
     tips = thinned((fixed / size).tolist(), PAGE.film_points)
     curves = [
         Curve(tips, _SPACE, "space cone: where ω points, in space", tip="ω"),
-        Curve(_rays(tips), Look(_SPACE.color, _SPACE.dashes, ""), thin=True),
+        Curve(_rays(tips), replace(_SPACE, end=""), thin=True),
         Curve(
             thinned(turns[:, :, 2].tolist(), PAGE.film_points),
-            Look(_AXIS.color, _AXIS.dashes, "diamond", 1.4), "path of axis 3", tip="3",
+            replace(_AXIS, width=1.4), "path of axis 3", tip="3",
         ),
         Curve(
             [(0, 0, 0), (momentum[0] / long).tolist()],
-            Look(_MOMENTUM.color, _MOMENTUM.dashes, "", 2.0), "angular momentum at the start",
+            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start",
         ),
     ]  # fmt: skip
     polhode = thinned((omega / size).tolist(), PAGE.film_points)
     moving = [
-        Curve(polhode, Look(_BODY.color, _BODY.dashes, "", 2.4), "body cone: it rolls"),
-        Curve(_rays(polhode), Look(_BODY.color, _BODY.dashes, "", 0.7)),
+        Curve(polhode, replace(_BODY, end="", width=2.4), "body cone: it rolls"),
+        Curve(_rays(polhode), replace(_BODY, end="", width=0.7)),
     ]
-    axis = Look("#8a8f99", "", "", 1.2)
+    axis = Stroke("#8a8f99", "-", 1.2, "")
     moving += [
         Curve([(0, 0, 0), end], axis, tip=name)
         for name, end in (("1", (1, 0, 0)), ("2", (0, 1, 0)))
@@ -216,16 +217,12 @@ def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str
     k = int((apart if apart.any() else np.ptp(right, axis=0)).argmax())
     label = names[k]
     title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
-    plot = Plot(title, ("t in s", f"{label} in {unit}" if unit else label), height=340)
-    times = result.times.tolist()
-    plot.line(_pairs(times, right[:, k]), LOOKS[0], "L′ + Ω × L = M")
+    figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
+    axes.plot(result.times, right[:, k], **SERIES[0].line, label="L′ + Ω × L = M")
     if wrong is not None:
-        plot.line(_pairs(times, other[:, k]), LOOKS[1], "naive: L′ = M")
-    return plot.svg()
-
-
-def _pairs(times: Sequence[float], values: np.ndarray) -> list[tuple[float, float]]:
-    return thinned(list(zip(times, values.tolist(), strict=True)), PAGE.film_points)
+        axes.plot(result.times, other[:, k], **SERIES[1].line, label="naive: L′ = M")
+    key(figure, axes)
+    return svg(figure)
 
 
 def _change(values: np.ndarray) -> float:

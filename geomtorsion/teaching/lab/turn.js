@@ -6,7 +6,7 @@
   const slider = document.getElementById("time");
   const clock = document.getElementById("clock");
   const play = document.getElementById("play");
-  const pen = canvas.getContext("2d");
+  let pen = canvas.getContext("2d");
   const SOFT = "#5c6475", INK = "#1d2330", FAINT = "#c9ccd1";
   const view = { turn: -0.9, tilt: 0.42, zoom: 1, ...kept() };
   // The next picture of the film that runs; 0 where none does.
@@ -42,13 +42,27 @@
   }
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-  function draw() {
-    const box = canvas.getBoundingClientRect();
+  function blank(sheet) {
+    const box = sheet.getBoundingClientRect();
     const fine = window.devicePixelRatio || 1;
-    canvas.width = box.width * fine;
-    canvas.height = box.height * fine;
+    sheet.width = box.width * fine;
+    sheet.height = box.height * fine;
+    pen = sheet.getContext("2d");
     pen.setTransform(fine, 0, 0, fine, 0, 0);
-    pen.clearRect(0, 0, box.width, box.height);
+    return box;
+  }
+  // The legend: a piece of each line as it looks, with its mark.
+  function legend() {
+    const curves = [...data.curves, ...data.moving];
+    for (const sheet of document.querySelectorAll("li canvas")) {
+      const curve = curves[Number(sheet.dataset.curve)];
+      blank(sheet);
+      line([[2, 8, 1, 0], [44, 8, 1, 0]], curve, curve.width);
+      if (curve.mark) shape([44, 8, 1, 0], curve.mark, curve.color);
+    }
+  }
+  function draw() {
+    const box = blank(canvas);
     const eye = camera();
     const unit = ((data.globe || ball ? 0.37 : 0.48) * Math.min(box.width, box.height) * view.zoom) / radius;
     const place = (point) => {
@@ -97,17 +111,20 @@
   function ends(curve, place, k) {
     if (!curve.mark) return;
     const first = place(curve.points[0]);
-    shape(first, "dot", INK);
+    shape(first, "o", INK);
     const at = slider && data.times ? Math.min(k, curve.points.length - 1) : curve.points.length - 1;
     const p = place(curve.points[at]);
     shape(p, curve.mark, curve.color);
     if (curve.tip) label(p, curve.tip, curve.color);
   }
   function shape(p, kind, color) {
+    // Named as in matplotlib; a circle for every other name.
     const forms = {
-      square: [[-1, -1], [1, -1], [1, 1], [-1, 1]], triangle: [[0, -1.3], [1.2, 0.9], [-1.2, 0.9]],
-      diamond: [[0, -1.4], [1.2, 0], [0, 1.4], [-1.2, 0]], down: [[0, 1.3], [1.2, -0.9], [-1.2, -0.9]],
+      s: [[-1, -1], [1, -1], [1, 1], [-1, 1]], "^": [[0, -1.3], [1.2, 0.9], [-1.2, 0.9]],
+      D: [[0, -1.4], [1.2, 0], [0, 1.4], [-1.2, 0]], v: [[0, 1.3], [1.2, -0.9], [-1.2, -0.9]],
+      P: [[-0.4, -1.2], [0.4, -1.2], [0.4, -0.4], [1.2, -0.4], [1.2, 0.4], [0.4, 0.4], [0.4, 1.2], [-0.4, 1.2], [-0.4, 0.4], [-1.2, 0.4], [-1.2, -0.4], [-0.4, -0.4]],
     };
+    forms.X = forms.P.map(([a, b]) => [(a - b) * Math.SQRT1_2, (a + b) * Math.SQRT1_2]);
     pen.globalAlpha = hidden(p) ? 0.45 : 1;
     pen.fillStyle = color;
     pen.strokeStyle = "#fff";
@@ -205,5 +222,6 @@
     });
   }
   new ResizeObserver(draw).observe(canvas);
+  legend();
   draw();
 })();

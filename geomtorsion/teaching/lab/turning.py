@@ -1,17 +1,20 @@
-"""turning: pictures in space that can be turned, as documents of their own with all they need."""
+"""turning: pictures in space that can be turned, as documents of their own with all they need.
+
+matplotlib draws no picture that a reader turns, and plotly brings 4 MB of script into each page.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import TypeVar
 
+from geomtorsion.pictures.style import Stroke
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.plot import Look, Point, marker, polyline
 from geomtorsion.teaching.lab.settings import PAGE
 
 T = TypeVar("T")
@@ -19,7 +22,8 @@ _STYLE = """
 * { box-sizing: border-box; }
 body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff; }
 h1 { font-size: 15px; margin: 2px 0 4px; text-align: center; }
-canvas { display: block; width: 100%; height: 380px; touch-action: pan-y; cursor: grab; }
+canvas { display: block; width: 54px; height: 16px; }
+#space { width: 100%; height: 380px; touch-action: pan-y; cursor: grab; }
 canvas:focus-visible, button:focus-visible, input:focus-visible { outline: 3px solid #1f5fa8; }
 .film { display: flex; gap: 10px; align-items: center; margin: 4px 8px; }
 .film input { flex: 1; min-width: 60px; accent-color: #1f5fa8; }
@@ -36,12 +40,12 @@ p { margin: 2px 8px 4px; color: #5c6475; font-size: 13px; }
 class Curve:
     """A line in space.
 
-    points: places. look: colour, dashes, end mark; a mark that is "" is not drawn.
+    points: places. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
     label: in the legend. tip: written at its moving end. thin: drawn with less weight.
     """
 
     points: Sequence[Sequence[float]]
-    look: Look
+    stroke: Stroke
     label: str = ""
     tip: str = ""
     thin: bool = False
@@ -74,11 +78,11 @@ def turnable(scene: Film) -> str:
 
     Examples
     --------
-    >>> from geomtorsion.teaching.lab.plot import LOOKS
-    >>> line = Curve([(0, 0, 0), (1, 1, 1)], LOOKS[0], "a line")
+    >>> from geomtorsion.pictures.style import SERIES
+    >>> line = Curve([(0, 0, 0), (1, 1, 1)], SERIES[0], "a line")
     >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
     >>> "http" in page, page.count("<canvas")
-    (False, 1)
+    (False, 2)
     """
     data = {
         "name": scene.name,
@@ -100,7 +104,11 @@ def turnable(scene: Film) -> str:
             f'<input id="time" type="range" min="0" max="{len(scene.times) - 1}" '
             f'value="{len(scene.times) - 1}" aria-label="time"><output id="clock"></output></div>'
         )
-    legend = "".join(_entry(curve) for curve in (*scene.curves, *scene.moving) if curve.label)
+    legend = "".join(
+        f'<li><canvas data-curve="{number}" aria-hidden="true"></canvas>{escape(curve.label)}</li>'
+        for number, curve in enumerate((*scene.curves, *scene.moving))
+        if curve.label
+    )
     note = f"{scene.note} " if scene.note else ""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
@@ -121,24 +129,22 @@ def _script() -> str:
 
 
 def _plain(curve: Curve) -> Json:
-    look = asdict(curve.look)
-    dashes = [float(x) for x in look.pop("dashes").split()]
-    points = [_rounded(point) for point in curve.points]
-    return look | {"dashes": dashes, "points": points, "tip": curve.tip, "thin": curve.thin}
+    stroke = curve.stroke
+    # matplotlib counts dashes in widths of the line, a canvas in pixels.
+    dashes = [] if stroke.dashes == "-" else [stroke.width * part for part in stroke.dashes[1]]
+    return {
+        "color": stroke.color,
+        "dashes": dashes,
+        "mark": stroke.end,
+        "width": stroke.width,
+        "points": [_rounded(point) for point in curve.points],
+        "tip": curve.tip,
+        "thin": curve.thin,
+    }
 
 
 def _rounded(values: Sequence[float]) -> list[float]:
     return [float(f"{float(x):.{PAGE.digits}g}") for x in values]
-
-
-def _entry(curve: Curve) -> str:
-    """One line of the legend: a piece of the line as it looks, with its mark."""
-    ends: list[Point] = [(2, 8), (44, 8)]
-    mark = marker((44, 8), curve.look.mark, curve.look.color, 4.5) if curve.look.mark else ""
-    picture = (
-        f'<svg width="54" height="16" aria-hidden="true">{polyline(ends, curve.look)}{mark}</svg>'
-    )
-    return f"<li>{picture}{escape(curve.label)}</li>"
 
 
 def thinned(points: Sequence[T], most: int = PAGE.points) -> list[T]:

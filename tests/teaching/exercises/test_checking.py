@@ -194,6 +194,7 @@ def number(value, **more) -> Question:
         ("pi/4", "right"),
         ("45 deg", "right"),
         ("45°", "right"),
+        ("0.125 rev", "right"),
         ("0.125 turns", "right"),
         ("785.4 mrad", "right"),
         ("0.7854 rad", "right"),

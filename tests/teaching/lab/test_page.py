@@ -130,7 +130,7 @@ def test_the_curves_can_be_turned(standing: Watched):
     page = standing.tab("Straightest and shortest")
     standing.says("#paths-said", "part: by")
     frame = page.frame_locator("iframe")
-    canvas = frame.locator("canvas")
+    canvas = frame.locator("#space")
     canvas.wait_for()
     ink = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].join()"
     before = canvas.evaluate(ink)

@@ -181,7 +181,7 @@ def test_rows_are_counted_from_one():
 def test_frame_indices_are_counted_from_one():
     """Numbers with a hat are those of the rows, as in the paper."""
     shown = tetrad(**POLAR, show=["anholonomy"])["html"]
-    assert set(re.findall(r"<mn>(\d)</mn><mo[^>]*>\^", shown)) == {"1", "2"}
+    assert set(re.findall(r"<mn>(\d)</mn><mo[^>]*>ˆ", shown)) == {"1", "2"}
 
 
 def test_each_card_has_its_latex():

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from geomtorsion.teaching.lab.plot import LOOKS
+from geomtorsion.pictures.style import SERIES
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.turning import Curve, Film, turnable
 from tests.browser import WINDOW
@@ -23,7 +23,7 @@ INK = "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data].j
 def film(browser: Any, tmp_path: Path) -> Iterator[Any]:
     """A page with a film whose time is given by the test, in a window of its own."""
     points = [(k / 10, k % 7, k % 5) for k in range(TIMES)]
-    scene = Film("a", "A film", ("x", "y", "z"), (Curve(points, LOOKS[0]),), times=range(TIMES))
+    scene = Film("a", "A film", ("x", "y", "z"), (Curve(points, SERIES[0]),), times=range(TIMES))
     (tmp_path / "film.html").write_text(turnable(scene), "utf-8")
     context = browser.new_context(viewport=WINDOW)
     page = context.new_page()

@@ -259,7 +259,7 @@ def test_a_picture_of_a_lattice_in_a_browser(loops_tab: Watched, tmp_path: Path)
     loops_tab.says("#map-facts", "atoms.png is a picture of 256 × 256 pixels of a lattice")
     loops_tab.says("#map-said", "b = (−1, 0) in lattice vectors, exactly")
     assert page.locator("#map svg image").first.evaluate(WIDTH) > 150
-    assert page.locator("#map svg polyline").count() == 2
+    assert page.locator("#map svg #circuit").count() == 2
     slider = page.get_by_role("slider", name="middle x in pixels")
     slider.focus()
     page.keyboard.press("Home")
