@@ -349,8 +349,6 @@ def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: 
     if they did not cancel.
     """
     system = stage.system
-    if stage.lift is not None:
-        return extent
     some = [x for x in one.segments if x.stage.system is system]
     terms = max([float(system.rates.sizes(*_columns(x))[group].max()) for x in some])
     last, numbers = floats(some[-1].run.last), floats(some[-1].stage.parameters)

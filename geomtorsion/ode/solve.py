@@ -373,7 +373,7 @@ def side_by_side(
     starts, numbers = ([getattr(x, name) for x in stages] for name in ("start", "parameters"))
     if units_of(system, starts[0], numbers[0], duration, first.extents) is not None:
         return []
-    # A start that loses digits as a momentum may do so only where it is perturbed.
+    # A start at the edge of a chart may be in another chart where it is perturbed.
     if any(stage.system is not system for stage in stages):
         return []
     size = max(1.0, first.reach(duration))
@@ -381,12 +381,9 @@ def side_by_side(
     pairs = zip(runs, numbers, strict=False)
     if not system.guard_is_entire and any(is_beyond(system, run, own) for run, own in pairs):
         return []
-    full: list[np.ndarray | None] = [None] * len(runs)
-    if first.lift is not None and runs:
-        full[:-1] = first.lift(np.array(numbers), np.array([run.states for run in runs[:-1]]))
     return [
-        Trajectory(engine, tolerances[k], (Segment(stages[k], run, 0, len(times), states),), "done")
-        for k, run, states in zip(COLUMNS, runs, full, strict=False)
+        Trajectory(engine, tolerances[k], (Segment(stages[k], run, 0, len(times)),), "done")
+        for k, run in zip(COLUMNS, runs, strict=False)
     ]
 
 

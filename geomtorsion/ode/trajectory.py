@@ -62,10 +62,7 @@ class Stage:
         double precision.
     begin: the time at which it begins.
     events: at most one at a time, and at most one of the guard.
-    lift: (parameters, states) of one motion or more -> states of the problem, shapes (number, k),
-        (number, m, size) and (number, m, full size); None: they are those of the system.
-    groups: indices of states of the problem that are measured together.
-    full_start: the state of the problem at the beginning, where there is a lift.
+    groups: indices of states that are measured together.
     kept: a state where the stage is cut -> the same with what rounding and steps took from it put
         right, such as a length of one; None: nothing is.
     """
@@ -76,24 +73,14 @@ class Stage:
     parameters: State
     begin: float = 0.0
     events: tuple[Event, ...] = ()
-    lift: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
     groups: tuple[tuple[int, ...], ...] = ()
-    full_start: np.ndarray | None = None
     kept: Callable[[State], State] | None = None
 
     __getstate__ = only_fields
 
-    def full(self, states: np.ndarray) -> np.ndarray:
-        """Rows of states of the problem for rows of states of the system."""
-        if self.lift is None:
-            return states
-        return self.lift(np.asarray(self.parameters)[None], states[None])[0]
-
     @cached_property
     def first(self) -> np.ndarray:
-        """The state of the problem at the beginning, as floats."""
-        if self.full_start is not None:
-            return self.full_start
+        """The state at the beginning, as floats."""
         return np.array([float(x) for x in self.start])
 
     @cached_property
@@ -136,14 +123,12 @@ class Segment:
 
     head: 1 where its first sample is its beginning, which nobody asked for, else 0.
     count: number of samples that were asked for.
-    samples: states of the problem at these, where they are not those of the run.
     """
 
     stage: Stage
     run: Run
     head: int
     count: int
-    samples: np.ndarray | None = None
 
     __getstate__ = only_fields
 
@@ -158,20 +143,18 @@ class Segment:
         return self.run.times[self.head : self.head + self.count]
 
     def resampled(self, times: np.ndarray, states: np.ndarray) -> Segment:
-        """The segment with other samples, of states of the problem."""
-        return Segment(self.stage, replace(self.run, times=times), 0, len(times), states)
+        """The segment with other samples."""
+        return Segment(self.stage, replace(self.run, times=times, states=states), 0, len(times))
 
-    @cached_property
+    @property
     def states(self) -> np.ndarray:
-        """States of the problem at the samples, shape (count, size)."""
-        if self.samples is not None:
-            return self.samples
-        return self.stage.full(self.run.states[self.head : self.head + self.count])
+        """States at the samples, shape (count, size)."""
+        return self.run.states[self.head : self.head + self.count]
 
-    @cached_property
+    @property
     def last(self) -> np.ndarray:
-        """State of the problem where the segment ends."""
-        return self.stage.full(np.asarray(self.run.last)[None, :])[0]
+        """State where the segment ends."""
+        return np.asarray(self.run.last)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +220,7 @@ class Trajectory:
         for k in np.unique(place).tolist():
             index = np.flatnonzero(place == k)
             states = np.asarray(self._dense_output(k)(times[index]))
-            found.append((self.segments[k], self.segments[k].stage.full(states), index))
+            found.append((self.segments[k], states, index))
         return found
 
     def _dense_output(self, k: int) -> Dense:
