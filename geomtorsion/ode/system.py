@@ -76,12 +76,6 @@ class System:
         return tuple(group for group in groups if group)
 
     @cached_property
-    def idle(self) -> tuple[int, ...]:
-        """Indices of states that stand in no rate."""
-        used = {step.detail for step in self.rates.steps if step.kind == "argument"}
-        return tuple(k for k in range(self.size) if k not in used)
-
-    @cached_property
     def key(self) -> tuple[str, str | None, int | None]:
         """What two systems share exactly when one compiled integrator serves both."""
         clock = None if self.clock is None else self.states.index(self.clock[0])

@@ -88,24 +88,6 @@ class Stage:
         """Sizes of the states of the system at the beginning."""
         return extents_of(self.system, self.start, self.parameters)
 
-    def reach(self, duration: float) -> float:
-        """The largest state of the system, as far as that is known at the beginning.
-
-        States that stand in no rate, such as angles and times, grow evenly.
-        """
-        return max([abs(x) + slope * duration for x, slope in self._slopes])
-
-    @cached_property
-    def _slopes(self) -> list[tuple[float, float]]:
-        """Each state, with its rate where it stands in none."""
-        idle = self.system.idle
-        slopes = [0.0] * self.system.size
-        if idle:
-            numbers = [float(x) for x in self.parameters]
-            rates = self.system.scalar_rates(numbers)(0.0, np.asarray(self.start))
-            slopes = [abs(x) if k in idle else 0.0 for k, x in enumerate(rates)]
-        return list(zip([abs(float(x)) for x in self.start], slopes, strict=True))
-
     @cached_property
     def timed(self) -> Event | None:
         """The event at a time."""

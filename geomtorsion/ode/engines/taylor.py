@@ -153,7 +153,6 @@ def _compiled(
     precision: int,
     width: int,
     optimised: bool,
-    measured: bool,
     number: Callable[[Any], Any],
     backward: bool = False,
 ) -> tuple[_Shared, float]:
@@ -161,19 +160,18 @@ def _compiled(
 
     width: motions side by side in one batch; 0: one motion.
     optimised: this takes longer, and the code runs faster.
-    measured: whether the last state is a constant of one's own by which steps are measured.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
-    key = (system.key, order, precision, width, optimised, measured, backward)
+    key = (system.key, order, precision, width, optimised, backward)
     with _kept_lock:
         found = _kept.get(key)
         if found is not None:
             _kept.move_to_end(key)
             return found, 0.0
-    integrator = _integrator(system, order, precision, width, optimised, measured, number, backward)
+    integrator = _integrator(system, order, precision, width, optimised, number, backward)
     made = _Shared(integrator)
     with _kept_lock:
         _kept[key] = made
@@ -203,7 +201,6 @@ def _integrator(
     precision: int,
     width: int,
     optimised: bool,
-    measured: bool,
     number: Callable[[Any], Any],
     backward: bool,
 ) -> Any:
@@ -224,8 +221,6 @@ def _integrator(
         return hy.expression(number(Fraction(p, q)))
 
     equations = list(zip(variables, system.rates.heyoka(known, quotient), strict=True))
-    if measured:
-        equations.append((hy.make_vars("size"), hy.expression(0.0)))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
@@ -236,11 +231,6 @@ def _integrator(
         guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
-    if width and measured:
-        if guards:
-            options["t_events"] = [hy.t_event_batch(guard, direction=falling) for guard in guards]
-        zeros = np.zeros((len(equations), width))
-        return hy.taylor_adaptive_batch(equations, zeros, **options)
     if width:
         if guards:
             crossed = Crossed()
@@ -366,14 +356,13 @@ class Taylor:
         *,
         width: int = 0,
         optimised: bool = True,
-        measured: bool = False,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
         shared, seconds = _compiled(
-            hoisted.system, order, bits, width, optimised, measured, self.number, backward
+            hoisted.system, order, bits, width, optimised, self.number, backward
         )
         return Compiled(self, hoisted, shared), seconds
 
