@@ -19,6 +19,7 @@ from tests.source import (
     name_of,
     package_imports,
     part_of,
+    questions_of_class,
     rings,
     says_any,
     text_of,
@@ -185,6 +186,21 @@ def test_few_numbers_are_tuned():
     found = {name_of(file): tuned_constants(tree_of(file)) for file in FILES}
     found = {name: names for name, names in found.items() if names}
     assert sum(map(len, found.values())) <= CEILINGS["tuned constants"], found
+
+
+def test_engines_are_known_by_their_protocol():
+    """No code asks whether an engine is of one class; `named.py` compares it with its own copy."""
+    assert [
+        (name_of(file), line)
+        for file in FILES
+        if name_of(file) != "ode/engines/named.py"
+        for line in questions_of_class(tree_of(file))
+    ] == []
+    code = ast.parse(
+        "isinstance(x, Taylor | Stiff)\nisinstance(self.engine, A)\ntype(engine) is B\n"
+        "isinstance(engine, type)\nisinstance(x, str)\nmatch x:\n  case RungeKutta(): 0\n"
+    )
+    assert questions_of_class(code) == [1, 2, 3, 7]
 
 
 def test_tests_mirror_the_package():

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
+from geomtorsion.ode.batch import BatchRun, run_batch
 from geomtorsion.ode.engines import Engine
+from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.error_estimate import AIM, rounding, rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
 
 

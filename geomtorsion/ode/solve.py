@@ -20,7 +20,6 @@ from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
     checked_accuracy,
-    checked_engine,
     checked_times,
 )
 from geomtorsion.ode.passed_over import (
@@ -30,7 +29,7 @@ from geomtorsion.ode.passed_over import (
     passed_over,
 )
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
-from geomtorsion.ode.system import WorkLimitError
+from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
 
 Progress: TypeAlias = Callable[[float], object]
@@ -147,9 +146,10 @@ def _solved(
             if solution.complete:
                 return solution
             other = None
-            if engine is None and isinstance(candidate, Taylor) and is_coarse(accuracy):
+            stepper = RungeKutta()
+            if engine is None and candidate != stepper and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
-                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
+                stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
                 other = _complete(stepwise, runs)
             if other is None:
                 error = problem.stuck_error(solution.trajectory)

@@ -224,10 +224,7 @@ class Trajectory:
                     dense=True,
                 )
                 if again.dense is None:
-                    raise StartError(
-                        f"engine {self.engine.name}: expected Run.dense from run(dense=True), got "
-                        "None. Return a function of times, or read the solution at its times."
-                    )
+                    raise StartError(without_dense(self.engine))
                 self._dense[k] = again.dense
         return self._dense[k]
 
@@ -352,14 +349,27 @@ def run_stage(
 
     if system.guard is None or not final or engine.finds_every_root:
         found = run(False)
-        if not engine.finds_every_root or system.guard_is_entire:
+        sees_all = not engine.finds_every_root or system.guard_is_entire
+        if sees_all and found.outcome != "beyond":
             return found
         if _is_early(system, stage, found, tolerance):
             return _looked_at(stage, found, times, tolerance, engine, watch)
         if not is_beyond(system, found, numbers):
             return found
     found = run(True)
-    return found if found.dense is None else _ended_earlier(system, found, times, numbers)
+    if found.dense is None:
+        if found.outcome == "beyond":
+            raise StartError(without_dense(engine))
+        return found
+    return _ended_earlier(system, found, times, numbers)
+
+
+def without_dense(engine: Engine) -> str:
+    """The message where states between the samples of an engine are missing."""
+    return (
+        f"engine {engine.name}: expected Run.dense from run(dense=True), got None. Return a "
+        "function of times, or read the solution at its times."
+    )
 
 
 def _is_early(system: System, stage: Stage, run: Run, tolerance: float) -> bool:

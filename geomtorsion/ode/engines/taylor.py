@@ -23,11 +23,13 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingExtraError
+from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
+    Batch,
     Dense,
     Hoisted,
     Run,
@@ -390,6 +392,15 @@ class Taylor:
         assert found is not None
         found.compile_seconds = compiling
         return found
+
+    def batch(self, batch: Batch, tolerance: float) -> float:
+        """See `Engine`: several members in one instruction."""
+        width = int(heyoka().recommended_simd_size()) * (2 if batch.states.shape[1] <= FEW else 1)
+        backward = bool(batch.times[-1] < batch.times[0])
+        kept, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)
+        with kept.ready(batch.parameters) as ready:
+            run_in_registers(ready.integrator, ready.choose, batch, width, self.max_steps)
+        return compiling
 
     def _run(
         self,
