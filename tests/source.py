@@ -12,6 +12,7 @@ from pathlib import Path
 import networkx as nx
 
 import geomtorsion
+from geomtorsion.ode.engines.named import SHIPPED
 
 PACKAGE = Path(geomtorsion.__file__).parent
 FILES = tuple(sorted(PACKAGE.rglob("*.py")))
@@ -242,3 +243,22 @@ def unmirrored(tests: Path) -> list[str]:
         ):
             found.append(str(file.relative_to(tests)))
     return found
+
+
+def questions_of_class(tree: ast.AST) -> list[int]:
+    """Lines that ask for the class of an engine."""
+    classes = {type(engine).__name__ for engine in SHIPPED}
+    found = []
+    for node in ast.walk(tree):
+        names = [part.id for part in ast.walk(node) if isinstance(part, ast.Name)]
+        names += [part.attr for part in ast.walk(node) if isinstance(part, ast.Attribute)]
+        if isinstance(node, ast.MatchClass):
+            asks = True
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            single = node.func.id == "type" and len(node.args) == 1
+            asks = single or (node.func.id == "isinstance" and names[-1] != "type")
+        else:
+            continue
+        if asks and {*names} & {*classes, "engine", "solver", "candidate"}:
+            found.append(node.lineno)
+    return sorted(found)

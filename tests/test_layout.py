@@ -20,6 +20,7 @@ from tests.source import (
     name_of,
     package_imports,
     part_of,
+    questions_of_class,
     rings,
     says_any,
     text_of,
@@ -69,7 +70,6 @@ LONG: dict[str, str] = {
     "codegen/reading.py": "all that is read: elements, their products, expressions",
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
     "curves/problem.py": "a curve from its start, which is checked, through charts; for solvers",
-    "curves/reductions.py": "both smaller systems; optional, and only the problem knows them",
     "exact/arguments.py": "angles and exponents, over one kind of basis",
     "exact/reading.py": "what may be read, and how it is",
     "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",
@@ -214,6 +214,21 @@ def test_few_numbers_are_tuned():
     found = {name_of(file): tuned_constants(tree_of(file)) for file in FILES}
     found = {name: names for name, names in found.items() if names}
     assert sum(map(len, found.values())) <= CEILINGS["tuned constants"], found
+
+
+def test_engines_are_known_by_their_protocol():
+    """No code asks whether an engine is of one class; `named.py` compares it with its own copy."""
+    assert [
+        (name_of(file), line)
+        for file in FILES
+        if name_of(file) != "ode/engines/named.py"
+        for line in questions_of_class(tree_of(file))
+    ] == []
+    code = ast.parse(
+        "isinstance(x, Taylor | Stiff)\nisinstance(self.engine, A)\ntype(engine) is B\n"
+        "isinstance(engine, type)\nisinstance(x, str)\nmatch x:\n  case RungeKutta(): 0\n"
+    )
+    assert questions_of_class(code) == [1, 2, 3, 7]
 
 
 def test_tests_mirror_the_package():

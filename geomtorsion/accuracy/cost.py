@@ -342,4 +342,4 @@ def _tabulated(
     rows = np.array([list(row) for row in states(grid)])
     times = grid * problem.time_unit
     run = Run(times, rows, float(times[-1]), rows[-1], "done", 0, 0, 0.0, 0.0)
-    return Trajectory(RungeKutta(), 0.0, (Segment(stage, run, 0, len(grid), rows),), "done")
+    return Trajectory(RungeKutta(), 0.0, (Segment(stage, run, 0, len(grid)),), "done")

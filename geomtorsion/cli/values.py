@@ -10,7 +10,8 @@ from geomtorsion.checks import cut, shown
 from geomtorsion.curves import CurveProblem
 from geomtorsion.errors import ExpressionError, StartError, UnknownNameError
 from geomtorsion.exact import parse_expression
-from geomtorsion.ode import Engine, RungeKutta, Stiff, Taylor
+from geomtorsion.ode import Engine
+from geomtorsion.ode.engines.named import SHIPPED
 
 
 def parts(text: str) -> tuple[str, ...]:
@@ -104,18 +105,16 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
     return found
 
 
-ENGINES = {"taylor": Taylor, "rungekutta": RungeKutta, "stiff": Stiff}
-
-
 def engine_of(name: str) -> Engine | None:
     """The engine of a name; None, which lets the solver choose, for auto."""
     if name == "auto":
         return None
-    if name.lower() not in ENGINES:
+    engines = {type(one).__name__.lower(): one for one in reversed(SHIPPED)}
+    if name.lower() not in engines:
         raise UnknownNameError(
-            f"there is no engine {shown(name)}. There are auto, {', '.join(ENGINES)}."
+            f"there is no engine {shown(name)}. There are auto, {', '.join(reversed(engines))}."
         )
-    return ENGINES[name.lower()]()
+    return engines[name.lower()]
 
 
 def start_options(

@@ -34,19 +34,6 @@ class Rates:
     constants: Mapping[str, Fraction] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
-class Momenta:
-    """What the momenta p_mu = e^i_mu G_ij u^j of a geodesic are made of.
-
-    cyclic: places of the coordinates that do not occur; their momenta are constant.
-    lower: rows of G_ij, pairs (j, element).
-    """
-
-    frame: Frame
-    cyclic: tuple[int, ...]
-    lower: tuple[tuple[tuple[int, Element], ...], ...]
-
-
 class Law(Protocol):
     """A law of motion for the frame velocities u^i.
 
@@ -72,10 +59,6 @@ class Law(Protocol):
         """Quantities that the law keeps, by name."""
         ...
 
-    def momenta(self, frame: Frame) -> Momenta | None:
-        """What is constant along coordinates that do not occur; None: nothing is known."""
-        ...
-
 
 @dataclass(frozen=True)
 class CartanAutoparallel:
@@ -91,10 +74,6 @@ class CartanAutoparallel:
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Nothing besides the velocities themselves."""
         return {}
-
-    def momenta(self, frame: Frame) -> Momenta | None:
-        """None: all velocities are constant already."""
-        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +98,6 @@ class Autoparallel:
         if self.connection.kind == "general" and not self.connection.metric_compatible:
             return {}
         return {"norm": _square(frame, None, names)}
-
-    def momenta(self, frame: Frame) -> Momenta | None:
-        """None: torsion may change them."""
-        return None
 
 
 @dataclass(frozen=True)
@@ -206,12 +181,6 @@ class Geodesic:
                     terms += [(one * two, (names[i], names[j])) for j, two in row]
             found["angular momentum squared"] = tuple(terms)
         return found
-
-    def momenta(self, frame: Frame) -> Momenta | None:
-        """None where weights are handed over at run time, so that they stay parameters."""
-        if frame.complex or not all(map(_is_short, (x for row in self.metric or () for x in row))):
-            return None
-        return Momenta(frame, _cyclic(frame), tuple(map(tuple, _lowered(frame, self.metric))))
 
 
 def _is_short(weight: Fraction) -> bool:
@@ -297,7 +266,6 @@ class Equations:
     carried: names of states that are carried along (transported vectors, a deviation).
     constants: parameters that the law brought, with exact values.
     invariants: sums of products over states and parameters that do not change.
-    momenta: what momenta along coordinates that do not occur are made of, if they are constant.
     """
 
     chart: Chart | None
@@ -309,7 +277,6 @@ class Equations:
     carried: tuple[str, ...] = ()
     constants: Mapping[str, Fraction] = field(default_factory=dict)
     invariants: Mapping[str, Products] = field(default_factory=dict)
-    momenta: Momenta | None = None
 
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
@@ -436,11 +403,9 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     ends = () if chart is None else tuple((edge.element, ()) for edge in chart.edges)
     every = [*products, *invariants.values(), ends]
     parameters = (*symbols_in(every, states), *extra, *constants)
-    inside = rates is not None and chart is not None and chart.frame is not None
-    momenta = law.momenta(base) if inside else None
     return Equations(
         chart, tuple(states), parameters, tuple(products), tuple(groups), names, (), constants,
-        invariants, momenta,
+        invariants,
     )  # fmt: skip
 
 

@@ -18,10 +18,10 @@ from geomtorsion.errors import EndpointError
 from geomtorsion.geometry import Connection
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_engine, checked_numbers
+from geomtorsion.ode.numbers import Numbers, checked_accuracy, checked_numbers
 from geomtorsion.ode.solution import Solution
 from geomtorsion.ode.solve import solve
-from geomtorsion.ode.system import STEPS_AT_ONCE
+from geomtorsion.ode.system import STEPS_AT_ONCE, checked_engine
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,6 @@ from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
-from geomtorsion.curves.reductions import Reductions
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.errors import (
     AccuracyError,
@@ -87,7 +86,7 @@ class CurveProblem:
     atlas: Atlas
     carried: Carried | None = None
     coordinate_velocity: tuple[Real, ...] | None = None
-    _written: dict[str, Reductions] = field(default_factory=dict, repr=False)
+    _written: dict[str, Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
@@ -103,16 +102,11 @@ class CurveProblem:
 
     def equations(self, chart: str | None = None) -> Equations:
         """The equations in a chart (the home chart if none is named), worked out once."""
-        return self.reductions(chart).equations
-
-    def reductions(self, chart: str | None = None) -> Reductions:
-        """The smaller systems that may stand in the place of the equations in a chart."""
         name = "" if self.start is None else chart or self.atlas.home
         if name not in self._written:
             place = self.atlas.chart(name) if name else None
             plain = written(self.frame, self.law, place)
-            full = carrying(plain, self.carried) if self.carried else plain
-            self._written[name] = Reductions(full)
+            self._written[name] = carrying(plain, self.carried) if self.carried else plain
         return self._written[name]
 
     @cached_property
@@ -331,24 +325,7 @@ class CurveProblem:
             follow = self._follower(label, point.velocities, precision, perturbation)
         event = Event(None, follow, self._ender(label, floats(states)))
         groups = equations.groups
-        stage = Stage(label, system, states, numbers, begin, (event,), groups=groups)
-        return self._reduced(stage, label, several) if precision == 53 else stage
-
-    def _reduced(self, stage: Stage, label: str, several: bool) -> Stage:
-        """The same stage by the first smaller system that loses no digits."""
-        rows = [np.asarray(x)[None, :] for x in (stage.start, stage.parameters)]
-        for smaller in self.reductions(label).offered:
-            start, numbers, kept = smaller.reduced(*rows)
-            if kept[0]:
-                return replace(
-                    stage,
-                    system=smaller.system if several else smaller.system.to_the_end,
-                    start=start[0],
-                    parameters=numbers[0],
-                    lift=smaller.lifted,
-                    full_start=rows[0][0],
-                )
-        return stage
+        return Stage(label, system, states, numbers, begin, (event,), groups=groups)
 
     def _follower(
         self, label: str, velocities: Sequence[Real], precision: int, perturbation: float

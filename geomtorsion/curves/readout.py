@@ -207,7 +207,7 @@ def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np
     equations = problem.equations(segment.label)
     states = np.asarray(segment.states).astype(float)
     states = np.concatenate((segment.stage.first[None, :], states))
-    numbers = problem_numbers(problem, segment)
+    numbers = floats(segment.stage.parameters)
     sizes = dict(zip(equations.parameters, np.abs(numbers), strict=True))
     sizes |= dict(zip(equations.states, np.abs(states).max(axis=0), strict=True))
     if equations.moves:
@@ -225,13 +225,6 @@ def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np
         change = np.abs(values - values[0])[1:]
         found[name] = change / size if size else change
     return found
-
-
-def problem_numbers(problem: CurveProblem, segment: Segment) -> Sequence[float]:
-    """Values of the parameters of the equations of a segment."""
-    if segment.stage.lift is None:
-        return floats(segment.stage.parameters)
-    return floats(problem.equations(segment.label).numbers(problem.parameters, ()))
 
 
 def read_members(
@@ -330,8 +323,7 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
     label = problem.charts[0] if place is not None else ""
     if place is not None and label != problem.atlas.home:
         place, scaled = converted(problem, problem.atlas.home, label, place, scaled)
-    smaller = problem.reductions(label)
-    equations = smaller.equations
+    equations = problem.equations(label)
     varied["own_velocity"] = scaled * units[:, None]
     parts = [part for part in (place, scaled if equations.moves else None) if part is not None]
     number = len(scaled)
@@ -346,7 +338,6 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
         parameters,
         units,
         np.abs(velocities).sum(axis=1),
-        parts=smaller.parts if smaller.offered else None,
         label=label,
         varied=varied,
     )

@@ -115,7 +115,6 @@ def carrying(plain: Equations, carried: Carried) -> Equations:
         rates=(*plain.rates, *rates),
         groups=groups,
         carried=names,
-        momenta=None,
     )
 
 

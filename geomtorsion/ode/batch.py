@@ -1,29 +1,13 @@
-"""Batch: many motions of equal equations at once, by one instruction or one stacked system."""
+"""Batch: many motions of equal equations at once, by one call of an engine."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
 
-from geomtorsion.ode.engines import Engine, Taylor
-from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
-from geomtorsion.ode.engines.taylor import Ready, heyoka
-from geomtorsion.ode.system import STANDSTILL, System, member_units, scaled_system
-
-# Called with the number of members that are done.
-Show: TypeAlias = Callable[[float], None] | None
-# How members are put together and looked at decides about speed, not about results: systems of at
-# most so many states take two registers at a time;
-FEW = 4
-# after so many steps one looks which members still get anywhere;
-MOST_STEPS = 20_000
-# and so many states make one stacked Runge-Kutta system: larger ones leave the cache and set BLAS
-# threads off.
-STACKED = 6144
+from geomtorsion.ode.system import Batch, Engine, Show, System, member_units, scaled_system
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +26,14 @@ class BatchRun:
     longest: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
+
+
+def batch_method(engine: Engine) -> Callable[[Batch, float], float] | None:
+    """How an engine runs many motions at once; None where it runs them one by one.
+
+    Engines of users need not have the method.
+    """
+    return getattr(engine, "batch", None)
 
 
 def run_batch(
@@ -81,30 +73,17 @@ def run_batch(
             tolerance, show, counted=counted,
         )  # fmt: skip
         return replace(found, states=found.states * sizes[:, None, :])
+    run = batch_method(engine)
+    assert run is not None
     result = np.full((number, len(times), size), np.nan)
-    finished = np.zeros(number, dtype=bool)
-    crossed = np.zeros(number, dtype=bool)
-    steps = np.zeros((2, number))
+    finished, crossed = np.zeros((2, number), dtype=bool)
+    batch = Batch(
+        system, states, parameters, units, pace, times, show, counted, result, finished, crossed,
+        np.zeros((2, number)),
+    )  # fmt: skip
     compiling, interrupted = 0.0, False
     try:
-        if isinstance(engine, Taylor):
-            width = int(heyoka().recommended_simd_size()) * (2 if size <= FEW else 1)
-            backward = bool(times[-1] < times[0])
-            kept, compiling = engine.compiled(system, tolerance, width=width, backward=backward)
-            with kept.ready(parameters) as ready:
-                calls = _calls(states, units, pace, times, width)
-                watched = crossed if system.guard is not None else None
-                noted = steps if counted else None
-                _by_heyoka(ready, calls, result, finished, watched, noted, show)
-        else:
-            share = max(1, STACKED // size)
-            for first in range(0, number, share):
-                part = slice(first, min(first + share, number))
-                numbers = (states, parameters, units, times, tolerance)
-                _stacked(system, *numbers, part, result, crossed, steps)
-                finished[part] = np.isfinite(result[part]).all(axis=(1, 2))
-                if show is not None:
-                    show(part.stop)
+        compiling = run(batch, tolerance)
     except KeyboardInterrupt:
         interrupted = True
     if system.guard is not None:
@@ -113,192 +92,5 @@ def run_batch(
         crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
     finished &= ~crossed
     result[~finished] = np.nan
-    return BatchRun(result, finished, steps[0], steps[1], interrupted, compiling)
-
-
-@dataclass(frozen=True, eq=False)
-class _Calls:
-    """Members in calls of the integrator.
-
-    index: shape (calls * width,); all others are blocks with the members last.
-    """
-
-    index: np.ndarray
-    starts: np.ndarray
-    states: np.ndarray
-    times: np.ndarray
-
-
-def _calls(
-    states: np.ndarray,
-    units: np.ndarray,
-    pace: np.ndarray,
-    times: np.ndarray,
-    width: int,
-) -> _Calls:
-    """Members of like pace together, the last call filled up with the last member."""
-    number = len(states)
-    order = np.argsort(pace, kind="stable")
-    count = -(-number // width)
-    index = order[np.minimum(np.arange(count * width), number - 1)]
-    blocks = _blocks(states[index], width)
-    scaled = np.multiply.outer(times, units[index]).reshape(len(times), count, width)
-    return _Calls(index, states, blocks, scaled)
-
-
-def _blocks(array: np.ndarray, width: int) -> np.ndarray:
-    """Rows of members as one contiguous block per call, members last."""
-    blocks = array.reshape(len(array) // width, width, array.shape[1])
-    return np.ascontiguousarray(blocks.swapaxes(1, 2))
-
-
-def _by_heyoka(
-    ready: Ready,
-    calls: _Calls,
-    result: np.ndarray,
-    finished: np.ndarray,
-    crossed: np.ndarray | None,
-    steps: np.ndarray | None,
-    show: Show,
-) -> None:
-    """Fill in states of members that come to the end, which those are, and their steps."""
-    index, (count, size, width) = calls.index, calls.states.shape
-    integrator, chosen = ready.integrator, index.reshape(count, width)
-    own, until = integrator.state, integrator.propagate_until
-    ends, clocks = calls.times[-1], np.zeros((count, width))
-    taken = np.zeros((count, width, 3))
-    several = len(calls.times) > 2
-    found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
-    done = 0
-    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
-    most = MOST_STEPS if crossed is not None else ready.max_steps
-    # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
-    hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
-    try:
-        for k in range(count):
-            own[:] = calls.states[k]
-            ready.choose(chosen[k])
-            integrator.set_time(0.0)
-            if several:
-                block = np.ascontiguousarray(calls.times[:, k])
-                rows = integrator.propagate_grid(block, max_steps=most)[1]
-                found[k, : len(rows)] = rows
-            else:
-                until(ends[k], max_steps=most)
-                if crossed is not None and (integrator.time != ends[k]).any():
-                    _go_on(integrator, ends[k], hits, most)
-                found[k, 0] = own
-            # Of the last of several calls, whose members have taken many steps in any case.
-            if steps is not None:
-                taken[k] = [one[1:4] for one in integrator.propagate_res]
-            clocks[k] = integrator.time
-            for members in hits:
-                if members and crossed is not None:
-                    crossed[index[k * width + np.array(sorted(members))]] = True
-                    members.clear()
-            done = k + 1
-            if show is not None:
-                show(min(done * width, len(result)))
-    finally:
-        # Also after Ctrl-C: what is done is kept.
-        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
-        arrived[done:] = False
-        good = arrived.reshape(-1)
-        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
-        finished[index[good]] = True
-        if steps is not None:
-            # heyoka tells of no last step, which ends with the times, so of a single one nothing.
-            least, longest, counts = np.abs(taken.reshape(-1, 3)[good]).T
-            typical = np.sqrt(least, out=np.zeros(len(least)), where=counts > 1) * np.sqrt(longest)
-            way = np.abs(ends.reshape(-1)[good])
-            longest = np.maximum(longest, way - (counts - 1) * typical)
-            steps[:, index[good]] = counts, np.divide(longest, way, out=way, where=way > 0)
-        if several:
-            result[index[good]] = rows[good]
-        else:
-            result[index[good], 0] = calls.starts[index[good]]
-            result[index[good], -1] = rows[good, 0]
-
-
-def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
-    """Go on until all members have arrived, have met the guard or get no further.
-
-    most: steps between two looks.
-    """
-    moved = np.full(len(ends), True)
-    while True:
-        waiting = [
-            member
-            for member, result in enumerate(integrator.propagate_res)
-            if result[0] == type(result[0]).step_limit
-            and not any(member in members for members in crossed)
-        ]
-        if not moved[waiting].any():
-            return
-        before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=most)
-        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
-
-
-def _stacked(
-    system: System,
-    states: np.ndarray,
-    parameters: np.ndarray,
-    units: np.ndarray,
-    times: np.ndarray,
-    tolerance: float,
-    part: slice,
-    result: np.ndarray,
-    crossed: np.ndarray,
-    steps: np.ndarray,
-) -> None:
-    """Some members as one system of scipy's DOP853; time in units of the fastest."""
-    y0 = states[part].T
-    size, count = y0.shape
-    top = float(units[part].max())
-    slow = units[part] / top
-    numbers = list(parameters[part].T)
-    function = system.array_function
-
-    def rates(_: float, y: np.ndarray) -> np.ndarray:
-        return (function(*y.reshape(size, count), *numbers) * slow).ravel()
-
-    reached: list[float] = []
-
-    def look(t: float, y: np.ndarray) -> float:
-        # scipy calls this after each step; it never sees an event.
-        reached.append(t)
-        if system.guard is None:
-            return 1.0
-        guard = system.guard_along(y.reshape(size, count), numbers)
-        crossed[part] |= np.broadcast_to(guard, count) < 0
-        return 1.0
-
-    with np.errstate(all="ignore"):
-        first = rates(0.0, y0.ravel()).reshape(size, count)
-        if not np.isfinite(first).all():
-            return
-        duration = float(times[-1]) * top
-        scales = error_scales(system, y0, numbers, first, duration)
-        used = max(tolerance, FLOOR)
-        options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
-        if tolerance < FLOOR:
-            # scipy takes no smaller tolerance: the steps are shortened instead.
-            trial = scipy.integrate.solve_ivp(
-                rates, (0.0, duration), y0.ravel(), "DOP853", **options
-            )
-            taken = max(len(trial.t) - 1, 1)
-            options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
-        found = scipy.integrate.solve_ivp(
-            rates,
-            (0.0, duration),
-            y0.ravel(),
-            "DOP853",
-            t_eval=times * top,
-            events=look,
-            **options,
-        )
-    if found.status == 0 and np.isfinite(found.y).all():
-        result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)
-    sizes = np.abs(np.diff(reached))
-    steps[:, part] = [[len(sizes)], [sizes.max(initial=0.0) / abs(duration)]]
+    taken, longest = batch.steps
+    return BatchRun(result, finished, taken, longest, interrupted, compiling)

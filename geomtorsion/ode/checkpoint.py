@@ -117,7 +117,7 @@ class Checkpoint:
         except (KeyError, ValueError) as error:
             reason = f"part {name} {part}: {cut(str(error))}"
             raise CheckpointError(_BAD.format(path=self.path, reason=reason)) from None
-        grid = engine.array(times) if isinstance(engine, Taylor) else times
+        grid = times if engine.precision == 53 else Taylor(engine.precision).array(times)
         return Run(grid[: len(states)], states, reached, last, **found)
 
     def keep(self, name: str, run: Run) -> None:
@@ -185,11 +185,12 @@ def _restored(engine: Engine, array: np.ndarray, shape: tuple[int | None, ...]) 
     if not fits:
         raise ValueError(f"shape {shape} was needed, but {array.shape} came")
     if array.dtype.kind == "U":
-        if not isinstance(engine, Taylor):
+        if engine.precision == 53:
             raise ValueError("it holds text where numbers were needed")
         # Refuses text that is no number; heyoka would end in an error of its own.
         as_floats = np.array([float(x) for x in array.ravel()])
-        array = engine.array([str(x) for x in array.ravel()]).reshape(array.shape)
+        texts = [str(x) for x in array.ravel()]
+        array = Taylor(engine.precision).array(texts).reshape(array.shape)
     else:
         as_floats = array
     if not np.isfinite(as_floats.astype(float)).all():

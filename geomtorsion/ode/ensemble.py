@@ -14,7 +14,7 @@ from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError
-from geomtorsion.ode.batch import Show
+from geomtorsion.ode.batch import batch_method
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
@@ -27,11 +27,12 @@ from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.numbers import (
     check_memory,
     checked_accuracy,
-    checked_engine,
     checked_times,
     one_time_only,
 )
+from geomtorsion.ode.solution import Problem
 from geomtorsion.ode.solve import alone
+from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
 from geomtorsion.progress import PATIENCE, bar
 
@@ -177,7 +178,8 @@ def solve_many(
     accuracy
         as in `solve`, for every member that is verified.
     engine
-        Taylor() or RungeKutta(); None chooses.
+        in double precision; None chooses Taylor() or RungeKutta(). Any other engine runs the
+        motions one by one.
     velocities, frame_velocities
         (of curves) q'^mu or u^i, shape (number, n); None: all with that of the problem.
     check
@@ -239,12 +241,13 @@ def solve_many(
     return found
 
 
-def _engine(engine: Engine | None, problem: Any) -> tuple[Engine, str]:
+def _engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
     """The engine asked for, or the fastest at hand."""
     if engine is not None:
-        if engine.precision != 53 or not isinstance(engine, Taylor | RungeKutta):
+        if engine.precision != 53:
             raise AccuracyError(
-                f"batches run in double precision by Taylor() or RungeKutta(); {engine.name} came."
+                f"solve_many: expected an engine in double precision, got {engine.name} with "
+                f"{engine.precision} bits. Solve the motions one by one."
             )
         return engine, "as asked"
     if not problem.first_stage(53, 0.0).system.has_series:
@@ -259,6 +262,7 @@ class _Job:
 
     errors, states, finished, trajectories: of all members, as far as they are done.
     lacking, best: those whose error is not small enough, and the largest of these errors.
+    failure: the first error of a member that was followed singly.
     """
 
     def __init__(
@@ -275,6 +279,7 @@ class _Job:
         self.lacking: list[int] = []
         self.best, self.tolerance, self.interrupted = 0.0, 0.0, False
         self.compile_seconds = self.run_seconds = self.check_seconds = 0.0
+        self.failure: GeomtorsionError | None = None
 
     @property
     def rows(self) -> Rows:
@@ -287,7 +292,13 @@ class _Job:
         Members that are not verified run at the finest tolerance that those needed which are.
         """
         try:
-            self._verify(some, show)
+            if batch_method(self.engine) is None:
+                # One by one all members are verified.
+                some = np.arange(len(self.members))
+                self.tolerance = self.engine.first(AIM * self.accuracy)
+                self._one_by_one(some, show)
+            else:
+                self._verify(some, show)
             rest = np.setdiff1d(np.arange(len(self.members)), some)
             if len(rest) and not (self.interrupted or self.lacking):
                 answer = self._batch("run_seconds", rest, self.tolerance, show)
@@ -297,7 +308,9 @@ class _Job:
         except KeyboardInterrupt:
             self.interrupted = True
         if not (self.interrupted or self.lacking or self.finished.any()):
-            raise StartError("none of the motions that were checked reaches the last time.")
+            raise StartError(
+                "none of the motions that were checked reaches the last time."
+            ) from self.failure
         if not self.lacking or self.interrupted:
             return ""
         best = self.best
@@ -365,15 +378,18 @@ class _Job:
         self.states[place], self.finished[place] = answer.states[done], True
         self.errors[place] = np.broadcast_to(errors, done.shape)[done]
 
-    def _one_by_one(self, index: np.ndarray) -> None:
+    def _one_by_one(self, index: np.ndarray, show: Show = None) -> None:
         """Members that leave the batch, for another chart or for what steps passed over."""
-        for k in index.tolist():
+        for done, k in enumerate(index.tolist()):
+            if show is not None:
+                show(done)
             problem = self.problem.member(self.members, k)
             began = time.perf_counter()
             try:
                 grid = self.grid * problem.time_unit
                 found = alone(problem, self.engine, self.accuracy, grid)
-            except GeomtorsionError:
+            except GeomtorsionError as failure:
+                self.failure = self.failure or failure
                 continue
             answer, error = found.answer, found.error
             compiling = sum([run.compile_seconds for run in found.runs])

@@ -27,9 +27,6 @@ SAFETY = 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
-# An error that is less than so many times below what was asked is confirmed by a second finer run
-# where that was made beside the first, in one batch.
-CLOSE = 1 / AIM
 # A motion goes by fits and starts if this part of its way lies between two of its samples.
 PEAK = 0.15
 # States that are no larger than so many roundings of the terms of their rates have no size of their
@@ -51,14 +48,12 @@ class Verified(NamedTuple):
     """An answer, the finer run it was compared with, the error, and all runs that were made.
 
     error: relative to the size of each group of states; infinite where nothing could be compared.
-    again: the answer with samples just before its own; None where that is still to be run.
     """
 
     answer: Trajectory
     reference: Trajectory
     error: float
     runs: tuple[Trajectory, ...]
-    again: Trajectory | None = None
 
 
 def verified(
@@ -66,44 +61,34 @@ def verified(
     engine: Engine,
     accuracy: float,
     run: Callable[[Engine, float, float], Trajectory],
-    jointly: Callable[[Sequence[float], float], Sequence[Trajectory]] = lambda *_: (),
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
     Or the best one, where none is. run: (engine, tolerance, part by which the start is changed) ->
-    a trajectory. jointly: (three tolerances, part) -> the answer and both finer runs, from starts
-    changed by the part and by its opposite, and the answer again with samples just before these,
-    where all this can be had at one go.
+    a trajectory.
     """
     perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
     tolerance: float | None = engine.first(AIM * accuracy)
-    while tolerance is not None and (steps := tolerances_compared(engine, tolerance)):
-        finer = steps[1]
-        answer, *others = jointly(steps, perturbation) or [run(engine, tolerance, 0.0)]
+    while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
+        answer = run(engine, tolerance, 0.0)
+        reference = run(engine, finer, perturbation)
         least = SAFETY * rounding(engine, answer.steps)
-        again = others.pop() if others else None
-        reference, *others = others or [run(engine, finer, perturbation)]
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
         if error <= accuracy:
             error = max(error, SAFETY * rounding_of_rates(answer))
-        if error <= accuracy:
-            # After a tolerance that missed, two may agree by chance; the third is often at hand.
-            if best is None and accuracy >= CLOSE * error:
-                others = []
-            if roundings_matter(answer, amplified=best is not None):
-                others = [run_without_rounding(answer, finer, perturbation, run)]
-            runs += others
-            for other in others:
-                second = max(SAFETY * difference(problem, answer, other), least)
-                # The first finer run has roundings of its own, one with more digits has none.
-                if second > error or other.engine.precision > engine.precision:
-                    reference, error = other, second
+        if error <= accuracy and roundings_matter(answer, amplified=best is not None):
+            other = run_without_rounding(answer, finer, perturbation, run)
+            runs.append(other)
+            second = max(SAFETY * difference(problem, answer, other), least)
+            # The first finer run has roundings of its own, one with more digits has none.
+            if second > error or other.engine.precision > engine.precision:
+                reference, error = other, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
-            best = Verified(answer, reference, error, (), again)
+            best = Verified(answer, reference, error, ())
         # Where a finer tolerance does not halve the error what is left is rounding, and one that
         # agrees at last would agree by chance.
         if error <= accuracy or rounded or answer.outcome == "stuck":
@@ -144,12 +129,6 @@ def run_without_rounding(
     if sharper is None:
         return run(answer.engine, finer, perturbation * math.sqrt(max(answer.steps, 1)))
     return run(sharper, finer, 0.0)
-
-
-def tolerances_compared(engine: Engine, tolerance: float) -> tuple[float, ...]:
-    """That of an answer, of the finer run, and of one between them; none where nothing is finer."""
-    finer = engine.finer(tolerance)
-    return () if finer is None else (tolerance, finer, engine.rung(math.sqrt(tolerance * finer)))
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
@@ -349,8 +328,6 @@ def _size_of_noise(stage: Stage, one: Trajectory, group: Sequence[int], extent: 
     if they did not cancel.
     """
     system = stage.system
-    if stage.lift is not None:
-        return extent
     some = [x for x in one.segments if x.stage.system is system]
     terms = max([float(system.rates.sizes(*_columns(x))[group].max()) for x in some])
     last, numbers = floats(some[-1].run.last), floats(some[-1].stage.parameters)

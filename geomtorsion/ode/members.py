@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from geomtorsion.copies import only_fields
-from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
+from geomtorsion.ode.batch import BatchRun, run_batch
 from geomtorsion.ode.engines import Engine
+from geomtorsion.ode.engines.stacked import STACKED
 from geomtorsion.ode.error_estimate import AIM, rounding, rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
-from geomtorsion.ode.system import System
+from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
 
 
@@ -27,7 +28,6 @@ class Members:
     pace: how fast they move, shape (number,).
     begin, until: times between which this holds; until None: to the end.
     follow: (states, shape (number, size)) -> the members after that.
-    parts: members -> parts that run by equations of their own; None: all run by these.
     label: name of the coordinates.
     varied: parameter -> its value for each member, for those that differ.
     """
@@ -41,22 +41,15 @@ class Members:
     begin: float = 0.0
     until: float | None = None
     follow: Callable[[np.ndarray], Members] | None = None
-    parts: Callable[[Members], Iterator[Part]] | None = None
     label: str = ""
     varied: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __getstate__(self) -> Mapping[str, object]:
         # What comes after was asked when they were run.
-        return only_fields(self) | {"follow": None, "parts": None}
+        return only_fields(self) | {"follow": None}
 
     def __len__(self) -> int:
         return len(self.states)
-
-    @property
-    def whole(self) -> Part:
-        """All of them, by their own equations."""
-        every = np.arange(len(self))
-        return Part(every, self.system, self.states, self.parameters)
 
     def of(self, index: np.ndarray) -> Members:
         """Some of the members."""
@@ -82,21 +75,6 @@ class Members:
         """The same from starts that are changed by a relative part, up and down in turn."""
         signs = np.where(np.arange(self.states.shape[1]) % 2, -part, part)
         return replace(self, states=self.states * (1 + signs))
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """Members that run by equations of their own.
-
-    index: which members; system, states, parameters: as in `Members`.
-    lift: as in `Stage`.
-    """
-
-    index: np.ndarray
-    system: System
-    states: np.ndarray
-    parameters: np.ndarray
-    lift: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +132,7 @@ def run_members(
         local = grid[inside] - members.begin
         times = np.unique(np.concatenate(([0.0], local, [stop - members.begin])))
         times = times if sign > 0 else times[::-1]
-        run = _run_parts(members, times, tolerance, engine, show, accuracy)
+        run = _run_to_event(members, times, tolerance, engine, show, accuracy)
         compiling += run.compile_seconds
         finished &= run.finished
         left += run.left
@@ -166,7 +144,7 @@ def run_members(
         members = members.follow(run.states[:, -1])
 
 
-def _run_parts(
+def _run_to_event(
     members: Members,
     times: np.ndarray,
     tolerance: float,
@@ -174,41 +152,24 @@ def _run_parts(
     show: Show,
     accuracy: float | None,
 ) -> BatchRows:
-    """All members up to their next event, each part by its own equations."""
-    number = len(members)
-    states = np.full((number, len(times), members.states.shape[1]), np.nan)
-    finished, left = np.zeros(number, dtype=bool), np.zeros(number)
-    compiling, interrupted = 0.0, False
-    for part in [members.whole] if members.parts is None else members.parts(members):
-        units, pace = members.units[part.index], members.pace[part.index]
-        run = run_batch(
-            engine, part.system, part.states, part.parameters, units, pace, times, tolerance, show,
-            counted=accuracy is not None,
-        )  # fmt: skip
-        full = run.states
-        if part.lift is not None:
-            with np.errstate(all="ignore"):
-                full = part.lift(part.parameters, full)
-        states[part.index] = full
-        finished[part.index] = run.finished
-        compiling += run.compile_seconds
-        interrupted = run.interrupted
-        if accuracy is not None and not interrupted:
-            errors, interrupted = _left(part, run, units, pace, times, tolerance, engine, accuracy)
-            left[part.index] = errors + _rounding(part, run, units, times, engine)
-            # One by one they are compared with runs of more digits, see `roundings_matter`.
-            many = run.steps > (AIM * tolerance / rounding(engine, 1)) ** 2
-            left[part.index[run.finished & many]] = np.inf
-        if interrupted:
-            break
-    return BatchRows(states, finished, left, interrupted, compiling)
+    """All members up to their next event."""
+    run = run_batch(
+        engine, members.system, members.states, members.parameters, members.units, members.pace,
+        times, tolerance, show, counted=accuracy is not None,
+    )  # fmt: skip
+    left, interrupted = np.zeros(len(members)), run.interrupted
+    if accuracy is not None and not interrupted:
+        errors, interrupted = _left(members, run, times, tolerance, engine, accuracy)
+        left = errors + _rounding(members, run, times, engine)
+        # One by one they are compared with runs of more digits, see `roundings_matter`.
+        many = run.steps > (AIM * tolerance / rounding(engine, 1)) ** 2
+        left[run.finished & many] = np.inf
+    return BatchRows(run.states, run.finished, left, interrupted, run.compile_seconds)
 
 
 def _left(
-    part: Part,
+    members: Members,
     run: BatchRun,
-    units: np.ndarray,
-    pace: np.ndarray,
     times: np.ndarray,
     tolerance: float,
     engine: Engine,
@@ -219,7 +180,7 @@ def _left(
     Members with steps that may have are run again, with more samples; those that seem to have, once
     more with samples just before these.
     """
-    system, last = part.system, float(times[-1])
+    system, units, last = members.system, members.units, float(times[-1])
     left = np.zeros(len(units))
     if not last:
         return left, False
@@ -232,10 +193,11 @@ def _left(
     for grid in (seen, with_samples_before(seen)):
         some = np.flatnonzero(np.isinf(left))
         for index in (some[first : first + share] for first in range(0, len(some), share)):
-            own = part.parameters[index]
+            own = members.parameters[index]
             again = run_batch(
-                engine, system, part.states[index], own, units[index], pace[index], grid, tolerance
-            )
+                engine, system, members.states[index], own, units[index], members.pace[index],
+                grid, tolerance,
+            )  # fmt: skip
             if again.interrupted:
                 return left, True
             columns = _columns(again.states, own)
@@ -248,17 +210,15 @@ def _left(
     return left, False
 
 
-def _rounding(
-    part: Part, run: BatchRun, units: np.ndarray, times: np.ndarray, engine: Engine
-) -> np.ndarray:
+def _rounding(members: Members, run: BatchRun, times: np.ndarray, engine: Engine) -> np.ndarray:
     """Errors by roundings of the rates that all runs share."""
     shared = run.finished & (engine.follows_rounding | (run.steps <= 2))
-    found = np.zeros(len(units))
+    found = np.zeros(len(members))
     if shared.any():
-        lasts = np.abs(times[-1] * units[shared])
-        columns = _columns(run.states[shared], part.parameters[shared])
+        lasts = np.abs(times[-1] * members.units[shared])
+        columns = _columns(run.states[shared], members.parameters[shared])
         found[shared] = rounding_on(
-            part.system, columns, lasts, np.maximum(run.steps[shared], 1), engine
+            members.system, columns, lasts, np.maximum(run.steps[shared], 1), engine
         )
     return found
 

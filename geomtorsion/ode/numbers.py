@@ -157,15 +157,6 @@ def checked_accuracy(accuracy: object) -> float:
     return value
 
 
-def checked_engine(engine: object) -> None:
-    """Refuse what cannot run a motion, such as the name of an engine."""
-    if engine is not None and (isinstance(engine, type) or not callable(getattr(engine, "run", 0))):
-        raise StartError(
-            f"engine = {checks.shown(engine)}: Taylor(), RungeKutta() or Stiff() was needed, or "
-            "None, which chooses."
-        )
-
-
 @lru_cache(maxsize=64)
 def _samples(last: float) -> np.ndarray:
     """Even samples up to a time; not to be written to."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,19 +20,17 @@ from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
     checked_accuracy,
-    checked_engine,
     checked_times,
 )
 from geomtorsion.ode.passed_over import (
     confirmed,
     cuts_of,
     has_long_step,
-    just_before,
     passed_over,
 )
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
-from geomtorsion.ode.system import STEPS_AT_ONCE, Run, System, WorkLimitError, units_of
-from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, integrate, is_beyond
+from geomtorsion.ode.system import WorkLimitError, checked_engine
+from geomtorsion.ode.trajectory import Trajectory, integrate
 
 Progress: TypeAlias = Callable[[float], object]
 
@@ -149,9 +146,10 @@ def _solved(
             if solution.complete:
                 return solution
             other = None
-            if engine is None and isinstance(candidate, Taylor) and is_coarse(accuracy):
+            stepper = RungeKutta()
+            if engine is None and candidate != stepper and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
-                stepwise = _Runs(problem, RungeKutta(), accuracy, grid, parts, kept, report)
+                stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
                 other = _complete(stepwise, runs)
             if other is None:
                 error = problem.stuck_error(solution.trajectory)
@@ -189,15 +187,9 @@ class _Runs:
 
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        found = verified(self.problem, self.engine, self.accuracy, self.run, self.jointly)
+        found = verified(self.problem, self.engine, self.accuracy, self.run)
         runs += found.runs
         return found
-
-    def jointly(self, tolerances: Sequence[float], part: float) -> list[Trajectory]:
-        if self.cuts:
-            return []
-        stages = [self.problem.first_stage(self.engine.precision, x) for x in (0.0, part, -part)]
-        return side_by_side(stages, self.grid, tolerances, self.engine)
 
     def run(self, engine: Engine, tolerance: float, part: float) -> Trajectory:
         try:
@@ -247,12 +239,10 @@ def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
         claimed = min(looked.error, asked.accuracy)
         places, left = passed_over(looked.answer, asked.accuracy, claimed)
         if places and asked.kept is None:
-            again = looked.again
-            if again is None:
-                # The same steps, with samples just before both ends of what is in doubt.
-                needed = np.append(places.before, (0.0, end))
-                again = asked.at(needed).run(asked.engine, looked.answer.tolerance, 0.0)
-                runs.append(again)
+            # The same steps, with samples just before both ends of what is in doubt.
+            needed = np.append(places.before, (0.0, end))
+            again = asked.at(needed).run(asked.engine, looked.answer.tolerance, 0.0)
+            runs.append(again)
             places = confirmed(again, places)
         new = cuts_of(places, end) - {0.0, end, *asked.cuts}
         if not new:
@@ -344,108 +334,3 @@ class Report:
                 self.progress(part)
 
         return watch
-
-
-# An answer, two finer runs, and the answer again fill a register of today's processors.
-COLUMNS = (0, 1, 2, 0)
-
-
-def side_by_side(
-    stages: Sequence[Stage], times: np.ndarray, tolerances: Sequence[float], engine: Engine
-) -> list[Trajectory]:
-    """Three motions by equal equations in one batch; none where they have to go one by one.
-
-    A processor adds four pairs of doubles as fast as one, and compiling one integrator takes half
-    the time of two: so an answer and the finer runs that it is compared with share an integrator.
-    In the fourth place is the answer again, with samples just before those of the others. heyoka
-    leaves out of a series what is small beside the largest state; here that is a constant of each
-    column.
-
-    That is with other engines, where an event comes in between, where numbers are far from one,
-    and where `run_jointly` says so. The times begin with the stages and go on.
-    """
-    first, duration = stages[0], abs(float(times[-1] - times[0]))
-    system, timed = first.system, first.timed
-    if not isinstance(engine, Taylor) or engine.precision != 53 or not duration:
-        return []
-    if timed is not None and timed.when is not None and abs(timed.when) < abs(times[-1]):
-        return []
-    starts, numbers = ([getattr(x, name) for x in stages] for name in ("start", "parameters"))
-    if units_of(system, starts[0], numbers[0], duration, first.extents) is not None:
-        return []
-    # A start that loses digits as a momentum may do so only where it is perturbed.
-    if any(stage.system is not system for stage in stages):
-        return []
-    size = max(1.0, first.reach(duration))
-    runs = run_jointly(engine, system, starts, numbers, times, tolerances, size)
-    pairs = zip(runs, numbers, strict=False)
-    if not system.guard_is_entire and any(is_beyond(system, run, own) for run, own in pairs):
-        return []
-    full: list[np.ndarray | None] = [None] * len(runs)
-    if first.lift is not None and runs:
-        full[:-1] = first.lift(np.array(numbers), np.array([run.states for run in runs[:-1]]))
-    return [
-        Trajectory(engine, tolerances[k], (Segment(stages[k], run, 0, len(times), states),), "done")
-        for k, run, states in zip(COLUMNS, runs, full, strict=False)
-    ]
-
-
-def run_jointly(
-    engine: Taylor,
-    system: System,
-    starts: Sequence[np.ndarray],
-    parameters: Sequence[np.ndarray],
-    times: np.ndarray,
-    tolerances: Sequence[float],
-    size: float,
-) -> list[Run]:
-    """A run for each of three starts, and the first again with samples just before the others.
-
-    None where they have to run one by one: where one meets the guard, where steps or times are
-    many, or where states grow so far above `size`, which is what tolerances are relative to, that
-    runs to different tolerances would take the same steps.
-    """
-    if len(times) > STEPS_AT_ONCE:
-        return []
-    finest = min(tolerances)
-    duration, backward = abs(float(times[-1] - times[0])), bool(times[-1] < times[0])
-    kept, compiling = engine.compiled(
-        system, finest, width=len(COLUMNS), optimised=False, measured=True, backward=backward
-    )
-    grids = [times, times, times, just_before(times)]
-    with kept.ready(*parameters) as ready:
-        began = time.perf_counter()
-        integrator = ready.integrator
-        integrator.set_time(float(times[0]))
-        integrator.state[:-1] = np.array([starts[k] for k in COLUMNS]).T
-        integrator.state[-1] = [size * tolerances[k] / finest for k in COLUMNS]
-        ready.choose(COLUMNS)
-        if integrator.with_events:
-            integrator.reset_cooldowns()
-        # Of one order, runs that take a single step each would agree whatever it leaves out.
-        limits = [duration if k == 0 else 0.5 * duration for k in COLUMNS]
-        grid = np.array(grids).T.copy()
-        found = integrator.propagate_grid(grid, max_steps=STEPS_AT_ONCE, max_delta_t=limits)[1]
-        results = integrator.propagate_res
-        spent = time.perf_counter() - began
-    if [x[0] for x in results] != [type(results[0][0]).time_limit] * len(COLUMNS):
-        return []
-    states = np.ascontiguousarray(found[:, :-1].transpose(2, 0, 1))
-    # Steps are measured by states that are larger than `size` in each column; finer runs are to
-    # leave out half as much at least.
-    if 2 * np.abs(states[0]).max() > size * max(tolerances) / finest:
-        return []
-    runs = []
-    for k, own in enumerate(grids):
-        least, longest, steps = (float(abs(x)) for x in results[k][1:4])
-        # heyoka does not tell the last step, which ends with the times; others are between these.
-        typical = math.sqrt(least * longest) if longest else 0.0
-        longest, steps = max(longest, duration - (steps - 1) * typical), int(steps)
-        runs.append(
-            Run(
-                own, states[k], own[-1], states[k, -1], "done", steps,
-                steps * (integrator.order + 1), 0.0 if k else compiling, 0.0 if k else spent,
-                None, "", longest,
-            )
-        )  # fmt: skip
-    return runs

@@ -10,10 +10,12 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from geomtorsion import checks
 from geomtorsion.codegen import Graph
 from geomtorsion.copies import only_fields
-from geomtorsion.errors import LimitError
+from geomtorsion.errors import LimitError, StartError
 from geomtorsion.ode.numbers import Real, divided, floats, multiplied
+from geomtorsion.precision import EXACT_BITS
 
 # Functions that have a value everywhere.
 ENTIRE = ("sin", "cos", "sinh", "cosh", "exp")
@@ -74,12 +76,6 @@ class System:
         clock = None if self.clock is None else self.states.index(self.clock[0])
         groups = (tuple(k for k in group if k != clock) for group in self.groups)
         return tuple(group for group in groups if group)
-
-    @cached_property
-    def idle(self) -> tuple[int, ...]:
-        """Indices of states that stand in no rate."""
-        used = {step.detail for step in self.rates.steps if step.kind == "argument"}
-        return tuple(k for k in range(self.size) if k not in used)
 
     @cached_property
     def key(self) -> tuple[str, str | None, int | None]:
@@ -276,7 +272,7 @@ Extents: TypeAlias = list[tuple[float, float]]
 # Frozen, it would take a microsecond to make, which short runs would notice.
 @dataclass(eq=False, slots=True)
 class Run:
-    """What one integration gave, complete or not.
+    """Result of one integration, complete or not; see `Engine.run` for what an engine owes.
 
     times, states: where it was asked for and reached; shapes (m,) and (m, size).
     reached, last: time and state at which it ended.
@@ -356,22 +352,78 @@ def refuse_stiff(
         raise StiffnessError(most, reached, f"{left / pace:.2g}", "t")
 
 
+# Called with the number of members that are done.
+Show: TypeAlias = Callable[[float], None] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Motions of equal equations that an engine runs at once, and room for their results.
+
+    The engine fills the arrays below `counted` while it runs: after Ctrl-C they are kept as they
+    are.
+
+    system: the equations of all members.
+    states, parameters: at the start, shapes (number, size) and (number, parameters).
+    units: the times of a member are `times` multiplied by its unit, shape (number,).
+    pace: how fast each member moves, shape (number,). Members that share an instruction wait for
+        the slowest of them.
+    times: monotone from 0 on, shape (m,).
+    show: called with the number of members that are done.
+    counted: whether `steps` is requested.
+    result: states at the times, shape (number, m, size); at first not a number.
+    finished: members that came to the last time, shape (number,).
+    crossed: members whose guard fell through zero, shape (number,).
+    steps: number of steps and the longest step as a part of the way, shape (2, number).
+    """
+
+    system: System
+    states: np.ndarray
+    parameters: np.ndarray
+    units: np.ndarray
+    pace: np.ndarray
+    times: np.ndarray
+    show: Show
+    counted: bool
+    result: np.ndarray
+    finished: np.ndarray
+    crossed: np.ndarray
+    steps: np.ndarray
+
+
 class Engine(Protocol):
-    """Integrates a system over given times, to a local tolerance."""
+    """Integrates a system over given times, to a local tolerance.
+
+    The members below are all that the solver asks of an engine. An engine of a user's own works in
+    `solve`, `solve_many`, scenes, costs and checkpoints. Files keep its samples; only the engines
+    of this package are made again from a file to give values in between.
+
+    An engine may have one more method, `batch(batch, tolerance) -> seconds of compilation`, which
+    runs the members of a `Batch` at once. `solve_many` calls it, and runs the members one by one
+    with an engine that lacks it.
+    """
 
     @property
     def name(self) -> str:
-        """How it is called in tables."""
+        """Its name in tables, files and checkpoints; the same name means the same results."""
         ...
 
     @property
     def precision(self) -> int:
-        """Bits of the mantissa it works with."""
+        """Bits of the mantissa: 53, 64, or from 113 on.
+
+        With 53 bits times and states are arrays of doubles, with 64 of NumPy's long doubles, and
+        above that of the numbers that `Taylor(precision).array` makes.
+        """
         ...
 
     @property
     def finds_every_root(self) -> bool:
-        """Whether it sees a guard that falls and rises again within one step."""
+        """Whether it sees a guard that falls below zero and rises again within one step.
+
+        False: it compares the guard at the ends of its steps. The solver then looks between them
+        where that matters, by the dense output.
+        """
         ...
 
     @property
@@ -388,7 +440,11 @@ class Engine(Protocol):
         ...
 
     def finer(self, tolerance: float) -> float | None:
-        """The next tolerance of its ladder, a hundred times finer; None where there is none."""
+        """The next tolerance of its ladder, a hundred times finer; None where there is none.
+
+        The solver compares an answer with a run at the finer tolerance, so that the two finest
+        tolerances of the ladder give no answer.
+        """
         ...
 
     def run(
@@ -402,13 +458,90 @@ class Engine(Protocol):
         dense: bool = False,
         watch: Watch | None = None,
     ) -> Run:
-        """Integrate from times[0] through all times (monotone); watching changes no bit of it.
+        """Integrate from times[0] through all times.
 
-        The run has a state at each time that it reached, the first and the last of them included.
-        It ends where `system.guard_at` falls through zero (outcome "edge"), and gives `dense`
-        where that is asked for. Times and states are in the units of the call.
+        Parameters
+        ----------
+        times
+            monotone, increasing or decreasing, shape (m,). They may begin at any time. One time
+            alone, or two equal ones, ask for no step.
+        tolerance
+            of one step, relative to the size of the state.
+        dense
+            whether `Run.dense` is requested. The solver asks for it in a further call from the
+            first time to the time reached, without guard and without the times between. The steps
+            must be the same.
+        watch
+            to be called now and then with the time reached. Errors that it raises end the run and
+            pass through. Watching changes no bit of a result.
+
+        Returns
+        -------
+        Run
+            A state at each of the times up to the time reached, the first and the last included:
+            where the outcome is "done" there are as many states as times, and `reached` and `last`
+            are those of the last time. Where `system.guard_at` falls through zero the run ends with
+            outcome "edge": `reached` is the time of the root, and the samples are those before it.
+            An engine that notices later that the guard fell may return "beyond"; the solver then
+            finds the root by the dense output. Where no step leads on the outcome is "stuck", with
+            `reason`. `longest_step` is the longest step in units of `times`; where it is infinite,
+            the solver takes more samples to see what steps may have missed.
+
+        Raises
+        ------
+        WorkLimitError
+            It took more steps than it is allowed.
         """
         ...
+
+
+def checked_engine(engine: object) -> None:
+    """Refuse what cannot run a motion, such as the name of an engine."""
+    if engine is None:
+        return
+    if isinstance(engine, type) or not callable(getattr(engine, "run", 0)):
+        raise StartError(
+            f"engine = {checks.shown(engine)}: Taylor(), RungeKutta() or Stiff() was needed, or "
+            "None, which chooses."
+        )
+    members = [name for name in vars(Engine) if not name.startswith("_")]
+    missing = [name for name in members if getattr(engine, name, None) is None]
+    if missing:
+        raise StartError(
+            f"engine = {checks.shown(engine)}: expected {', '.join(members)}, got no "
+            f"{', '.join(missing)}. Add what is missing; see Engine."
+        )
+    precision = checks.whole(getattr(engine, "precision", None))
+    if precision not in (53, 64) and not 113 <= (precision or 0) <= EXACT_BITS:
+        raise StartError(
+            f"engine = {checks.shown(engine)}: expected a precision of 53, 64 or 113 to "
+            f"{EXACT_BITS} bits, got {checks.shown(getattr(engine, 'precision', None))}."
+        )
+
+
+OUTCOMES = frozenset({"done", "edge", "beyond", "stuck"})
+
+
+def checked_run(engine: Engine, run: Run, times: np.ndarray) -> Run:
+    """The run, if the engine returned what `Engine.run` owes.
+
+    Raises
+    ------
+    StartError
+        Times, states and outcome do not fit together.
+    """
+    count, expected = len(run.times), ""
+    if run.outcome not in OUTCOMES:
+        expected = f"one of the outcomes {', '.join(sorted(OUTCOMES))}, got {run.outcome!r}"
+    elif len(run.states) != count:
+        expected = f"a state at each of {count} times, got {len(run.states)} states"
+    elif count > len(times) or (run.outcome == "done" and count < len(times)):
+        expected = f"samples at {len(times)} times, got {count}"
+    elif run.outcome == "done" and float(run.reached) != float(times[-1]):
+        expected = f"a run to {float(times[-1])!r}, got one to {float(run.reached)!r}"
+    if expected:
+        raise StartError(f"engine {engine.name}: expected {expected}. Compare with Engine.run.")
+    return run
 
 
 @dataclass(frozen=True, eq=False)
@@ -442,7 +575,8 @@ def scaled_run(
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
-        return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+        found = engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+        return checked_run(engine, found, times)
     unit = units.time
     sizes = units.sizes.tolist()
     try:
@@ -457,6 +591,7 @@ def scaled_run(
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None
+    checked_run(engine, found, times / units.time)
     found.times = times[: len(found.times)]
     found.states = multiplied(found.states, units.sizes)
     found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]

@@ -62,10 +62,7 @@ class Stage:
         double precision.
     begin: the time at which it begins.
     events: at most one at a time, and at most one of the guard.
-    lift: (parameters, states) of one motion or more -> states of the problem, shapes (number, k),
-        (number, m, size) and (number, m, full size); None: they are those of the system.
-    groups: indices of states of the problem that are measured together.
-    full_start: the state of the problem at the beginning, where there is a lift.
+    groups: indices of states that are measured together.
     kept: a state where the stage is cut -> the same with what rounding and steps took from it put
         right, such as a length of one; None: nothing is.
     """
@@ -76,48 +73,20 @@ class Stage:
     parameters: State
     begin: float = 0.0
     events: tuple[Event, ...] = ()
-    lift: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None
     groups: tuple[tuple[int, ...], ...] = ()
-    full_start: np.ndarray | None = None
     kept: Callable[[State], State] | None = None
 
     __getstate__ = only_fields
 
-    def full(self, states: np.ndarray) -> np.ndarray:
-        """Rows of states of the problem for rows of states of the system."""
-        if self.lift is None:
-            return states
-        return self.lift(np.asarray(self.parameters)[None], states[None])[0]
-
     @cached_property
     def first(self) -> np.ndarray:
-        """The state of the problem at the beginning, as floats."""
-        if self.full_start is not None:
-            return self.full_start
+        """The state at the beginning, as floats."""
         return np.array([float(x) for x in self.start])
 
     @cached_property
     def extents(self) -> Extents:
         """Sizes of the states of the system at the beginning."""
         return extents_of(self.system, self.start, self.parameters)
-
-    def reach(self, duration: float) -> float:
-        """The largest state of the system, as far as that is known at the beginning.
-
-        States that stand in no rate, such as angles and times, grow evenly.
-        """
-        return max([abs(x) + slope * duration for x, slope in self._slopes])
-
-    @cached_property
-    def _slopes(self) -> list[tuple[float, float]]:
-        """Each state, with its rate where it stands in none."""
-        idle = self.system.idle
-        slopes = [0.0] * self.system.size
-        if idle:
-            numbers = [float(x) for x in self.parameters]
-            rates = self.system.scalar_rates(numbers)(0.0, np.asarray(self.start))
-            slopes = [abs(x) if k in idle else 0.0 for k, x in enumerate(rates)]
-        return list(zip([abs(float(x)) for x in self.start], slopes, strict=True))
 
     @cached_property
     def timed(self) -> Event | None:
@@ -136,14 +105,12 @@ class Segment:
 
     head: 1 where its first sample is its beginning, which nobody asked for, else 0.
     count: number of samples that were asked for.
-    samples: states of the problem at these, where they are not those of the run.
     """
 
     stage: Stage
     run: Run
     head: int
     count: int
-    samples: np.ndarray | None = None
 
     __getstate__ = only_fields
 
@@ -158,20 +125,18 @@ class Segment:
         return self.run.times[self.head : self.head + self.count]
 
     def resampled(self, times: np.ndarray, states: np.ndarray) -> Segment:
-        """The segment with other samples, of states of the problem."""
-        return Segment(self.stage, replace(self.run, times=times), 0, len(times), states)
+        """The segment with other samples."""
+        return Segment(self.stage, replace(self.run, times=times, states=states), 0, len(times))
 
-    @cached_property
+    @property
     def states(self) -> np.ndarray:
-        """States of the problem at the samples, shape (count, size)."""
-        if self.samples is not None:
-            return self.samples
-        return self.stage.full(self.run.states[self.head : self.head + self.count])
+        """States at the samples, shape (count, size)."""
+        return self.run.states[self.head : self.head + self.count]
 
-    @cached_property
+    @property
     def last(self) -> np.ndarray:
-        """State of the problem where the segment ends."""
-        return self.stage.full(np.asarray(self.run.last)[None, :])[0]
+        """State where the segment ends."""
+        return np.asarray(self.run.last)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +202,7 @@ class Trajectory:
         for k in np.unique(place).tolist():
             index = np.flatnonzero(place == k)
             states = np.asarray(self._dense_output(k)(times[index]))
-            found.append((self.segments[k], self.segments[k].stage.full(states), index))
+            found.append((self.segments[k], states, index))
         return found
 
     def _dense_output(self, k: int) -> Dense:
@@ -259,10 +224,7 @@ class Trajectory:
                     dense=True,
                 )
                 if again.dense is None:
-                    raise StartError(
-                        f"engine {self.engine.name}: expected Run.dense from run(dense=True), got "
-                        "None. Return a function of times, or read the solution at its times."
-                    )
+                    raise StartError(without_dense(self.engine))
                 self._dense[k] = again.dense
         return self._dense[k]
 
@@ -387,14 +349,27 @@ def run_stage(
 
     if system.guard is None or not final or engine.finds_every_root:
         found = run(False)
-        if not engine.finds_every_root or system.guard_is_entire:
+        sees_all = not engine.finds_every_root or system.guard_is_entire
+        if sees_all and found.outcome != "beyond":
             return found
         if _is_early(system, stage, found, tolerance):
             return _looked_at(stage, found, times, tolerance, engine, watch)
         if not is_beyond(system, found, numbers):
             return found
     found = run(True)
-    return found if found.dense is None else _ended_earlier(system, found, times, numbers)
+    if found.dense is None:
+        if found.outcome == "beyond":
+            raise StartError(without_dense(engine))
+        return found
+    return _ended_earlier(system, found, times, numbers)
+
+
+def without_dense(engine: Engine) -> str:
+    """The message where states between the samples of an engine are missing."""
+    return (
+        f"engine {engine.name}: expected Run.dense from run(dense=True), got None. Return a "
+        "function of times, or read the solution at its times."
+    )
 
 
 def _is_early(system: System, stage: Stage, run: Run, tolerance: float) -> bool:

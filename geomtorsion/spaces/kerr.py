@@ -10,13 +10,13 @@ from typing import Any
 import sympy as sp
 from sympy import Rational, cos, oo, pi, sin, sqrt, symbols
 
-from geomtorsion.curves.atlas import GAIN, Atlas, Chart, MapFunctions, TransitionMap, Written
+from geomtorsion.curves.atlas import GAIN, Atlas, Chart, MapFunctions, TransitionMap
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.coordinates import AXIS
 from geomtorsion.spaces.embedding import orbit_embedding
 from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, box, matrix
 
-# Either stereographic chart may be entered at the equator, where its edge is at one.
+# The chart over the axis may be entered at the poles, where its edge is at one.
 FAR = 1 / (2 * GAIN)
 # Where motions in ingoing coordinates end, though the coordinates are good there for others.
 OUTWARDS = (
@@ -25,21 +25,16 @@ OUTWARDS = (
 )
 
 INWARDS = (
-    "Outgoing coordinates end at the ring r = 0, theta = pi/2, and they grow without bound where a "
-    "motion, followed into its past, leaves through a horizon outwards. "
+    "Outgoing coordinates end at the axis and at the ring r = 0, theta = pi/2, and they grow "
+    "without bound where a motion, followed into its past, leaves through a horizon outwards. "
 )
 
 # Names of the charts, and of the coordinates of each.
 INGOING = sp.symbols("v r_in theta_in phi_in", real=True)
-NORTH = sp.symbols("v_n r_n x_n y_n", real=True)
-SOUTH = sp.symbols("v_s r_s x_s y_s", real=True)
+OVER_AXIS = sp.symbols("v_ax r_ax y_ax z_ax", real=True)
 OUTGOING = sp.symbols("u r_out theta_out phi_out", real=True)
-NORTH_OUT = sp.symbols("u_n r_on x_on y_on", real=True)
-SOUTH_OUT = sp.symbols("u_s r_os x_os y_os", real=True)
-CARTESIAN = sp.symbols("T x_ y_ z_", real=True)
 
 Values = Sequence[Any]
-Coordinates = tuple[sp.Symbol, ...]
 Numbers = Mapping[str, Any]
 
 
@@ -127,39 +122,27 @@ def space(name: str, title: str) -> Space:
 
 
 def _atlas(frame: Frame) -> Atlas:
-    """Ingoing Kerr coordinates: through the horizons; with stereographic angles over the axis, too.
+    """Ingoing Kerr coordinates through the horizons; the same with a chart over both poles.
 
     Outgoing ones are those of time reversed, v -> -u, phi_in -> -phi_out: in them a motion that
     comes out of the outer horizon can be followed into its past.
-    Kerr-Schild coordinates are for reading: their square roots cancel near the axis, so that no
-    motion is followed in them unless they are named.
     """
     mass, a = frame.parameters
     makers = {
         "kerr": partial(Chart.of, frame, edge=_home_edge(frame), margin=AXIS / 2),
         "ingoing": partial(_radial, mass, a, INGOING, 1, "ingoing"),
-        "ingoing_north": partial(_stereographic, mass, a, NORTH, 1, "ingoing_north"),
-        "ingoing_south": partial(_stereographic, mass, a, SOUTH, -1, "ingoing_south"),
+        "axis": partial(_over_the_axis, mass, a),
         "outgoing": partial(_radial, mass, a, OUTGOING, -1, "outgoing"),
-        "outgoing_north": partial(_stereographic, mass, a, NORTH_OUT, 1, "outgoing_north", -1),
-        "outgoing_south": partial(_stereographic, mass, a, SOUTH_OUT, -1, "outgoing_south", -1),
-        "kerr_schild": partial(_kerr_schild, mass, a),
     }
 
     def maps() -> tuple[TransitionMap, ...]:
         return (
             *_to_and_from(frame, "ingoing", INGOING, 1),
-            *_over_the_axis(a),
-            *_to_and_from_cartesian(a),
+            *_to_and_from_axis(),
             *_to_and_from(frame, "outgoing", OUTGOING, -1),
-            *_over_the_axis_outgoing(),
         )
 
-    followed = (
-        *("kerr", "ingoing", "ingoing_north", "ingoing_south"),
-        *("outgoing", "outgoing_north", "outgoing_south"),
-    )
-    return Atlas("kerr", makers, maps, followed)
+    return Atlas("kerr", makers, maps)
 
 
 # -- charts ----------------------------------------------------------------------------------------
@@ -205,67 +188,31 @@ def _radial(
     return Chart.of(frame, keeps_frame=False, edge=s, margin=AXIS, end=end)
 
 
-def _stereographic(
-    mass: sp.Symbol,
-    a: sp.Symbol,
-    q: tuple[sp.Symbol, ...],
-    side: int,
-    name: str,
-    sense: int = 1,
-) -> Chart:
-    """Ingoing coordinates with x + i y = tan(theta/2) exp(i phi), or its cotangent in the south.
+def _over_the_axis(mass: sp.Symbol, a: sp.Symbol) -> Chart:
+    """Ingoing coordinates with the direction n in the plane: y = n_y / (1 + n_x), z likewise.
 
-    Outgoing ones (sense -1) have u for -v and -y for y.
-
-    With h = 1 + x^2 + y^2 the sphere is 4 (dx^2 + dy^2) / h^2 and sin^2 dphi is
-    4 (x dy - y dx) / h^2: all is rational but the length of the legs, and nothing ends at the pole.
+    This is the stereographic projection from the point n_x = -1 of the equator, so that one chart
+    holds at both poles. With h = 1 + y^2 + z^2 the sphere is 4 (dy^2 + dz^2) / h^2, cos(theta) is
+    2 z / h, and a turn around the axis moves (y, z) along k = ((1 + y^2 - z^2) / 2, y z); so
+    sin^2 dphi is 4 (k_y dy + k_z dz) / h^2. All is rational but the length of the legs.
     """
-    _, r, x, y = q
-    y = sense * y
-    h = 1 + x**2 + y**2
-    cosine = side * (2 - h) / h
-    sigma = r**2 + a**2 * cosine**2
-    w = [sp.S.One, sp.S.Zero, 4 * a * y / h**2, -4 * a * x / h**2]
+    _, r, y, z = OVER_AXIS
+    h = 1 + y**2 + z**2
+    turn = (1 + y**2 - z**2) / 2, y * z
+    sigma = r**2 + (2 * a * z / h) ** 2
+    w = [sp.S.One, sp.S.Zero, *(-4 * a * k / h**2 for k in turn)]
     scale = 2 * sp.sqrt(sigma) / h
-    along = [scale * a * y / sigma * k for k in w]
-    across = [-scale * a * x / sigma * k for k in w]
-    along[2] += scale
-    across[3] += scale
-    entries = [*_null_pair(mass, a, r, sigma, w), along, across]
+    across = [[-scale * a * k / sigma * x for x in w] for k in turn]
+    for row, place in zip(across, (2, 3), strict=True):
+        row[place] += scale
     frame = Frame(
-        q,
-        [[sense * row[0], row[1], row[2], sense * row[3]] for row in entries],
+        OVER_AXIS,
+        [*_null_pair(mass, a, r, sigma, w), *across],
         signature=(-1, 1, 1, 1),
         parameters=(mass, a),
-        name=name,
+        name="axis",
     )
-    end = OUTWARDS if sense > 0 else INWARDS
-    return Chart.of(frame, keeps_frame=False, edge=2 / h, margin=FAR, end=end)
-
-
-def _kerr_schild(mass: sp.Symbol, a: sp.Symbol) -> Chart:
-    """g = eta + 2 H l l in T = v - r and x + i y = (r + i a) sin(theta) exp(i phi_in)."""
-    _, x, y, z = CARTESIAN
-    radius, root = _spheroid(a)
-    across = radius**2 + a**2
-    lower = [sp.S.One, (radius * x + a * y) / across, (radius * y - a * x) / across, z / radius]
-    upper = [-sp.S.One, *lower[1:]]
-    entries = [
-        [sp.Integer(i == j) + mass * radius / root * upper[i] * lower[j] for j in range(4)]
-        for i in range(4)
-    ]
-    frame = Frame(
-        CARTESIAN, entries, signature=(-1, 1, 1, 1), parameters=(mass, a), name="kerr_schild"
-    )
-    return Chart.of(frame, keeps_frame=False, end=OUTWARDS)
-
-
-def _spheroid(a: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
-    """r and r^2 + a^2 cos^2(theta) over Kerr-Schild coordinates."""
-    _, x, y, z = CARTESIAN
-    excess = x**2 + y**2 + z**2 - a**2
-    root = sp.sqrt(excess**2 + 4 * a**2 * z**2)
-    return sp.sqrt((excess + root) / 2), root
+    return Chart.of(frame, keeps_frame=False, edge=2 / h, margin=FAR, end=OUTWARDS)
 
 
 # -- Boyer-Lindquist and ingoing -------------------------------------------------------------------
@@ -326,128 +273,23 @@ def _tortoise(f: MapFunctions, r: Any, mass: Any, a: Any) -> tuple[Any, Any]:
 # -- over the axis ---------------------------------------------------------------------------------
 
 
-def _over_the_axis(a: sp.Symbol) -> tuple[TransitionMap, ...]:
-    """Between ingoing angles, the two stereographic charts and Kerr-Schild coordinates."""
-    found = []
-    numbers = {a: sp.Rational(1, 2)}
-    charts = ("ingoing_north", NORTH, 1), ("ingoing_south", SOUTH, -1)
-    for name, q, side in charts:
-        w, radius, x, y = q
-        square = x**2 + y**2
-        h = 1 + square
-        cartesian = (
-            w - radius,
-            2 * (radius * x - a * y) / h,
-            2 * (radius * y + a * x) / h,
-            side * radius * (1 - square) / h,
-        )
-        found += _angles_and_back("ingoing", INGOING, name, q, side)
-        found.append(
-            TransitionMap(name, "kerr_schild", q, cartesian, (a,), (), _inside(q) | numbers)
-        )
-    return *found, *_over_the_equator(charts)
-
-
-def _over_the_axis_outgoing() -> tuple[TransitionMap, ...]:
-    """The same between outgoing angles and their two stereographic charts."""
-    charts = ("outgoing_north", NORTH_OUT, 1), ("outgoing_south", SOUTH_OUT, -1)
-    found = [_angles_and_back("outgoing", OUTGOING, name, q, side) for name, q, side in charts]
-    return *found[0], *found[1], *_over_the_equator(charts)
-
-
-def _angles_and_back(
-    angles: str, names: Coordinates, name: str, q: Coordinates, side: int
-) -> tuple[TransitionMap, TransitionMap]:
-    """From angles to x + i y = tan(theta/2) exp(i phi), or its cotangent in the south, and back."""
-    time, r, theta, phi = names
-    share = sp.sin(theta) / (1 + side * sp.cos(theta))
-    there = (time, r, share * sp.cos(phi), share * sp.sin(phi))
-    w, radius, x, y = q
-    square = x**2 + y**2
-    polar = sp.atan2(2 * sp.sqrt(square), side * (1 - square))
-    back = (w, radius, polar, sp.atan2(y, x))
-    inside = dict(zip(names, (0, 5, 1, 1), strict=True))
-    return (
-        TransitionMap(angles, name, names, there, (), (), inside, _half_angle(side)),
-        TransitionMap(name, angles, q, back, (), (3,), _inside(q)),
-    )
-
-
-def _inside(q: Coordinates) -> dict[sp.Symbol, sp.Expr | int]:
-    """A point of a stereographic chart."""
-    return dict(zip(q, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
-
-
-def _over_the_equator(
-    charts: tuple[tuple[str, Coordinates, int], ...],
-) -> tuple[TransitionMap, ...]:
-    """From each of two stereographic charts to the other."""
-    found = []
-    for (one, q, _), (other, _, _) in (charts, charts[::-1]):
-        w, radius, x, y = q
-        turned = (w, radius, x / (x**2 + y**2), y / (x**2 + y**2))
-        found.append(TransitionMap(one, other, q, turned))
-    return tuple(found)
-
-
-def _half_angle(side: int) -> Written:
-    """From ingoing angles to x + i y = tan(theta/2) exp(i phi), or its cotangent in the south."""
-
-    def written(f: MapFunctions, q: Values, _: Numbers) -> Values:
-        v, r, theta, phi = q
-        s, c = f.sin(theta / 2), f.cos(theta / 2)
-        share = s / c if side > 0 else c / s
-        return v, r, share * f.cos(phi), share * f.sin(phi)
-
-    return written
-
-
-def _to_and_from_cartesian(a: sp.Symbol) -> tuple[TransitionMap, TransitionMap]:
-    """Between ingoing angles and Kerr-Schild coordinates."""
+def _to_and_from_axis() -> tuple[TransitionMap, TransitionMap]:
+    """Between ingoing angles and the plane onto which the sphere is projected."""
     v, r, theta, phi = INGOING
-    T, x, y, z = CARTESIAN
-    s = sp.sin(theta)
-    out = (
-        v - r,
-        s * (r * sp.cos(phi) - a * sp.sin(phi)),
-        s * (r * sp.sin(phi) + a * sp.cos(phi)),
-        r * sp.cos(theta),
-    )
-    radius, _ = _spheroid(a)
-    distance = sp.sqrt(x**2 + y**2)
-    polar = sp.atan2(distance / sp.sqrt(radius**2 + a**2), z / radius)
-    back = (T + radius, radius, polar, sp.atan2(y, x) - sp.atan2(a, radius))
-    numbers = {a: sp.Rational(1, 2)}
-    here = dict(zip(CARTESIAN, (0, 3, 2, 3), strict=True)) | numbers
-    there = dict(zip(INGOING, (0, 5, 1, 1), strict=True)) | numbers
+    beside = 1 + sp.sin(theta) * sp.cos(phi)
+    there = (v, r, sp.sin(theta) * sp.sin(phi) / beside, sp.cos(theta) / beside)
+    w, radius, y, z = OVER_AXIS
+    x = (1 - y**2 - z**2) / 2
+    back = (w, radius, sp.atan2(sp.sqrt(x**2 + y**2), z), sp.atan2(y, x))
+    inside = dict(zip(INGOING, (0, 5, 1, 1), strict=True))
+    plane = dict(zip(OVER_AXIS, (0, 5, sp.Rational(1, 2), sp.Rational(1, 3)), strict=True))
 
-    def written(f: MapFunctions, q: Values, p: Numbers) -> Values:
-        return _spheroidal(f, q, p[a.name])
+    def angles(f: MapFunctions, q: Values, _: Numbers) -> Values:
+        y, z = q[2:]
+        x = ((1 - z) * (1 + z) - y * y) / 2
+        return q[0], q[1], f.atan2(f.hypot(x, y), z), f.atan2(y, x)
 
     return (
-        TransitionMap("ingoing", "kerr_schild", INGOING, out, (a,), (), there),
-        TransitionMap("kerr_schild", "ingoing", CARTESIAN, back, (a,), (3,), here, written),
+        TransitionMap("ingoing", "axis", INGOING, there, (), (), inside),
+        TransitionMap("axis", "ingoing", OVER_AXIS, back, (), (3,), plane, angles),
     )
-
-
-def _spheroidal(f: MapFunctions, q: Values, a: Any) -> Values:
-    """v, r, theta, phi over T, x, y, z: oblate spheroids about the ring of radius a.
-
-    The distances d, d' from the ring's far and near side have d d' = Sigma and
-    (d + d') / 2 = sqrt(r^2 + a^2). Of r^2 and (a cos)^2, whose difference is known, the larger one
-    is a sum; the other one follows from their product (a z)^2.
-    """
-    time, x, y, z = q
-    distance = f.hypot(x, y)
-    far, near = f.hypot(distance + a, z), f.hypot(distance - a, z)
-    excess = (distance - a) * (distance + a) + z * z
-    outside = excess >= 0
-    larger = f.sqrt((far * near + f.choose(outside, excess, -excess)) / 2)
-    smaller = a * z / f.choose(larger == 0, 1, larger)
-    r = f.choose(outside, larger, f.choose(z < 0, -smaller, smaller))
-    # a cos(theta) is z a / r outside, and the larger one with the sign of z inside.
-    scaled = f.choose(outside, z, f.choose(z < 0, -larger, larger))
-    unit = f.choose(outside, f.choose(outside, larger, 1), a)
-    cosine = scaled / f.choose(unit == 0, 1, unit)
-    polar = f.atan2(2 * distance / (far + near), cosine)
-    return time + r, r, polar, f.atan2(y, x) - f.atan2(a, r)

@@ -9,7 +9,8 @@ import pytest
 from geomtorsion.curves import autoparallel, geodesic
 from geomtorsion.errors import AccuracyError, TimeError
 from geomtorsion.geometry import cartan
-from geomtorsion.ode import RungeKutta, Solution, Taylor, batch, solve, solve_many
+from geomtorsion.ode import RungeKutta, Solution, Taylor, solve, solve_many
+from geomtorsion.ode.engines import stacked
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 from tests.ode.engines import ENGINES, every_engine, needs_heyoka
@@ -83,8 +84,8 @@ def test_what_does_not_arrive_is_told_apart(engine):
 
 def test_interruption_returns_what_is_finished(monkeypatch):
     """Ctrl-C in the second stack: the first is there."""
-    monkeypatch.setattr(batch, "STACKED", 12)
-    inner, calls = batch._stacked, []
+    monkeypatch.setattr(stacked, "STACKED", 12)
+    inner, calls = stacked._run_part, []
 
     def stopped(*given):
         calls.append(given)
@@ -93,7 +94,7 @@ def test_interruption_returns_what_is_finished(monkeypatch):
             raise KeyboardInterrupt
         inner(*given)
 
-    monkeypatch.setattr(batch, "_stacked", stopped)
+    monkeypatch.setattr(stacked, "_run_part", stopped)
     problem = top(frame_velocity=[1, 0, 0])
     many = solve_many(
         problem,

@@ -15,6 +15,7 @@ import scipy
 import sympy as sp
 
 from geomtorsion import scenes, spaces
+from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.curves import geodesic
 from geomtorsion.errors import CheckpointError, GeomtorsionError, StartError
 from geomtorsion.ode import (
@@ -24,6 +25,7 @@ from geomtorsion.ode import (
     SavedSolution,
     Stiff,
     Taylor,
+    When,
     solve,
     solve_many,
 )
@@ -128,6 +130,45 @@ def test_a_great_circle_over_both_poles(engine: Engine) -> None:
 
 
 @every_engine
+def test_eighteen_changes_of_charts(engine: Engine) -> None:
+    """Great circles beside the poles: the error estimate covers the error to t = 30."""
+    problem = geodesic(
+        spaces.load("s2").frame, [sp.pi / 2, 0.3], frame_velocity=[1, 1e-3], parameters={"R": 1}
+    ).with_charts("s2", "s2_x")
+    times = np.linspace(1, 30, 30)
+    accuracy = 1e-5 if engine.name == "Stiff(LSODA)" else 1e-6
+    solution = solve(problem, times, accuracy, engine)
+    speed = np.sqrt(1 + 1e-6)
+    truth = np.arccos(np.clip(-np.sin(speed * times) / speed, -1, 1))
+    gap = np.abs(solution.coordinates[:, 0].astype(float) - truth).max()
+    assert gap <= 40 * solution.error <= 40 * accuracy
+
+
+class Late(Mine):
+    """An engine that passes the guard and then says so."""
+
+    finds_every_root = True
+
+    def run(self, system: Any, *given: Any, **more: Any) -> Run:
+        """The run without the guard, "beyond" where it ended below zero."""
+        run = super().run(system.unguarded, *given, **more)
+        numbers = [float(x) for x in given[1]]
+        if system.guard is not None and system.guard_at([float(x) for x in run.last], numbers) < 0:
+            run.outcome = "beyond"
+        return run
+
+
+@pytest.mark.parametrize("finds_every_root", [True, False])
+def test_an_engine_that_notices_the_guard_late(finds_every_root: bool) -> None:
+    """The solver finds the root itself: an even fall ends where the guard is zero."""
+    engine = Late()
+    engine.finds_every_root = finds_every_root
+    fall = ODE.of({"x": "-1"}, [1], events=[When("x")])
+    solution = solve(fall, 3.0, ACCURACY, engine)
+    assert (solution.outcome, solution.times[-1]) == ("stopped", pytest.approx(1.0, abs=1e-9))
+
+
+@every_engine
 def test_a_saved_solution_is_the_same_or_is_refused(engine: Engine, tmp_path: Path) -> None:
     """Samples are kept always; what lies between comes from the same engine, or from none."""
     solution = solve(swing(), [1.0, 2.0, 3.0], ACCURACY, engine)
@@ -184,7 +225,99 @@ def test_an_engine_without_dense_output() -> None:
         solution.at(0.5)
 
 
-def test_ensembles_name_the_engines_that_they_take() -> None:
-    """solve_many refuses the user's engine in clear words."""
-    with pytest.raises(GeomtorsionError, match="Taylor.. or RungeKutta.*Mine"):
-        solve_many(swing(), [[1, 0], [2, 0]], 1.0, engine=Mine())
+@pytest.mark.parametrize(
+    "engine", [x for x in (*OWN, Mine()) if x.precision == 53], ids=lambda engine: engine.name
+)
+def test_an_ensemble_is_its_members(engine: Engine) -> None:
+    """In a batch or one by one, with errors that cover the truth; also in several charts."""
+    many = solve_many(swing(), {"x": [1.0, 2.0, 3.0]}, [1.0, 2.0], ACCURACY, engine)
+    assert many.finished.all()
+    assert many.engine == engine.name
+    truth = np.outer([1, 2, 3], np.cos(2 * many.times))
+    for x, row, error in zip(many["x"], truth, many.errors, strict=True):
+        assert np.abs(x - row).max() <= error * np.abs(row).max() + 1e-15
+    frame = spaces.load("s2").frame
+    problem = geodesic(frame, [1.5, 0.3], frame_velocity=[1, 1e-3], parameters={"R": 1})
+    speeds = [[1.0, 1e-3], [0.2, 0.5]]
+    pair = solve_many(problem, None, 3.0, 1e-6, engine, frame_velocities=speeds)
+    for k, speed in enumerate(speeds):
+        alone = solve(problem.with_start(frame_velocity=speed), 3.0, 1e-6, engine)
+        assert pair.coordinates[k, -1] == pytest.approx(alone.coordinates[-1], abs=1e-5)
+
+
+def test_ensembles_refuse_long_numbers() -> None:
+    """solve_many names the engine that has too many bits."""
+    long = Mine()
+    long.precision = 113
+    with pytest.raises(GeomtorsionError, match="expected an engine in double precision, got Mine"):
+        solve_many(swing(), [[1, 0], [2, 0]], 1.0, engine=long)
+
+
+def test_costs_of_an_engine() -> None:
+    """The table of costs has a row for the user's engine, with an error that holds."""
+    (row,) = accuracy_cost(swing(), 3.0, engines=[Mine()], accuracies=[1e-6]).rows
+    assert row.engine == "Mine"
+    assert row.achieved is not None
+    assert row.estimated is not None
+    assert row.achieved <= row.estimated <= 1e-6
+
+
+def test_a_sweep_by_an_engine() -> None:
+    """A scene with two values of a number gives the same by the user's engine."""
+    scene = replace(scenes.load("lagrange_cusp"), accuracy=1e-6)
+    one, two = (
+        scene.sweep({"body.mass": [1.0, 1.1]}, "max nutation", engine=engine)
+        for engine in (Mine(), RungeKutta())
+    )
+    assert one.engine == "Mine"
+    assert one["max nutation"] == pytest.approx(two["max nutation"], abs=1e-4)
+
+
+class Broken(Mine):
+    """An engine that breaks one promise."""
+
+    def __init__(self, **changes: Any) -> None:
+        self.changes = changes
+
+    def run(self, *given: Any, **more: Any) -> Run:
+        """A run with some fields changed."""
+        run = super().run(*given, **more)
+        return replace(run, **{name: change(run) for name, change in self.changes.items()})
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"states": lambda run: run.states[1:]}, "expected a state at each of 4 times, got 3"),
+        (
+            {"times": lambda run: run.times[1:], "states": lambda run: run.states[1:]},
+            "expected samples at 4 times, got 3",
+        ),
+        ({"reached": lambda run: 2.5}, "expected a run to 3.0, got one to 2.5"),
+        (
+            {"outcome": lambda run: "failed"},
+            "expected one of the outcomes beyond, done, edge",
+        ),
+    ],
+    ids=["states", "times", "end", "outcome"],
+)
+def test_what_an_engine_owes(changes: Any, words: str) -> None:
+    """A run that breaks a promise is refused by the name of the engine."""
+    with pytest.raises(StartError, match="engine Mine: " + words.replace(".", r"\.")):
+        solve(swing(), [1.0, 2.0, 3.0], ACCURACY, Broken(**changes))
+
+
+@pytest.mark.parametrize(
+    ("member", "value", "words"),
+    [
+        ("finer", None, "expected name, precision, .*, got no finer"),
+        ("precision", 60, "expected a precision of 53, 64 or 113 to 400 bits, got 60"),
+        ("run", None, "Taylor.., RungeKutta.. or Stiff.. was needed"),
+    ],
+)
+def test_what_an_engine_lacks(member: str, value: Any, words: str) -> None:
+    """An engine without a member is refused before anything is run."""
+    engine = Mine()
+    setattr(engine, member, value)
+    with pytest.raises(StartError, match=words):
+        solve(swing(), 1.0, engine=engine)

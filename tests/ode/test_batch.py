@@ -14,9 +14,9 @@ STARTS = {"x": np.linspace(0.1, 1, 12), "v": np.linspace(0, 10, 12)}
 @pytest.mark.parametrize(
     ("constant", "values", "engine"),
     [
-        ("STACKED", (2, 100), RungeKutta()),
-        pytest.param("FEW", (0, 100), Taylor(), marks=needs_heyoka),
-        pytest.param("MOST_STEPS", (1, 10**6), Taylor(), marks=needs_heyoka),
+        ("stacked.STACKED", (2, 100), RungeKutta()),
+        pytest.param("taylor.FEW", (0, 100), Taylor(), marks=needs_heyoka),
+        pytest.param("registers.MOST_STEPS", (1, 10**6), Taylor(), marks=needs_heyoka),
     ],
     ids=["states in a stack", "registers", "steps between two looks"],
 )
@@ -25,7 +25,7 @@ def test_groups_of_members(constant, values, engine, times, monkeypatch):
     """In small groups or large ones the same members come to the end, at the same places."""
     found = []
     for value in values:
-        monkeypatch.setattr(f"geomtorsion.ode.batch.{constant}", value)
+        monkeypatch.setattr(f"geomtorsion.ode.engines.{constant}", value)
         found.append(solve_many(FALL, STARTS, times, 1e-8, engine))
     one, two = found
     assert one.finished.tolist() == two.finished.tolist() == [False] * 2 + [True] * 10

@@ -543,3 +543,38 @@ def test_roundings_of_the_rates_are_seen(entry, start, speeds, accuracy):
     assert solution.error > 0.5 * gap
     with pytest.raises(AccuracyError):
         solve(solution.problem, 1.0, accuracy, Taylor())
+
+
+@needs_heyoka
+@pytest.mark.parametrize("end", [0.1, 0.2, 0.3])
+def test_a_motion_of_few_steps(end):
+    """x = tan t in one step or two: the finer run sees what these omit."""
+    solution = solve(ODE.of({"x": "1 + x**2"}, [0]), end, 1e-3, Taylor())
+    gap = np.abs(solution["x"] - np.tan(solution.times)).max() / np.tan(end)
+    assert gap > 1e-13
+    assert 0.5 * gap < solution.error < 100 * gap
+
+
+@every_engine
+@pytest.mark.parametrize(
+    ("problem", "end", "true"),
+    [
+        (ODE.of({"x": "v", "v": "-4*x"}, [1, 0]), 10.0, lambda t: np.cos(2 * t)),
+        (ODE.of({"x": "x"}, [1]), 30.0, np.exp),
+        (ODE.of({"x": "w", "y": "x"}, [0, 1], parameters={"w": 3}), 100.0, lambda t: 3 * t),
+        (
+            ODE.of({"x": "v", "v": "-4*x"}, [1, 0], events=[When("x + 1/2")]),
+            2.0,
+            lambda t: np.cos(2 * t),
+        ),
+    ],
+    ids=["swings", "grows", "evenly", "stopped"],
+)
+def test_solutions_are_true(problem, end, true, engine):
+    """An answer is as good as requested and as reported."""
+    for accuracy in (1e-6, 1e-10):
+        solution = solve(problem, end, accuracy, engine)
+        size = np.abs(true(solution.times)).max()
+        gap = np.abs(solution["x"] - true(solution.times)).max() / size
+        assert gap <= accuracy
+        assert gap <= 2 * solution.error

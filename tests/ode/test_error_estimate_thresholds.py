@@ -92,8 +92,8 @@ def test_what_is_taken_for_noise():
     found = solve(ODE.of(rates | {"rest": "p**2 + q**2 - 1"}, start), 10.0, 1e-6, Taylor())
     assert np.abs(found["rest"]).max() < 1e-13
     small = ODE.of(rates | {"rest": "p**2 + q**2 - (1 - 1e-12)"}, start)
-    with pytest.raises(AccuracyError, match=r"Taylor gets to 0\.00"):
-        solve(small, 10.0, 1e-3, Taylor())
+    with pytest.raises(AccuracyError, match="Taylor gets to"):
+        solve(small, 10.0, 1e-6, Taylor())
 
 
 def test_what_begins_at_zero_with_rates_that_cancel():

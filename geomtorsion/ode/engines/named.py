@@ -10,13 +10,14 @@ from geomtorsion.ode.engines.runge_kutta import METHODS, RungeKutta, Stiff
 from geomtorsion.ode.engines.taylor import Taylor
 from geomtorsion.ode.system import Engine
 
-_PLAIN: tuple[Engine, ...] = (Taylor(), RungeKutta(), *map(Stiff, METHODS))
+# All engines of this package; the first of each class is what the command line calls by its class.
+SHIPPED: tuple[Engine, ...] = (Taylor(), RungeKutta(), *map(Stiff, METHODS))
 _BITS = re.compile(r"Taylor\((\d{1,4})\)")
 
 
 def is_own(name: str) -> bool:
     """Whether an engine of this package has a name."""
-    return _BITS.fullmatch(name) is not None or any(engine.name == name for engine in _PLAIN)
+    return _BITS.fullmatch(name) is not None or any(engine.name == name for engine in SHIPPED)
 
 
 def engine_named(name: str) -> Engine:
@@ -35,12 +36,13 @@ def engine_named(name: str) -> Engine:
     bits = _BITS.fullmatch(name)
     if bits is not None:
         return Taylor(precision=int(bits[1]))
-    for engine in _PLAIN:
+    for engine in SHIPPED:
         if engine.name == name:
             return engine
-    raise UnknownNameError(f"expected {', '.join(x.name for x in _PLAIN)}, got {cut(name)}.")
+    raise UnknownNameError(f"expected {', '.join(x.name for x in SHIPPED)}, got {cut(name)}.")
 
 
 def own_name(engine: Engine) -> str:
     """The name of an engine of this package; empty for an engine of the user's own."""
-    return engine.name if type(engine) in {type(own) for own in _PLAIN} else ""
+    name = engine.name
+    return name if is_own(name) and type(engine_named(name)) is type(engine) else ""

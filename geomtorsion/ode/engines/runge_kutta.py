@@ -10,10 +10,11 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError
+from geomtorsion.ode.engines.stacked import run_stacked
 from geomtorsion.ode.engines.stepper import LARGEST
 from geomtorsion.ode.engines.stepwise import stepwise_run
 from geomtorsion.ode.numbers import Real
-from geomtorsion.ode.system import Run, System, Watch
+from geomtorsion.ode.system import Batch, Run, System, Watch
 
 # Each tolerance is this part of the last.
 RUNG = 0.01
@@ -101,6 +102,11 @@ class RungeKutta(_Ladder):
         most = self.max_evaluations
         method = "generated" if system.size <= LARGEST else "DOP853"
         return stepwise_run(method, most, system, start, parameters, times, tolerance, dense, watch)
+
+    def batch(self, batch: Batch, tolerance: float) -> float:
+        """See `Engine`: all members as one system."""
+        run_stacked(batch, tolerance)
+        return 0.0
 
 
 @dataclass(frozen=True)

@@ -23,11 +23,13 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingExtraError
+from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
     STANDSTILL,
     STEPS_AT_ONCE,
+    Batch,
     Dense,
     Hoisted,
     Run,
@@ -153,7 +155,6 @@ def _compiled(
     precision: int,
     width: int,
     optimised: bool,
-    measured: bool,
     number: Callable[[Any], Any],
     backward: bool = False,
 ) -> tuple[_Shared, float]:
@@ -161,19 +162,18 @@ def _compiled(
 
     width: motions side by side in one batch; 0: one motion.
     optimised: this takes longer, and the code runs faster.
-    measured: whether the last state is a constant of one's own by which steps are measured.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
-    key = (system.key, order, precision, width, optimised, measured, backward)
+    key = (system.key, order, precision, width, optimised, backward)
     with _kept_lock:
         found = _kept.get(key)
         if found is not None:
             _kept.move_to_end(key)
             return found, 0.0
-    integrator = _integrator(system, order, precision, width, optimised, measured, number, backward)
+    integrator = _integrator(system, order, precision, width, optimised, number, backward)
     made = _Shared(integrator)
     with _kept_lock:
         _kept[key] = made
@@ -203,7 +203,6 @@ def _integrator(
     precision: int,
     width: int,
     optimised: bool,
-    measured: bool,
     number: Callable[[Any], Any],
     backward: bool,
 ) -> Any:
@@ -224,8 +223,6 @@ def _integrator(
         return hy.expression(number(Fraction(p, q)))
 
     equations = list(zip(variables, system.rates.heyoka(known, quotient), strict=True))
-    if measured:
-        equations.append((hy.make_vars("size"), hy.expression(0.0)))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
@@ -236,11 +233,6 @@ def _integrator(
         guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
-    if width and measured:
-        if guards:
-            options["t_events"] = [hy.t_event_batch(guard, direction=falling) for guard in guards]
-        zeros = np.zeros((len(equations), width))
-        return hy.taylor_adaptive_batch(equations, zeros, **options)
     if width:
         if guards:
             crossed = Crossed()
@@ -366,14 +358,13 @@ class Taylor:
         *,
         width: int = 0,
         optimised: bool = True,
-        measured: bool = False,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
         shared, seconds = _compiled(
-            hoisted.system, order, bits, width, optimised, measured, self.number, backward
+            hoisted.system, order, bits, width, optimised, self.number, backward
         )
         return Compiled(self, hoisted, shared), seconds
 
@@ -401,6 +392,15 @@ class Taylor:
         assert found is not None
         found.compile_seconds = compiling
         return found
+
+    def batch(self, batch: Batch, tolerance: float) -> float:
+        """See `Engine`: several members in one instruction."""
+        width = int(heyoka().recommended_simd_size()) * (2 if batch.states.shape[1] <= FEW else 1)
+        backward = bool(batch.times[-1] < batch.times[0])
+        kept, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)
+        with kept.ready(batch.parameters) as ready:
+            run_in_registers(ready.integrator, ready.choose, batch, width, self.max_steps)
+        return compiling
 
     def _run(
         self,

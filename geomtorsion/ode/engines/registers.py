@@ -1,0 +1,147 @@
+"""Registers: members of a batch by heyoka, several in one instruction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from geomtorsion.ode.system import STANDSTILL, Batch
+
+# How members are put together and looked at decides about speed, not about results: systems of at
+# most so many states take two registers at a time;
+FEW = 4
+# after so many steps one looks which members still get anywhere.
+MOST_STEPS = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class _Calls:
+    """Members in calls of the integrator.
+
+    index: shape (calls * width,); all others are blocks with the members last.
+    """
+
+    index: np.ndarray
+    starts: np.ndarray
+    states: np.ndarray
+    times: np.ndarray
+
+
+def _calls(
+    states: np.ndarray,
+    units: np.ndarray,
+    pace: np.ndarray,
+    times: np.ndarray,
+    width: int,
+) -> _Calls:
+    """Members of like pace together, the last call filled up with the last member."""
+    number = len(states)
+    order = np.argsort(pace, kind="stable")
+    count = -(-number // width)
+    index = order[np.minimum(np.arange(count * width), number - 1)]
+    blocks = _blocks(states[index], width)
+    scaled = np.multiply.outer(times, units[index]).reshape(len(times), count, width)
+    return _Calls(index, states, blocks, scaled)
+
+
+def _blocks(array: np.ndarray, width: int) -> np.ndarray:
+    """Rows of members as one contiguous block per call, members last."""
+    blocks = array.reshape(len(array) // width, width, array.shape[1])
+    return np.ascontiguousarray(blocks.swapaxes(1, 2))
+
+
+def run_in_registers(
+    integrator: Any,
+    choose: Callable[[np.ndarray], object],
+    batch: Batch,
+    width: int,
+    max_steps: int,
+) -> None:
+    """Fill in states of members that come to the end, which those are, and their steps.
+
+    integrator: heyoka's, for batches of `width`; choose: sets the numbers of some members in it.
+    max_steps: of one run.
+    """
+    result, finished, show = batch.result, batch.finished, batch.show
+    crossed = batch.crossed if batch.system.guard is not None else None
+    steps = batch.steps if batch.counted else None
+    calls = _calls(batch.states, batch.units, batch.pace, batch.times, width)
+    index, (count, size, width) = calls.index, calls.states.shape
+    chosen = index.reshape(count, width)
+    own, until = integrator.state, integrator.propagate_until
+    ends, clocks = calls.times[-1], np.zeros((count, width))
+    taken = np.zeros((count, width, 3))
+    several = len(calls.times) > 2
+    found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
+    done = 0
+    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
+    most = MOST_STEPS if crossed is not None else max_steps
+    # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
+    hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
+    try:
+        for k in range(count):
+            own[:] = calls.states[k]
+            choose(chosen[k])
+            integrator.set_time(0.0)
+            if several:
+                block = np.ascontiguousarray(calls.times[:, k])
+                rows = integrator.propagate_grid(block, max_steps=most)[1]
+                found[k, : len(rows)] = rows
+            else:
+                until(ends[k], max_steps=most)
+                if crossed is not None and (integrator.time != ends[k]).any():
+                    _go_on(integrator, ends[k], hits, most)
+                found[k, 0] = own
+            # Of the last of several calls, whose members have taken many steps in any case.
+            if steps is not None:
+                taken[k] = [one[1:4] for one in integrator.propagate_res]
+            clocks[k] = integrator.time
+            for members in hits:
+                if members and crossed is not None:
+                    crossed[index[k * width + np.array(sorted(members))]] = True
+                    members.clear()
+            done = k + 1
+            if show is not None:
+                show(min(done * width, len(result)))
+    finally:
+        # Also after Ctrl-C: what is done is kept.
+        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
+        arrived[done:] = False
+        good = arrived.reshape(-1)
+        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
+        finished[index[good]] = True
+        if steps is not None:
+            # heyoka tells of no last step, which ends with the times, so of a single one nothing.
+            least, longest, counts = np.abs(taken.reshape(-1, 3)[good]).T
+            typical = np.sqrt(least, out=np.zeros(len(least)), where=counts > 1) * np.sqrt(longest)
+            way = np.abs(ends.reshape(-1)[good])
+            longest = np.maximum(longest, way - (counts - 1) * typical)
+            steps[:, index[good]] = counts, np.divide(longest, way, out=way, where=way > 0)
+        if several:
+            result[index[good]] = rows[good]
+        else:
+            result[index[good], 0] = calls.starts[index[good]]
+            result[index[good], -1] = rows[good, 0]
+
+
+def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
+    """Go on until all members have arrived, have met the guard or get no further.
+
+    most: steps between two looks.
+    """
+    moved = np.full(len(ends), True)
+    while True:
+        waiting = [
+            member
+            for member, result in enumerate(integrator.propagate_res)
+            if result[0] == type(result[0]).step_limit
+            and not any(member in members for members in crossed)
+        ]
+        if not moved[waiting].any():
+            return
+        before = integrator.time.copy()
+        integrator.propagate_until(ends, max_steps=most)
+        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)

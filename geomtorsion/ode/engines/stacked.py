@@ -1,0 +1,81 @@
+"""Stacked: members of a batch as one system, stepped by scipy's DOP853."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
+from geomtorsion.ode.system import Batch
+
+# So many states make one system: larger ones leave the cache and set BLAS threads off. This decides
+# about speed, not about results.
+STACKED = 6144
+
+
+def run_stacked(batch: Batch, tolerance: float) -> None:
+    """Fill in states of members that come to the end, which those are, and their steps."""
+    number, size = batch.states.shape
+    share = max(1, STACKED // size)
+    for first in range(0, number, share):
+        part = slice(first, min(first + share, number))
+        _run_part(batch, tolerance, part)
+        batch.finished[part] = np.isfinite(batch.result[part]).all(axis=(1, 2))
+        if batch.show is not None:
+            batch.show(part.stop)
+
+
+def _run_part(batch: Batch, tolerance: float, part: slice) -> None:
+    """Some members as one system of scipy's DOP853; time in units of the fastest."""
+    system, units, times, crossed = batch.system, batch.units, batch.times, batch.crossed
+    y0 = batch.states[part].T
+    size, count = y0.shape
+    top = float(units[part].max())
+    slow = units[part] / top
+    numbers = list(batch.parameters[part].T)
+    function = system.array_function
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        return (function(*y.reshape(size, count), *numbers) * slow).ravel()
+
+    reached: list[float] = []
+
+    def look(t: float, y: np.ndarray) -> float:
+        # scipy calls this after each step; it never sees an event.
+        reached.append(t)
+        if system.guard is None:
+            return 1.0
+        guard = system.guard_along(y.reshape(size, count), numbers)
+        crossed[part] |= np.broadcast_to(guard, count) < 0
+        return 1.0
+
+    with np.errstate(all="ignore"):
+        first = rates(0.0, y0.ravel()).reshape(size, count)
+        if not np.isfinite(first).all():
+            return
+        duration = float(times[-1]) * top
+        scales = error_scales(system, y0, numbers, first, duration)
+        used = max(tolerance, FLOOR)
+        options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
+        if tolerance < FLOOR:
+            # scipy takes no smaller tolerance: the steps are shortened instead.
+            trial = scipy.integrate.solve_ivp(
+                rates, (0.0, duration), y0.ravel(), "DOP853", **options
+            )
+            taken = max(len(trial.t) - 1, 1)
+            options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
+        found = scipy.integrate.solve_ivp(
+            rates,
+            (0.0, duration),
+            y0.ravel(),
+            "DOP853",
+            t_eval=times * top,
+            events=look,
+            **options,
+        )
+    if found.status == 0 and np.isfinite(found.y).all():
+        batch.result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)
+    sizes = np.abs(np.diff(reached))
+    batch.steps[:, part] = [[len(sizes)], [sizes.max(initial=0.0) / abs(duration)]]
