@@ -169,7 +169,7 @@ class Element:
     __rmul__ = __mul__
 
     def __neg__(self) -> Element:
-        if self._level is None:
+        if self._level is None or self is self._field.zero:
             return self._field.scaled(self, -1)
         return Element(self._field, -self._num, self._den, self._level)
 

@@ -1,8 +1,7 @@
 """Tower: the arithmetic of a differential field, built generator upon generator.
 
 Elements are polynomials over registered irreducible factors, in a polynomial ring that grows.
-What reads, differentiates, takes roots and writes needs this arithmetic and is needed by it: the
-outline `Tower` names these questions, and `Field` answers them with the files made for each.
+`Tower` is abstract: `Field` reads, differentiates, takes roots and writes.
 """
 
 from __future__ import annotations
@@ -61,9 +60,8 @@ class Point(Protocol):
 class Tower(ABC):
     """Numerators, factored denominators and generators with their relations.
 
-    chosen: values of roots that the user chose.
+    chosen: values of roots that the user chose; rooted: denominators before roots were cleared.
     generators: the newest first; by_name: the same by their names in the polynomial ring.
-    rooted: denominators with roots, as they were before these were cleared.
     all_sure: whether the independence of all generators is proved.
     meanings: what functions known by name are in terms of others, by the names of generators.
     generator_slopes, factor_slopes: known derivatives; tables: what other files keep, by names.
@@ -284,9 +282,7 @@ class Tower(ABC):
         return self.branches if self._settled is None else self._settled
 
     def settle(self) -> None:
-        """Say that all is read on which elements rely; what is read later, for one purpose, has
-        branches of its own.
-        """
+        """Fix the branches on which elements rely; what is read later has branches of its own."""
         if self._settled is None:
             self._settled = self.branches
 
@@ -310,7 +306,14 @@ class Tower(ABC):
 
         It is kept as it is where multiplying it out would be dear (see `kept`).
         """
-        terms = list(terms)  # making them may add generators; only then is the ring fixed
+        # Making the terms may add generators; only then is the ring fixed.
+        zero = id(self.zero)
+        terms = [term for term in terms if zero not in map(id, term)]
+        if len(terms) == 1:
+            coefficient, *others, last = terms[0]
+            # One element needs no new common denominator, nor does 1 of eta times one.
+            if coefficient == 1 and (not others or (len(others) == 1 and others[0].is_one)):
+                return last
         found = self.added(terms, limits.MOST_AT_ONCE)
         return kept(self, terms) if found is None else found
 
@@ -382,7 +385,7 @@ class Tower(ABC):
 
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
         """A rational multiple of an element."""
-        if not factor:
+        if not factor or element is self.zero:
             return self.zero
         if element._level is None:
             return kept(self, [(factor, element)])
