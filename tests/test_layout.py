@@ -65,6 +65,7 @@ LONG: dict[str, str] = {
     "curves/atlas.py": "charts, the maps between them, and the point that they carry",
     "curves/problem.py": "a curve from its start, which is checked, through charts; for solvers",
     "curves/reductions.py": "both smaller systems; optional, and only the problem knows them",
+    "exact/element.py": "canonical and lazy elements, their interface and the walks through them",
     "exact/arguments.py": "angles and exponents, over one kind of basis",
     "exact/reading.py": "what may be read, and how it is",
     "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",

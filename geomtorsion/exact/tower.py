@@ -18,7 +18,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
-from geomtorsion.exact.element import Denominator, Element, occurring
+from geomtorsion.exact.element import Canonical, Denominator, Element, occurring
 from geomtorsion.exact.generators import Branch, Generator, Generators, Names
 from geomtorsion.exact.kept import kept
 from geomtorsion.exact.polynomials import as_fmpq, factored, known_taken_out
@@ -86,8 +86,8 @@ class Tower(ABC):
         self._cofactor_sizes: dict[tuple[Denominator, Denominator], int] = {}
         self._factored: dict[str, Factors] = {}
         self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
-        self.zero: Element = Element(self, self.ctx.constant(0), (), 0)
-        self.one: Element = Element(self, self.ctx.constant(1), (), 0)
+        self.zero: Element = Canonical(self, self.ctx.constant(0), (), 0)
+        self.one: Element = Canonical(self, self.ctx.constant(1), (), 0)
         self.symbols: tuple[sympy.Symbol, ...] = ()
         self._symbol_elements: dict[sympy.Symbol, Element] = {}
         self.generators: list[Generator] = []
@@ -195,7 +195,7 @@ class Tower(ABC):
         self.ctx, self.level, self.factors, self._algebraic = ctx, level, factors, algebraic
         self.generators, self.by_name, self.all_sure = generators, by_name, sure
         self._cofactors, self._factored = {}, {}
-        return Element(self, self.ctx.gen(0), (), self.level)
+        return Canonical(self, self.ctx.gen(0), (), self.level)
 
     def _as_sure(self, generator: Generator) -> Generator:
         """A generator, not sure where its relation or its argument rests on unproved ones."""
@@ -228,7 +228,7 @@ class Tower(ABC):
 
     def rational(self, p: int | Fraction | fmpq, q: int = 1) -> Element:
         """The rational number p/q."""
-        return Element(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
+        return Canonical(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
 
     def symbol(self, symbol: sympy.Symbol) -> Element:
         """A coordinate or parameter as an element.
@@ -255,11 +255,11 @@ class Tower(ABC):
 
     def generator_element(self, generator: Generator) -> Element:
         """A generator as an element."""
-        return Element(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
+        return Canonical(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
 
     def polynomial(self, poly: fmpq_mpoly) -> Element:
         """A polynomial of the present ring as an element."""
-        return Element(self, self.reduced(poly), (), self.level)
+        return Canonical(self, self.reduced(poly), (), self.level)
 
     @property
     def branches(self) -> tuple[Branch, ...]:
@@ -295,7 +295,7 @@ class Tower(ABC):
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
         if element._level != self.level:
-            if element._level is None:
+            if not isinstance(element, Canonical):
                 return self.lift(self.whole(element))
             element._num = polynomials.lifted(self.ctx, element._num, self.level - element._level)
             element._level = self.level
@@ -327,7 +327,7 @@ class Tower(ABC):
             for element in elements:
                 if element._level == level:
                     part = element._num
-                elif element._level is None:
+                elif element.is_kept:
                     return None
                 else:
                     part = self.lift(element)
@@ -387,9 +387,11 @@ class Tower(ABC):
         """A rational multiple of an element."""
         if not factor or element is self.zero:
             return self.zero
-        if element._level is None:
+        if not isinstance(element, Canonical):
             return kept(self, [(factor, element)])
-        return Element(self, element._num * as_fmpq(factor), element._den, element._level)
+        if factor == -1:
+            return Canonical(self, -element._num, element._den, element._level)
+        return Canonical(self, element._num * as_fmpq(factor), element._den, element._level)
 
     def reduced(self, poly: fmpq_mpoly) -> fmpq_mpoly:
         """A polynomial of the present ring, reduced by every algebraic relation."""
@@ -425,7 +427,7 @@ class Tower(ABC):
                 if exponent:
                     left.append((index, exponent))
             den = tuple(left)
-        return Element(self, num, den, self.level)
+        return Canonical(self, num, den, self.level)
 
     def merged(self, a: Denominator, b: Denominator) -> Denominator:
         """The product of two denominators."""
@@ -496,4 +498,4 @@ class Tower(ABC):
 
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
-        return Element(self, self.cofactor(element._den, ()), (), self.level)
+        return Canonical(self, self.cofactor(element._den, ()), (), self.level)
