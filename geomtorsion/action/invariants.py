@@ -15,6 +15,7 @@ from flint import fmpq, fmpq_mat
 from geomtorsion.action.hamel import Hamel
 from geomtorsion.checks import expression
 from geomtorsion.errors import GeomtorsionError
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.groups import exponential
 
 if TYPE_CHECKING:
@@ -222,6 +223,7 @@ _MOST = 160
 _LINE = sp.Symbol("_along")
 
 
+@derived
 def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     """Components xi^i in the frame of n fields that commute with all legs of a Lie group.
 
@@ -239,10 +241,6 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     >>> right_invariant(load("ax_plus_b").frame)
     [[1, b/a], [0, 1/a]]
     """
-    return frame.derived("right invariant fields", lambda: _right_invariant(frame))
-
-
-def _right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
     table = frame.anholonomy.components.nonzero
     if any(value.symbols & set(frame.coordinates) for value in table.values()):
         return None

@@ -21,7 +21,7 @@ from geomtorsion.codegen.printers import FUNCTIONS
 from geomtorsion.codegen.steps import Builder, Signed
 from geomtorsion.codegen.sums import ONE, Sums, Term, content, shared, without
 from geomtorsion.errors import ExpressionError, MissingValueError
-from geomtorsion.exact.element import Element, in_order, inside_out
+from geomtorsion.exact.element import Element, Lazy, in_order, inside_out
 from geomtorsion.exact.evaluate import arguments
 from geomtorsion.exact.form import Monomial, Sum, form
 from geomtorsion.exact.generators import Generator
@@ -266,7 +266,7 @@ class Reader:
         return self._times([(number, constants, tuple(below)), *left])
 
     def _element(self, element: Element) -> Term:
-        if element.is_kept:
+        if isinstance(element, Lazy):
             # Multiplied out and in factors, less cancels than in the sums as they were built.
             short = short_of(element)
             if short is None:
@@ -280,16 +280,18 @@ class Reader:
             parts.append(self._power(self._base(base, is_complex), exponent))
         return self._times(parts)
 
-    def _kept(self, element: Element) -> Term:
+    def _kept(self, element: Lazy) -> Term:
         """An element that is not multiplied out: a literal for each sum in it."""
         for one in in_order(element, lambda x: x._recipe in self._known):
             recipe = one._recipe
-            assert recipe is not None
             terms = [
                 self._times(
                     [
                         (_fraction(as_fmpq(c)), (), ()),
-                        *(self._known[x._recipe] if x.is_kept else self._element(x) for x in xs),
+                        *(
+                            self._known[x._recipe] if isinstance(x, Lazy) else self._element(x)
+                            for x in xs
+                        ),
                     ]
                 )
                 for c, *xs in recipe.terms

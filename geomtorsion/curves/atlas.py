@@ -157,7 +157,7 @@ class Chart:
         if self.frame is None:
             return ()
         frame = self.frame
-        return frame.derived("edges", lambda: edges_of(frame))
+        return edges_of(frame)
 
     @property
     def field(self) -> Tower:
@@ -607,4 +607,6 @@ def single(frame: Frame) -> Atlas:
 
 def atlas_of(frame: Frame) -> Atlas:
     """The atlas that came with a frame, or its one chart."""
-    return frame.derived("atlas", lambda: single(frame))
+    if "atlas" not in frame.attached:
+        frame.attached["atlas"] = single(frame)
+    return frame.attached["atlas"]

@@ -23,6 +23,7 @@ from geomtorsion.curves.problem import (
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
+from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.numbers import Numbers, checked_numbers
 
 
@@ -274,12 +275,18 @@ def _posed(
     place = None if start is None else checked_start(frame, start, numbers)
     speeds, given = frame_velocities(frame, place, velocity, frame_velocity, numbers)
     check_causal(frame, speeds, causal)
-    written: dict[str, Any] = {} if atlas else frame.derived(law_key(law), dict)
+    written: dict[str, Any] = {} if atlas else _written(frame, law_key(law))
     problem = CurveProblem(
         name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, written
     )
     problem.check_parameters(problem.charts[0])
     return problem
+
+
+@derived
+def _written(frame: Frame, key: str) -> dict[str, Any]:
+    """The equations of a law by charts, filled as they are written; key: see law_key."""
+    return {}
 
 
 def law_key(law: Law) -> str:

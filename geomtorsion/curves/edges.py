@@ -10,6 +10,7 @@ import sympy as sp
 from geomtorsion.errors import ExpressionError, StartError
 from geomtorsion.exact import Element
 from geomtorsion.exact.generators import Generator
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.evaluation import repeats, sign_of
 from geomtorsion.ode.rates import changes_with_sign
 
@@ -38,6 +39,7 @@ class Edge:
     is_root: bool = False
 
 
+@derived
 def edges_of(frame: Frame) -> tuple[Edge, ...]:
     """All edges of a frame: its declared domain, roots that vanish, branches that end.
 

@@ -10,7 +10,7 @@ import sympy
 from flint import fmpq, fmpq_mat
 
 from geomtorsion.exact import limits
-from geomtorsion.exact.element import Denominator, Element
+from geomtorsion.exact.element import Canonical, Denominator, Element
 from geomtorsion.exact.functions import opaque
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.roots import square_root_inside
@@ -152,13 +152,13 @@ def terms(element: Element) -> list[tuple[fmpq, Element]]:
     rest = field.lift(element)
     if len(rest) == 1 and not element._den:
         value = rest.leading_coefficient()
-        return [(value, Element(field, rest / value, (), field.level))]
+        return [(value, Canonical(field, rest / value, (), field.level))]
     parts: list[tuple[fmpq_mpoly, Denominator]] = [(rest, element._den)]
     if element._den:
         whole, rest = divmod(rest, field.cofactor(element._den, ()))
         parts = [(whole, ()), (rest, element._den)]
     return [
-        (value, Element(field, field.ctx.from_dict({tuple(m): fmpq(1)}), den, field.level))
+        (value, Canonical(field, field.ctx.from_dict({tuple(m): fmpq(1)}), den, field.level))
         for poly, den in parts
         for m, value in poly.to_dict().items()
     ]

@@ -22,7 +22,6 @@ def degree(element: Element) -> int:
         found: dict[int, int] = {}
         for one in in_order(whole, lambda x: id(x) in found):
             recipe = one._recipe
-            assert recipe is not None
             # Over one common denominator the degrees of all denominators add up.
             sizes = (found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
             found[id(one)] = sum(sizes)

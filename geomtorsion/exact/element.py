@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import flint
 from flint import fmpq
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import sympy
     from flint import fmpq_mpoly
 
-    from geomtorsion.exact.kept import Recipe
+    from geomtorsion.exact.kept import Whole
     from geomtorsion.exact.tower import Tower
 
     # What users give for the value of a symbol.
@@ -62,12 +63,11 @@ def least_certain(verdicts: Iterable[Certainty]) -> Certainty:
     return Certainty(proved=not chances, error=min(sum(chances), 1.0))
 
 
-class Element:
-    """A number of a differential field: numerator over a product of irreducible factors.
+class Element(ABC):
+    """A number of a differential field, canonical or lazy. Elements never change.
 
-    The denominator holds no algebraic generator and shares no factor with the numerator,
-    the numerator is reduced by all relations: two elements are equal exactly when their
-    parts are.  Elements never change; they come from a `Field`, not from this class.
+    A `Canonical` element is multiplied out, a `Lazy` one is kept as it was built. The size of the
+    products decides which one a result is. Elements come from a `Field`, not from these classes.
 
     Examples
     --------
@@ -80,50 +80,26 @@ class Element:
     (True, Element(sin(x)/cos(x)), Element(cos(x)/sin(x)))
     """
 
-    __slots__ = (
-        "_bits",
-        "_den",
-        "_diffs",
-        "_field",
-        "_form",
-        "_hash",
-        "_image",
-        "_level",
-        "_num",
-        "_recipe",
-        "_sympy",
-        "_whole",
-    )
+    __slots__ = ("_bits", "_diffs", "_field", "_form", "_hash", "_images", "_sympy")
 
-    def __init__(self, field: Tower, num: fmpq_mpoly, den: Denominator, level: int) -> None:
+    # Whether the element is kept as it was built.
+    is_kept: ClassVar[bool]
+    # Numerator and denominator; a lazy element is multiplied out for them.
+    _num: fmpq_mpoly
+    _den: Denominator
+    # The number of generators over which the numerator is written; -1 for a lazy element.
+    _level: int
+
+    def __init__(self, field: Tower) -> None:
         self._field = field
-        self._num = num
-        self._den = den
-        self._level: int | None = level
+        self._bits: int | None = None
         self._diffs: dict[sympy.Symbol, Element] | None = None
-        self._sympy: sympy.Expr | None = None
         # What form.py made of it; its type would close a ring of imports.
         self._form: Any = None
         self._hash: int | None = None
-
-    @classmethod
-    def built(cls, field: Tower, recipe: Recipe) -> Element:
-        """An element that is kept as it was built, not multiplied out (for the field)."""
-        element = object.__new__(cls)
-        element._field = field
-        element._recipe = recipe
-        element._level = None
-        element._diffs = element._sympy = element._form = element._hash = None
-        return element
-
-    def __getattr__(self, name: str) -> Any:
-        """What few elements need: filled in when it is asked for first."""
-        if name in ("_num", "_den"):
-            # Only elements that are kept as they were built have none.
-            return getattr(self._field.whole(self), name)
-        if name in ("_bits", "_image", "_recipe", "_whole"):
-            return None
-        raise AttributeError(f"an element has no {name!r}")
+        # Its values at points of the field, see `modular`: kind of point -> (place, value).
+        self._images: dict[object, tuple[object, Any]] | None = None
+        self._sympy: sympy.Expr | None = None
 
     @property
     def field(self) -> Tower:
@@ -169,9 +145,7 @@ class Element:
     __rmul__ = __mul__
 
     def __neg__(self) -> Element:
-        if self._level is None:
-            return self._field.scaled(self, -1)
-        return Element(self._field, -self._num, self._den, self._level)
+        return self._field.scaled(self, -1)
 
     def __truediv__(self, other: Element | Number) -> Element:
         element = self._coerced(other)
@@ -224,7 +198,7 @@ class Element:
             return NotImplemented
         if self is element:
             return True
-        if self._level is None or element._level is None:
+        if self.is_kept or element.is_kept:
             return (self - element).is_zero is True
         field = self._field
         # Denominators are canonical, so different ones mean different elements, where all
@@ -242,33 +216,21 @@ class Element:
         raise TypeError("the truth of an element is ambiguous; ask for .is_zero")
 
     @property
+    @abstractmethod
     def is_zero(self) -> bool | None:
         """True or False, decided; None where an opaque function or constant leaves it open.
 
         Opaque are functions of which some relations are known (erf, Bessel; see `special`),
         constants such as atan(2), and odd roots of expressions with roots.
         """
-        if self._level is None:
-            return self._field.decide_zero(self)
-        if not self._num:
-            return True
-        # With proved independence a numerator that is not zero as a polynomial is not zero.
-        return False if self._field.all_sure else self._field.decide_zero(self)
 
     @property
+    @abstractmethod
     def is_rational(self) -> bool:
         """Whether the element is a rational number."""
-        if self.is_kept:
-            whole = self._field.brief(self)
-            return whole is not None and whole.is_rational
-        return not self._den and bool(self._num.is_constant())
 
     @property
-    def is_kept(self) -> bool:
-        """Whether the element is kept as it was built, not multiplied out (see `kept`)."""
-        return self._level is None
-
-    @property
+    @abstractmethod
     def length(self) -> float:
         """How many terms it has, those below the line included; inf if it is kept as it was built.
 
@@ -280,15 +242,11 @@ class Element:
         >>> Field([x, y]).read((1 + x + y) / (x - y) ** 2).length
         7
         """
-        if self.is_kept:
-            return inf
-        factors = self._field.factors
-        return len(self._num) + sum(e * len(factors[index]) for index, e in self._den)
 
     @property
+    @abstractmethod
     def is_one(self) -> bool:
-        """Whether the element, multiplied out as it stands, is the number one."""
-        return not self.is_kept and not self._den and self._num.is_one()
+        """Whether the element is canonical and the number one."""
 
     @property
     def certainty(self) -> Certainty:
@@ -352,15 +310,9 @@ class Element:
         """
         return self._field.written(self, names=())
 
+    @abstractmethod
     def written_as(self, expression: sympy.Expr) -> Element:
         """The same element, written in another way, such as a series by its powers."""
-        if self._recipe is not None:
-            found = Element.built(self._field, self._recipe)
-        else:
-            found = Element(self._field, self._num, self._den, self._field.level)
-            found._level = self._level
-        found._sympy = expression
-        return found
 
     def evaluate(
         self, point: Mapping[Any, Value], precision: int = 53, at: Any = None
@@ -401,6 +353,127 @@ class Element:
 
     def __repr__(self) -> str:
         return f"Element({self.sympy})"
+
+
+class Canonical(Element):
+    """An element as a numerator over a product of irreducible factors.
+
+    The denominator holds no algebraic generator and shares no factor with the numerator, the
+    numerator is reduced by all relations: two such elements are equal exactly when their parts are.
+    """
+
+    __slots__ = ("_den", "_level", "_num")
+
+    is_kept = False
+
+    def __init__(self, field: Tower, num: fmpq_mpoly, den: Denominator, level: int) -> None:
+        super().__init__(field)
+        self._num = num
+        self._den = den
+        self._level = level
+
+    @property
+    def is_zero(self) -> bool | None:
+        """See Element.is_zero."""
+        if not self._num:
+            return True
+        # With proved independence a numerator that is not zero as a polynomial is not zero.
+        return False if self._field.all_sure else self._field.decide_zero(self)
+
+    @property
+    def is_rational(self) -> bool:
+        """See Element.is_rational."""
+        return not self._den and bool(self._num.is_constant())
+
+    @property
+    def is_one(self) -> bool:
+        """See Element.is_one."""
+        return not self._den and self._num.is_one()
+
+    @property
+    def length(self) -> float:
+        """See Element.length."""
+        factors = self._field.factors
+        return len(self._num) + sum(e * len(factors[index]) for index, e in self._den)
+
+    def written_as(self, expression: sympy.Expr) -> Element:
+        """See Element.written_as."""
+        found = Canonical(self._field, self._num, self._den, self._level)
+        found._sympy = expression
+        return found
+
+
+Term = tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Recipe:
+    """How a lazy element is built: a sum of (rational, element, ...), or one over it."""
+
+    terms: tuple[Term, ...]
+    below: bool = False
+
+    @property
+    def parts(self) -> Iterator[Element]:
+        """The elements that it is built from."""
+        return (element for _, *elements in self.terms for element in elements)
+
+
+class Lazy(Element):
+    """An element kept as the sum, or one over the sum, from which it was built (see `kept`)."""
+
+    __slots__ = ("_is_zero", "_recipe", "_whole")
+
+    is_kept = True
+    _level = -1
+
+    def __init__(self, field: Tower, recipe: Recipe) -> None:
+        super().__init__(field)
+        self._recipe = recipe
+        # What it is multiplied out, once that was tried.
+        self._whole: Whole | None = None
+        self._is_zero: bool | None = None
+
+    @property
+    def _num(self) -> fmpq_mpoly:  # pyright: ignore[reportIncompatibleVariableOverride]
+        return self._field.whole(self)._num
+
+    @property
+    def _den(self) -> Denominator:  # pyright: ignore[reportIncompatibleVariableOverride]
+        return self._field.whole(self)._den
+
+    @property
+    def is_zero(self) -> bool | None:
+        """See Element.is_zero."""
+        if self._is_zero is not None:
+            return self._is_zero
+        verdict = self._field.decide_zero(self)
+        # Generators whose independence is not proved may turn out to depend on others.
+        if self._field.all_sure:
+            self._is_zero = verdict
+        return verdict
+
+    @property
+    def is_rational(self) -> bool:
+        """See Element.is_rational."""
+        whole = self._field.brief(self)
+        return whole is not None and whole.is_rational
+
+    @property
+    def is_one(self) -> bool:
+        """See Element.is_one."""
+        return False
+
+    @property
+    def length(self) -> float:
+        """See Element.length."""
+        return inf
+
+    def written_as(self, expression: sympy.Expr) -> Element:
+        """See Element.written_as."""
+        found = Lazy(self._field, self._recipe)
+        found._sympy = expression
+        return found
 
 
 def _power(element: Element, exponent: int) -> Element:
@@ -447,16 +520,14 @@ def inside_out(
             yield one
 
 
-def in_order(element: Element, is_done: Callable[[Element], bool]) -> Iterator[Element]:
-    """The kept elements that are not done, each after its own parts."""
+def in_order(element: Element, is_done: Callable[[Lazy], bool]) -> Iterator[Lazy]:
+    """The lazy elements that are not done, each after its own parts."""
 
-    def parts(one: Element) -> Sequence[Element]:
-        recipe = one._recipe
-        assert recipe is not None
+    def parts(one: Lazy) -> Sequence[Lazy]:
         # The last one first: what is derived on the way keeps its place in the field.
-        return [part for part in recipe.parts if part.is_kept][::-1]
+        return [part for part in one._recipe.parts if isinstance(part, Lazy)][::-1]
 
-    return iter(()) if element._recipe is None else inside_out(element, parts, is_done)
+    return inside_out(element, parts, is_done) if isinstance(element, Lazy) else iter(())
 
 
 def leaves(element: Element) -> Iterator[Element]:
@@ -466,7 +537,6 @@ def leaves(element: Element) -> Iterator[Element]:
         yield element
     for one in in_order(element, lambda x: id(x) in seen):
         seen.add(id(one))
-        assert one._recipe is not None
         for part in one._recipe.parts:
             if not part.is_kept and id(part) not in seen:
                 seen.add(id(part))
@@ -486,7 +556,6 @@ def occurring(field: Tower, element: Element) -> int:
         return bits
 
     for one in in_order(element, lambda x: x._bits is not None):
-        assert one._recipe is not None
         bits = 0
         for part in one._recipe.parts:
             if part._bits is None:

@@ -201,7 +201,6 @@ def _kept_value(
 
     for one in in_order(element, lambda x: id(x) in known):
         recipe = one._recipe
-        assert recipe is not None
         total = mpmath.mpf(0)
         for coefficient, *factors in recipe.terms:
             ratio = as_fmpq(coefficient)

@@ -12,7 +12,7 @@ from flint import fmpq
 from geomtorsion.errors import CoordinateError
 from geomtorsion.exact import algebraic_constants, kept, polynomials
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant
-from geomtorsion.exact.element import PROVED, UNDECIDED, Certainty, Element, inside_out
+from geomtorsion.exact.element import PROVED, UNDECIDED, Canonical, Certainty, Element, inside_out
 from geomtorsion.exact.evaluate import GenericPoint, arguments, evaluate
 from geomtorsion.exact.functions import jet
 from geomtorsion.exact.generators import Generator, Generators, Names
@@ -43,19 +43,19 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol, /) -> Eleme
     """d(num/den) = d num / den - num / den * sum of exponent * d factor / factor."""
     if symbol not in field._symbol_elements:
         symbol = counted_as([symbol], field.symbols).get(symbol, symbol)
-    if element._level is None:
+    if element.is_kept:
         return kept.derivative(field, element, symbol)
     num = field.lift(element)
     den = element._den
     # Everything goes into one sum, which is normalised once.
     terms: list[tuple[Any, ...]] = []
     for part, inner in _parts(field, num, symbol):
-        terms.append((1, Element(field, part, den, field.level), inner))
+        terms.append((1, Canonical(field, part, den, field.level), inner))
     for index, exponent in den:
         inner = _factor_derivative(field, index, symbol)
         if inner.is_kept or inner._num:
             # d(1/f**e) = -e (1/f**e) df/f: the denominator grows by one power of each factor.
-            once = Element(field, field.ctx.constant(1), ((index, 1),), field.level)
+            once = Canonical(field, field.ctx.constant(1), ((index, 1),), field.level)
             terms.append((-exponent, element, inner, once))
     return field.sum(terms) if terms else field.zero
 
@@ -106,7 +106,7 @@ def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Elemen
     known = field.factor_slopes.get(key)
     if known is None:
         parts = _parts(field, field.factors[index], symbol)
-        known = field.sum((1, Element(field, part, (), field.level), d) for part, d in parts)
+        known = field.sum((1, Canonical(field, part, (), field.level), d) for part, d in parts)
         field.factor_slopes[key] = known
     return known
 
@@ -357,7 +357,7 @@ class Field(Tower):
             tuple(m): (-c if m[position] & 1 else c)
             for m, c in self.lift(element).to_dict().items()
         }
-        return Element(self, self.ctx.from_dict(flipped), element._den, self.level)
+        return Canonical(self, self.ctx.from_dict(flipped), element._den, self.level)
 
     def decide_zero(self, element: Element) -> bool | None:
         """Whether an element vanishes that is kept, or whose generators may depend on others."""

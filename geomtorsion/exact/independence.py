@@ -88,7 +88,6 @@ def _at(element: Element, symbol: sympy.Symbol, number: sympy.Expr) -> Element:
 
     for one in in_order(element, lambda x: id(x) in found):
         recipe = one._recipe
-        assert recipe is not None
         whole = other.sum([(c, *map(at, factors)) for c, *factors in recipe.terms])
         if recipe.below and whole.is_zero:
             raise ZeroDivisionError

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geomtorsion.errors import LimitError
-from geomtorsion.exact.element import Element, in_order
+from geomtorsion.exact.element import Element, Lazy, Recipe, Term, in_order
 from geomtorsion.exact.limits import (
     LARGEST_KEPT,
     LARGEST_POWER_TERMS,
@@ -23,28 +23,12 @@ from geomtorsion.exact.limits import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import sympy
 
     from geomtorsion.exact.tower import Tower
 
-    Term = tuple[Any, ...]
     # An irreducible factor by its index, or an element kept below the line by its identity.
     _Divisor = tuple[str, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Recipe:
-    """How an element is built: a sum of (rational coefficient, element, ...), or one over it."""
-
-    terms: tuple[Term, ...]
-    below: bool = False
-
-    @property
-    def parts(self) -> Iterator[Element]:
-        """The elements that it is built from."""
-        return (element for _, *elements in self.terms for element in elements)
 
 
 def kept(field: Tower, terms: list[Term]) -> Element:
@@ -59,16 +43,15 @@ def kept(field: Tower, terms: list[Term]) -> Element:
         return field.zero
     if len(left) == 1 and left[0][0] == 1 and len(left[0]) == 2:
         return left[0][1]
-    return Element.built(field, Recipe(tuple(left)))
+    return Lazy(field, Recipe(tuple(left)))
 
 
 def reciprocal(field: Tower, element: Element) -> Element:
     """1 over an element, kept so."""
-    recipe = element._recipe
-    if recipe is not None and recipe.below and len(recipe.terms) == 1:
-        ((coefficient, *factors),) = recipe.terms
+    if isinstance(element, Lazy) and element._recipe.below and len(element._recipe.terms) == 1:
+        ((coefficient, *factors),) = element._recipe.terms
         return field.sum(((coefficient, *factors),))
-    return Element.built(field, Recipe(((1, element),), below=True))
+    return Lazy(field, Recipe(((1, element),), below=True))
 
 
 def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
@@ -85,7 +68,6 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
 
     found = field.zero
     for one in in_order(element, known):
-        assert one._recipe is not None
         terms = []
         for coefficient, *factors in one._recipe.terms:
             for place, factor in enumerate(factors):
@@ -109,12 +91,11 @@ def conjugate(field: Tower, element: Element) -> Element:
     """The element with its parts conjugated."""
     found: dict[int, Element] = {}
     for one in in_order(element, lambda x: id(x) in found):
-        assert one._recipe is not None
         terms = tuple(
             (c, *(found[id(x)] if x.is_kept else x.conjugate() for x in xs))
             for c, *xs in one._recipe.terms
         )
-        found[id(one)] = Element.built(field, Recipe(terms, one._recipe.below))
+        found[id(one)] = Lazy(field, Recipe(terms, one._recipe.below))
     return found[id(element)]
 
 
@@ -141,7 +122,10 @@ def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Ele
         spent += one._whole.pairs
         if briefly and (not one._whole.brief or spent > LARGEST_POWER_TERMS):
             return None
-    return element if element._whole is None else element._whole.element
+    if not isinstance(element, Lazy):
+        return element
+    assert element._whole is not None
+    return element._whole.element
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,10 +141,9 @@ class Whole:
 _LONG = Whole(None, LARGEST_PRODUCT, brief=False)
 
 
-def _worked_out(field: Tower, one: Element, briefly: bool) -> Whole | None:
+def _worked_out(field: Tower, one: Lazy, briefly: bool) -> Whole | None:
     """One element multiplied out whose parts are."""
     recipe = one._recipe
-    assert recipe is not None
     terms = [(c, *(_plain(x) for x in xs)) for c, *xs in recipe.terms]
     pairs = sum(prod(len(field.lift(x)) for x in xs) for _, *xs in terms)
     steps = (LARGEST_POWER_TERMS,) if briefly else (LARGEST_POWER_TERMS, LARGEST_PRODUCT)
@@ -182,7 +165,7 @@ def _worked_out(field: Tower, one: Element, briefly: bool) -> Whole | None:
 
 def _plain(part: Element) -> Element:
     """A part multiplied out."""
-    if not part.is_kept:
+    if not isinstance(part, Lazy):
         return part
     assert part._whole is not None
     assert part._whole.element is not None
@@ -214,7 +197,6 @@ def stays_kept(element: Element) -> bool:
         return prod(terms_of_power(lengths[key], exponent) for key, exponent in powers.items())
 
     for one in in_order(element, lambda x: id(x) in sizes):
-        assert one._recipe is not None
         quotients = []
         for _, *factors in one._recipe.terms:
             num: int = 1

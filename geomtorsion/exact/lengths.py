@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from geomtorsion.exact.element import in_order
+from geomtorsion.exact.element import Lazy, in_order
 from geomtorsion.exact.form import LONGEST_FACTORED, Sum, form
 from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.limits import check_parts
@@ -51,14 +51,12 @@ def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> N
         if id(one) in seen or vanishes(one):
             continue
         seen.add(id(one))
-        short = short_of(one) if one.is_kept else None
-        if short is not None:
-            either[id(one)] = short
-        elif one.is_kept:
-            assert one._recipe is not None
-            waiting += one._recipe.parts
-        else:
+        if not isinstance(one, Lazy):
             sums.update((base, None) for base, _ in form(one).powers if isinstance(base, Sum))
+        elif (short := short_of(one)) is not None:
+            either[id(one)] = short
+        else:
+            waiting += one._recipe.parts
     # What is written in one way or another may have as few as one part.
     sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
     longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
@@ -94,7 +92,6 @@ def parts_at_least(
 
     for one in in_order(element, lambda x: id(x) in known or id(x) in chosen or vanishes(x)):
         recipe = one._recipe
-        assert recipe is not None
         terms: list[Counter[Any]] = []
         for _, *factors in recipe.terms:
             if not any(map(vanishes, factors)):
@@ -120,7 +117,6 @@ def terms_of(element: Element) -> Iterator[object]:
     seen: set[int] = set()
     for one in in_order(element, lambda x: id(x) in seen):
         seen.add(id(one))
-        assert one._recipe is not None
         yield from one._recipe.terms
 
 

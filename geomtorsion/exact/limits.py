@@ -159,18 +159,18 @@ def check_written(shown: sympy.Expr) -> None:
         it has more than LARGEST_WRITTEN parts.
     """
     # Parts that stand at several places are counted once and added as often.
-    sizes: dict[sympy.Basic, int] = {}
+    sizes: dict[int, int] = {}
     waiting: list[tuple[sympy.Basic, bool]] = [(shown, False)]
     while waiting:
         part, ready = waiting.pop()
-        if part in sizes:
+        if id(part) in sizes:
             continue
         if ready:
-            sizes[part] = 1 + sum(sizes[inner] for inner in part.args)
+            sizes[id(part)] = 1 + sum(sizes[id(inner)] for inner in part.args)
         else:
             waiting.append((part, True))
-            waiting += [(inner, False) for inner in part.args if inner not in sizes]
-    check_parts(sizes[shown], f"{sizes[shown]:,}")
+            waiting += [(inner, False) for inner in part.args if id(inner) not in sizes]
+    check_parts(sizes[id(shown)], f"{sizes[id(shown)]:,}")
 
 
 def check_parts(parts: int, in_words: str) -> None:

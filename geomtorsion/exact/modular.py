@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 from contextlib import suppress
+from copy import copy
 from math import prod
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
 # The product of small primes, whose square roots are Gauss sums.
 _ROOTS = prod((2, 3, 5, 7, 11, 13, 17, 19, 23))
 
+# Where an element has no value yet.
+_NOWHERE: tuple[object, Any] = (object(), None)
+
 T = TypeVar("T")
 
 
@@ -67,6 +71,11 @@ class ModularPoint:
     def __init__(self, field: Tower, extended: bool = False) -> None:
         self._field = field
         self._extended = extended
+        # The key of its values in elements; an object for each place.
+        self._kind: tuple[bool, sympy.Symbol | None] = (extended, None)
+        self._here: object = None
+        # Symbol -> a place of this point, and the point at which what depends on it has moved.
+        self._moved: dict[sympy.Symbol, tuple[object, ModularPoint]] = {}
         self._place = self._number_of_prime = -1
         # Places since the last at which all generators had values.
         self._tried: int = 0
@@ -143,15 +152,24 @@ class ModularPoint:
         # More than so many tries leave no time before the prime changes.
         if prod(oldest[k].degree for k in moved if oldest[k].kind == "root") > BITS:
             return None
-        value, prime = self.image(element), self._number_of_prime
         while True:
+            value, point = self.image(element), self._moved_point(symbol, moved)
+            if point._number_of_prime == self._number_of_prime:
+                with suppress(_MovedError):
+                    point._fill(range(len(oldest)), search=False)
+                    return bool(point._image(element) != value)
             self._settle(moved=moved)
-            if self._number_of_prime != prime:
-                value, prime = self.image(element), self._number_of_prime
-                continue
-            with suppress(_MovedError):
-                self._fill(range(len(oldest)), search=False)
-                return bool(self._image(element) != value)
+
+    def _moved_point(self, symbol: sympy.Symbol, moved: frozenset[int]) -> ModularPoint:
+        """The point at which only what depends on a symbol has moved; one for each place."""
+        here, point = self._moved.get(symbol, (None, self))
+        # Roots added since may have taken other values here and there.
+        if here is not self._here or len(point._values) != len(self._values):
+            point = copy(self)
+            point._kind, point._partners = (self._extended, symbol), dict(self._partners)
+            point._settle(moved=moved)
+            self._moved[symbol] = self._here, point
+        return point
 
     def leave(self) -> None:
         """Other values for all generators."""
@@ -189,15 +207,20 @@ class ModularPoint:
 
     def _known(self, element: Element) -> fmpz_mod | None:
         """The value at the present place, if it is known."""
-        image = element._image
-        return image[1] if image is not None and image[0] == (self._extended, self._place) else None
+        here, value = (element._images or {}).get(self._kind, _NOWHERE)
+        return value if here is self._here else None
+
+    def _keep(self, element: Element, value: fmpz_mod) -> None:
+        """Note the value of an element at the present place."""
+        if element._images is None:
+            element._images = {}
+        element._images[self._kind] = self._here, value
 
     def _image(self, element: Element) -> fmpz_mod:
         if not element.is_kept:
             return self._of_polynomials(element)
         for one in in_order(element, lambda x: self._known(x) is not None):
             recipe = one._recipe
-            assert recipe is not None
             total = self._zero
             for coefficient, *factors in recipe.terms:
                 value = self._number(coefficient)
@@ -207,7 +230,7 @@ class ModularPoint:
                 total = total + value
             if recipe.below:
                 total = self._inverse(total)
-            one._image = ((self._extended, self._place), total)
+            self._keep(one, total)
         found = self._known(element)
         assert found is not None
         return found
@@ -220,7 +243,7 @@ class ModularPoint:
             for index, exponent in element._den:
                 below = self._polynomial(self._field.factors[index])
                 known = known * self._inverse(below) ** exponent
-            element._image = ((self._extended, self._place), known)
+            self._keep(element, known)
         return known
 
     def _polynomial(self, poly: fmpq_mpoly) -> fmpz_mod:
@@ -297,6 +320,7 @@ class ModularPoint:
                     for generator, value in zip(oldest, self._values, strict=False)
                 ]
         # All at once: whoever interrupts finds the old place or the new one.
+        self._here = object()
         self._place, self._number_of_prime, self._values = place, number, values
         self._tried = tried
         self._prime, self._ring, self._polynomials, self._zero, self._order, self._turn = modulo

@@ -1,8 +1,7 @@
 """Tower: the arithmetic of a differential field, built generator upon generator.
 
 Elements are polynomials over registered irreducible factors, in a polynomial ring that grows.
-What reads, differentiates, takes roots and writes needs this arithmetic and is needed by it: the
-outline `Tower` names these questions, and `Field` answers them with the files made for each.
+`Tower` is abstract: `Field` reads, differentiates, takes roots and writes.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
-from geomtorsion.exact.element import Denominator, Element, occurring
+from geomtorsion.exact.element import Canonical, Denominator, Element, occurring
 from geomtorsion.exact.generators import Branch, Generator, Generators, Names
 from geomtorsion.exact.kept import kept
 from geomtorsion.exact.polynomials import as_fmpq, factored, known_taken_out
@@ -61,9 +60,8 @@ class Point(Protocol):
 class Tower(ABC):
     """Numerators, factored denominators and generators with their relations.
 
-    chosen: values of roots that the user chose.
+    chosen: values of roots that the user chose; rooted: denominators before roots were cleared.
     generators: the newest first; by_name: the same by their names in the polynomial ring.
-    rooted: denominators with roots, as they were before these were cleared.
     all_sure: whether the independence of all generators is proved.
     meanings: what functions known by name are in terms of others, by the names of generators.
     generator_slopes, factor_slopes: known derivatives; tables: what other files keep, by names.
@@ -88,8 +86,8 @@ class Tower(ABC):
         self._cofactor_sizes: dict[tuple[Denominator, Denominator], int] = {}
         self._factored: dict[str, Factors] = {}
         self._algebraic: list[tuple[int, int, fmpq_mpoly]] = []
-        self.zero: Element = Element(self, self.ctx.constant(0), (), 0)
-        self.one: Element = Element(self, self.ctx.constant(1), (), 0)
+        self.zero: Element = Canonical(self, self.ctx.constant(0), (), 0)
+        self.one: Element = Canonical(self, self.ctx.constant(1), (), 0)
         self.symbols: tuple[sympy.Symbol, ...] = ()
         self._symbol_elements: dict[sympy.Symbol, Element] = {}
         self.generators: list[Generator] = []
@@ -197,7 +195,7 @@ class Tower(ABC):
         self.ctx, self.level, self.factors, self._algebraic = ctx, level, factors, algebraic
         self.generators, self.by_name, self.all_sure = generators, by_name, sure
         self._cofactors, self._factored = {}, {}
-        return Element(self, self.ctx.gen(0), (), self.level)
+        return Canonical(self, self.ctx.gen(0), (), self.level)
 
     def _as_sure(self, generator: Generator) -> Generator:
         """A generator, not sure where its relation or its argument rests on unproved ones."""
@@ -230,7 +228,7 @@ class Tower(ABC):
 
     def rational(self, p: int | Fraction | fmpq, q: int = 1) -> Element:
         """The rational number p/q."""
-        return Element(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
+        return Canonical(self, self.ctx.constant(as_fmpq(p) / q), (), self.level)
 
     def symbol(self, symbol: sympy.Symbol) -> Element:
         """A coordinate or parameter as an element.
@@ -257,11 +255,11 @@ class Tower(ABC):
 
     def generator_element(self, generator: Generator) -> Element:
         """A generator as an element."""
-        return Element(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
+        return Canonical(self, self.ctx.gen(self.generators.index(generator)), (), self.level)
 
     def polynomial(self, poly: fmpq_mpoly) -> Element:
         """A polynomial of the present ring as an element."""
-        return Element(self, self.reduced(poly), (), self.level)
+        return Canonical(self, self.reduced(poly), (), self.level)
 
     @property
     def branches(self) -> tuple[Branch, ...]:
@@ -284,9 +282,7 @@ class Tower(ABC):
         return self.branches if self._settled is None else self._settled
 
     def settle(self) -> None:
-        """Say that all is read on which elements rely; what is read later, for one purpose, has
-        branches of its own.
-        """
+        """Fix the branches on which elements rely; what is read later has branches of its own."""
         if self._settled is None:
             self._settled = self.branches
 
@@ -299,7 +295,7 @@ class Tower(ABC):
     def lift(self, element: Element) -> fmpq_mpoly:
         """The numerator of an element, moved to the present polynomial ring."""
         if element._level != self.level:
-            if element._level is None:
+            if not isinstance(element, Canonical):
                 return self.lift(self.whole(element))
             element._num = polynomials.lifted(self.ctx, element._num, self.level - element._level)
             element._level = self.level
@@ -310,7 +306,14 @@ class Tower(ABC):
 
         It is kept as it is where multiplying it out would be dear (see `kept`).
         """
-        terms = list(terms)  # making them may add generators; only then is the ring fixed
+        # Making the terms may add generators; only then is the ring fixed.
+        zero = id(self.zero)
+        terms = [term for term in terms if zero not in map(id, term)]
+        if len(terms) == 1:
+            coefficient, *others, last = terms[0]
+            # One element needs no new common denominator, nor does 1 of eta times one.
+            if coefficient == 1 and (not others or (len(others) == 1 and others[0].is_one)):
+                return last
         found = self.added(terms, limits.MOST_AT_ONCE)
         return kept(self, terms) if found is None else found
 
@@ -324,7 +327,7 @@ class Tower(ABC):
             for element in elements:
                 if element._level == level:
                     part = element._num
-                elif element._level is None:
+                elif element.is_kept:
                     return None
                 else:
                     part = self.lift(element)
@@ -382,11 +385,13 @@ class Tower(ABC):
 
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
         """A rational multiple of an element."""
-        if not factor:
+        if not factor or element is self.zero:
             return self.zero
-        if element._level is None:
+        if not isinstance(element, Canonical):
             return kept(self, [(factor, element)])
-        return Element(self, element._num * as_fmpq(factor), element._den, element._level)
+        if factor == -1:
+            return Canonical(self, -element._num, element._den, element._level)
+        return Canonical(self, element._num * as_fmpq(factor), element._den, element._level)
 
     def reduced(self, poly: fmpq_mpoly) -> fmpq_mpoly:
         """A polynomial of the present ring, reduced by every algebraic relation."""
@@ -422,7 +427,7 @@ class Tower(ABC):
                 if exponent:
                     left.append((index, exponent))
             den = tuple(left)
-        return Element(self, num, den, self.level)
+        return Canonical(self, num, den, self.level)
 
     def merged(self, a: Denominator, b: Denominator) -> Denominator:
         """The product of two denominators."""
@@ -493,4 +498,4 @@ class Tower(ABC):
 
     def denominator(self, element: Element) -> Element:
         """The denominator of an element as an element."""
-        return Element(self, self.cofactor(element._den, ()), (), self.level)
+        return Canonical(self, self.cofactor(element._den, ()), (), self.level)

@@ -138,7 +138,7 @@ def _compared(part: Part) -> Any:
 
 def to_sympy(element: Element) -> sympy.Expr:
     """The element in its short form: factored, radicals and sin**2 restored."""
-    if element._level is None:
+    if element.is_kept:
         return _as_built(element, element._field.tables.setdefault("parts", Parts()))
     if not element._field.all_sure and element.is_zero:
         return sympy.S.Zero
@@ -242,7 +242,6 @@ def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
 
     for one in in_order(element, is_counted):
         recipe = one._recipe
-        assert recipe is not None
         built = sum(length(part) for part in recipe.parts)
         short = short_of(one)
         if short is not None and length(short) <= built:
@@ -273,7 +272,6 @@ def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
 
     for one in in_order(element, lambda x: known(x) is not None):
         recipe = one._recipe
-        assert recipe is not None
         terms = [(_number(as_fmpq(c)), [text(x) for x in xs]) for c, *xs in recipe.terms]
         # A part that vanishes, as X - X/2 - X/2 does, takes its products with it.
         left = [term for term in terms if not any(x is sympy.S.Zero for x in term[1])]

@@ -11,7 +11,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import ArgumentError, MissingValueError, TensorIndexError, UndecidedError
 from geomtorsion.exact import Element
-from geomtorsion.geometry.components import Index, common, total
+from geomtorsion.geometry.components import Index, common
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.tensor import Scalar, Tensor
@@ -33,9 +33,8 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
         )
     field, one, two = first.frame.field, first.components.get, second.components.get
 
-    def rule(index: Index) -> Element | None:
-        terms = [(s, x) for s, x in ((1, one(index)), (sign, two(index))) if x is not None]
-        return total(field, terms)
+    def rule(index: Index) -> Element:
+        return field.sum([(1, one(index)), (sign, two(index))])
 
     return replace(
         first,
@@ -60,9 +59,8 @@ def multiple(tensor: Tensor, factor: Tensor | Scalar) -> Tensor:
     (scale,) = tensor.frame.read([("factor", factor)])
     get = tensor.components.get
 
-    def rule(index: Index) -> Element | None:
-        value = get(index)
-        return None if value is None else value * scale
+    def rule(index: Index) -> Element:
+        return get(index) * scale
 
     return replace(tensor, source=rule, symbol="t", name="")
 

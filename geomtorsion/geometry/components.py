@@ -179,13 +179,14 @@ def common(first: Symmetry, second: Symmetry) -> Symmetry:
     return tuple(generator for generator in first if generator in second)
 
 
-Rule = Callable[[Index], Element | None]
+Rule = Callable[[Index], Element]
 Row = tuple[tuple[int, Element], ...]
 
 
 class Components:
-    """Sparse array with a symmetry; a missing component is None inside, zero to the user.
+    """Sparse array with a symmetry; a component that vanishes is the zero of the field.
 
+    field: the exact field of the components.
     rule: index -> Element, asked once for each representative index and only when needed.
     bulk: all representatives at once, where that is cheaper than one by one.
     source: the array that bulk takes whole.
@@ -193,6 +194,7 @@ class Components:
 
     def __init__(
         self,
+        field: Field,
         rank: int,
         dimension: int,
         rule: Rule,
@@ -200,6 +202,7 @@ class Components:
         bulk: Callable[[], Mapping[Index, Element]] | None = None,
         source: Components | None = None,
     ) -> None:
+        self.field = field
         self.rank = rank
         self.dimension = dimension
         self.symmetry = symmetry
@@ -208,7 +211,7 @@ class Components:
         self._source = source
         self._orbits = orbits(rank, dimension, symmetry)
         self._canonical = self._orbits.canonical
-        self._known: dict[Index, Element | None] = {}
+        self._known: dict[Index, Element] = {}
         # What was found to vanish, so that it can be told how sure that is.
         self.zeros: dict[Index, Element] = {}
         # What may vanish or not: it is kept like what does not.
@@ -217,6 +220,7 @@ class Components:
     @classmethod
     def known(
         cls,
+        field: Field,
         rank: int,
         dimension: int,
         values: Mapping[Index, Element],
@@ -225,61 +229,75 @@ class Components:
         """Array whose representatives are all given; what is not listed vanishes."""
         verdicts = {index: value.is_zero for index, value in values.items()}
         kept = {index: value for index, value in values.items() if not verdicts[index]}
-        found = cls(rank, dimension, kept.get, symmetry, lambda: kept)
-        found.zeros.update((i, value) for i, value in values.items() if i not in kept)
+        found = cls(
+            field,
+            rank,
+            dimension,
+            lambda index: kept.get(index, field.zero),
+            symmetry,
+            lambda: kept,
+        )
+        found.zeros.update(
+            (i, x) for i, x in values.items() if i not in kept and x is not field.zero
+        )
         found.open.update((i, value) for i, value in kept.items() if verdicts[i] is None)
         return found
 
     @classmethod
     def placed(
         cls,
+        field: Field,
         rank: int,
         dimension: int,
         values: Mapping[Index, Element],
         symmetry: Symmetry = (),
     ) -> Components:
         """The same of values at any index of each orbit, of which one is kept."""
-        probe = cls.known(rank, dimension, {}, symmetry)
+        probe = cls.known(field, rank, dimension, {}, symmetry)
         found: dict[Index, Element] = {}
         for index, value in values.items():
             sign, representative = probe.representative(index)
             if sign:
                 found[representative] = value if sign > 0 else -value
-        return cls.known(rank, dimension, found, symmetry)
+        return cls.known(field, rank, dimension, found, symmetry)
 
-    def mapped(self, change: Callable[[Index, Element], Element]) -> Components:
-        """Each component that does not vanish changed, when it is asked for; the symmetry stays."""
+    def mapped(self, field: Field, change: Callable[[Index, Element], Element]) -> Components:
+        """Each component that does not vanish changed, when it is asked for; the symmetry stays.
 
-        def rule(index: Index) -> Element | None:
+        field: the field of the changed components.
+        """
+
+        def rule(index: Index) -> Element:
             value = self.get(index)
-            return None if value is None else change(index, value)
+            return field.zero if value is self.field.zero else change(index, value)
 
-        return Components(self.rank, self.dimension, rule, self.symmetry)
+        return Components(field, self.rank, self.dimension, rule, self.symmetry)
 
-    def get(self, index: Index) -> Element | None:
-        """One component, or None where it vanishes."""
+    def get(self, index: Index) -> Element:
+        """One component; the zero of the field where it vanishes."""
         try:
             return self._known[index]
         except KeyError:
             return self._compute(index)
 
-    def _compute(self, index: Index) -> Element | None:
+    def _compute(self, index: Index) -> Element:
         """Ask the rule at a representative, take the rest from there; the answer is kept."""
+        zero = self.field.zero
         canonical = self._canonical
         sign, representative = (1, index) if canonical is None else canonical[index]
         if sign == 0:
-            value = None
+            value = zero
         elif representative != index:
             value = self.get(representative)
-            if value is not None and sign < 0:
+            if sign < 0:
                 value = -value
         elif "independent" in self.__dict__:
             # All representatives are known by now: what is missing vanishes.
-            value = self.independent.get(index)
+            value = self.independent.get(index, zero)
         else:
             value = self._rule(index)
-            if value is not None and self._vanishes(index, value):
-                value = None
+            if self._vanishes(index, value):
+                value = zero
         self._known[index] = value
         return value
 
@@ -291,19 +309,22 @@ class Components:
                 if one is not self:
                     _ = one.nonzero
             # What was asked for before is not computed again.
-            found = {i: v for i, v in self._known.items() if v is not None and self._is_own(i)}
+            zero = self.field.zero
+            found = {i: v for i, v in self._known.items() if v is not zero and self._is_own(i)}
             found |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
             self._known.update(found)
             return found
-        found, known = {}, self._known
+        found, known, zero = {}, self._known, self.field.zero
         for index in self._orbits.representatives:
             value = known[index] if index in known else self._compute(index)
-            if value is not None:
+            if value is not zero:
                 found[index] = value
         return found
 
     def _vanishes(self, index: Index, value: Element) -> bool:
-        """Whether a component is known to vanish; what is found is noted."""
+        """Whether a component is known to vanish; a verdict that needs a reason is noted."""
+        if value is self.field.zero:
+            return True
         verdict = value.is_zero
         if verdict:
             self.zeros[index] = value
@@ -374,16 +395,6 @@ class Components:
         return self._orbits.of(index) == (1, index)
 
 
-def total(field: Field, terms: Sequence[tuple[Any, ...]]) -> Element | None:
-    """Sum of products, or None if there is nothing to add."""
-    if len(terms) == 1:
-        coefficient, *factors = terms[0]
-        # A single element needs no new common denominator, nor does one times 1 of eta.
-        if coefficient == 1 and (len(factors) == 1 or (len(factors) == 2 and factors[0].is_one)):
-            return factors[-1]
-    return field.sum(terms) if terms else None
-
-
 def change_slot(
     field: Field,
     components: Components,
@@ -396,14 +407,9 @@ def change_slot(
     get = components.get
     after = slot + 1
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         head, tail = index[:slot], index[after:]
-        terms = []
-        for old, factor in rows[index[slot]]:
-            value = get((*head, old, *tail))
-            if value is not None:
-                terms.append((1, factor, value))
-        return total(field, terms)
+        return field.sum([(1, x, get((*head, old, *tail))) for old, x in rows[index[slot]]])
 
     def bulk() -> dict[Index, Element]:
         collected: dict[Index, list] = defaultdict(list)
@@ -414,7 +420,7 @@ def change_slot(
         return _summed(field, collected, result)
 
     result = Components(
-        components.rank, components.dimension, rule, symmetry, bulk, source=components
+        field, components.rank, components.dimension, rule, symmetry, bulk, source=components
     )
     return result
 
@@ -440,21 +446,22 @@ def joined(
     summed = [letter for letter in dict.fromkeys("".join(groups)) if letter not in wanted]
     everything = list(wanted) + summed
     places = [[everything.index(letter) for letter in group] for group in groups]
-    dimension = factors[0].dimension
+    dimension, zero = factors[0].dimension, field.zero
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         terms = []
         for inner in product(range(dimension), repeat=len(summed)):
             values = index + inner
             found = []
             for factor, place in zip(factors, places, strict=True):
                 value = factor.get(tuple([values[k] for k in place]))
-                if value is None:
+                # A factor that multiplies zero is not computed.
+                if value is zero:
                     break
                 found.append(value)
             else:
                 terms.append((1, *found))
-        return total(field, terms)
+        return field.sum(terms)
 
     def bulk() -> dict[Index, Element]:
         collected: dict[Index, list] = defaultdict(list)
@@ -462,7 +469,7 @@ def joined(
             collected[tuple([values[letter] for letter in wanted])].append((1, *product_))
         return _summed(field, collected, result)
 
-    result = Components(len(wanted), dimension, rule, symmetry, bulk)
+    result = Components(field, len(wanted), dimension, rule, symmetry, bulk)
     return result
 
 
@@ -493,8 +500,7 @@ def _assignments(components: Components, letters: str) -> Iterator[tuple[dict[st
 
 def _summed(field: Field, collected: dict[Index, list], result: Components) -> dict[Index, Element]:
     """Sum the collected terms, only at representative indices not known yet."""
-    sums = ((i, total(field, terms)) for i, terms in collected.items() if result.pending(i))
-    return {i: value for i, value in sums if value is not None}
+    return {i: field.sum(terms) for i, terms in collected.items() if result.pending(i)}
 
 
 Entries = Mapping[Any, Element]

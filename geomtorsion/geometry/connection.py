@@ -22,7 +22,6 @@ from geomtorsion.geometry.components import (
     antisymmetric,
     shifted,
     symmetric,
-    total,
 )
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
@@ -109,10 +108,10 @@ class Connection:
         lower = self.coefficients.lowered(2).components.get
         derivative = riemannian.metric_derivative(self.frame).get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
-            parts = ((1, derivative(index)), (-1, lower((a, b, c))), (-1, lower((a, c, b))))
-            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
+            terms = [(1, derivative(index)), (-1, lower((a, b, c))), (-1, lower((a, c, b)))]
+            return self.frame.field.sum(terms)
 
         return Tensor(self.frame, "ddd", rule, symmetric(3, 1, 2), "Q", "nonmetricity")
 
@@ -142,11 +141,10 @@ class Connection:
         """L_ab^c with L_abc = -(Q_abc + Q_bac - Q_cab) / 2, slots ddu, symmetric in ab."""
         nonmetricity = self.nonmetricity.components.get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
             places = ((-HALF, (a, b, c)), (-HALF, (b, a, c)), (HALF, (c, a, b)))
-            parts = [(sign, nonmetricity(place)) for sign, place in places]
-            return total(self.frame.field, [(s, x) for s, x in parts if x is not None])
+            return self.frame.field.sum([(sign, nonmetricity(place)) for sign, place in places])
 
         return Tensor(self.frame, "ddd", rule, symmetric(3), "L", "disformation").raised(2)
 
@@ -166,15 +164,11 @@ class Connection:
         """Gamma_ab^m r^j_m - (derivative of r)_ajb for rows r^j of one-forms."""
         coefficients, derivative = self.coefficients.components.get, derivatives.get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, j = index
-            pairs = [(coefficients((a, b, m)), leg) for m, leg in forms.rows[j]]
             # One sum for all: the field brings its terms over one denominator only once.
-            terms: list = [(1, value, leg) for value, leg in pairs if value is not None]
-            change = derivative((a, j, b))
-            if change is not None:
-                terms.append((-1, change))
-            return total(self.frame.field, terms)
+            terms: list = [(1, coefficients((a, b, m)), leg) for m, leg in forms.rows[j]]
+            return self.frame.field.sum([*terms, (-1, derivative((a, j, b)))])
 
         return rule
 
@@ -230,24 +224,21 @@ class Connection:
             "D": self.spin_connection.components.get,
         }
 
-        def rule(index: Index) -> Element | None:
+        zero = frame.field.zero
+
+        def rule(index: Index) -> Element:
             a, rest = index[0], index[1:]
-            terms = []
-            value = get(rest)
-            if value is not None:
-                terms.append((1, value.diff(coordinates[a])))
+            terms: list = [(1, get(rest).diff(coordinates[a]))]
             for k, slot in enumerate(tensor.slots):
                 table = tables["d" if slot in "du" else "D"]
                 up = slot in "uU"
                 head, own, tail = rest[:k], rest[k], rest[k + 1 :]
                 for b in range(n):
                     coefficient = table((a, b, own) if up else (a, own, b))
-                    if coefficient is None:
-                        continue
-                    value = get((*head, b, *tail))
-                    if value is not None:
-                        terms.append((1 if up else -1, coefficient, value))
-            return total(frame.field, terms)
+                    # A component that multiplies zero is not computed.
+                    if coefficient is not zero:
+                        terms.append((1 if up else -1, coefficient, get((*head, b, *tail))))
+            return frame.field.sum(terms)
 
         symmetry = shifted(tensor.symmetry, 1)
         return Tensor(frame, "d" + tensor.slots, rule, symmetry, f"D{tensor.symbol}", "")
@@ -309,9 +300,9 @@ def contortion_of(torsion: Tensor) -> Tensor:
     """K_ab^c, slots ddu, of a torsion S_ab^c: K_abc = S_abc - S_bca + S_cab."""
     frame, lower = torsion.frame, torsion.lowered(2).components.get
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         a, b, c = index
-        parts = ((1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b))))
-        return total(frame.field, [(s, x) for s, x in parts if x is not None])
+        terms = [(1, lower((a, b, c))), (-1, lower((b, c, a))), (1, lower((c, a, b)))]
+        return frame.field.sum(terms)
 
     return Tensor(frame, "ddd", rule, antisymmetric(3, 1, 2), "K", "contortion").raised(2)

@@ -8,8 +8,9 @@ from geomtorsion import checks
 from geomtorsion.errors import ShapeError, TensorIndexError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
-from geomtorsion.geometry.components import Index, total
+from geomtorsion.geometry.components import Index
 from geomtorsion.geometry.connection import Connection, contortion_of
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import parallel_rows
 from geomtorsion.geometry.from_arrays import tensor_from_array
@@ -20,7 +21,7 @@ HALF = Fraction(1, 2)
 
 
 def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tensor:
-    """Gamma_ab^c as a tensor object that knows what it is not."""
+    """Coefficients Gamma_ab^c; slots b and c do not transform as a tensor."""
     return Tensor(frame, "ddu", source, (), symbol, name, anchored=(1, 2))
 
 
@@ -41,21 +42,20 @@ def cartan(frame: Frame | Connection) -> Connection:
     >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.T[0, 1, 1]
     1/r
     """
-    over = _frame_of(frame)
+    return _cartan(_frame_of(frame))
 
-    def make() -> Connection:
-        rows = parallel_rows(over)
-        derivative, duals = rows.derivative.get, rows.duals
 
-        def rule(index: Index) -> Element | None:
-            a, b, c = index
-            pairs = [(x, derivative((a, i, b))) for i, x in duals.rows[c]]
-            return total(over.field, [(1, x, y) for x, y in pairs if y is not None])
+@derived
+def _cartan(frame: Frame) -> Connection:
+    rows = parallel_rows(frame)
+    derivative, duals = rows.derivative.get, rows.duals
 
-        coefficients = _coefficients(over, rule, "\\Gamma", "Cartan")
-        return Connection(over, coefficients, "Cartan connection", "cartan", cartan)
+    def rule(index: Index) -> Element:
+        a, b, c = index
+        return frame.field.sum([(1, x, derivative((a, i, b))) for i, x in duals.rows[c]])
 
-    return over.derived("cartan", make)
+    coefficients = _coefficients(frame, rule, "\\Gamma", "Cartan")
+    return Connection(frame, coefficients, "Cartan connection", "cartan", cartan)
 
 
 def levi_civita(frame: Frame | Connection) -> Connection:
@@ -75,13 +75,13 @@ def levi_civita(frame: Frame | Connection) -> Connection:
     >>> levi_civita(Frame([r, phi], [[1, 0], [0, r]])).is_flat
     True
     """
-    over = _frame_of(frame)
+    return _levi_civita(_frame_of(frame))
 
-    def make() -> Connection:
-        coefficients = riemannian.christoffel(over)
-        return Connection(over, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
-    return over.derived("levi_civita", make)
+@derived
+def _levi_civita(frame: Frame) -> Connection:
+    coefficients = riemannian.christoffel(frame)
+    return Connection(frame, coefficients, "Levi-Civita connection", "levi-civita", levi_civita)
 
 
 def _frame_of(given: object) -> Frame:
@@ -153,13 +153,12 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     derivative, legs = frame.coframe_derivative.get, frame.legs.components
     field = frame.field
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         a, b, c = index
         terms = []
         for j, leg in legs.rows[c]:
-            parts = (derivative((a, j, b)), bent((a, b, j)))
-            terms += [(1, leg, value) for value in parts if value is not None]
-        return total(field, terms)
+            terms += [(1, leg, derivative((a, j, b))), (1, leg, bent((a, b, j)))]
+        return field.sum(terms)
 
     lower = Tensor(frame, "dDU", spin).lowered(2).components
     metric = all(_cancels(lower.get((a, i, j)), lower.get((a, j, i))) for a, i, j in lower.nonzero)
@@ -285,10 +284,8 @@ def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connec
     return Connection(first.frame, coefficients, name, kind)
 
 
-def _cancels(one: Element | None, two: Element | None) -> bool:
+def _cancels(one: Element, two: Element) -> bool:
     """Whether two components add to zero."""
-    if one is None or two is None:
-        return one is two
     return (one + two).is_zero is True
 
 

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from geomtorsion.errors import CoordinateError
-from geomtorsion.geometry import validation
+from geomtorsion.geometry import naming, validation
 from geomtorsion.geometry.components import inverse
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.groups import invariant_coframe
 from geomtorsion.geometry.orthonormalize import orthonormal_rows
 from geomtorsion.geometry.substitution import INFINITE, Substitution
 
 if TYPE_CHECKING:
+    from geomtorsion.exact.generators import Names
     from geomtorsion.geometry.frame import Frame
-    from geomtorsion.geometry.naming import Meanings
 
 
 def from_frame(
@@ -86,6 +87,7 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
     return given if shape == "metric" else given | {"complex": frame.complex}
 
 
+@derived
 def substituted(frame: Frame, put: Substitution) -> Frame:
     """The frame with other values, made as it was made (see Frame.subs)."""
     shape, n = frame.shape, frame.dimension
@@ -117,7 +119,8 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     return found.named(**names) if names else found
 
 
-def named(frame: Frame, meanings: Meanings) -> Frame:
+@derived
+def named(frame: Frame, meanings: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> Frame:
     """The frame in the same field, printed with names (see Frame.named)."""
     opened = validation.Opened(
         frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
@@ -128,6 +131,12 @@ def named(frame: Frame, meanings: Meanings) -> Frame:
     # Bad names are told at once.
     found.written(frame.field.zero)
     return found
+
+
+@derived
+def names(frame: Frame) -> Names:
+    """The names of a frame as they are written, with exact elements."""
+    return naming.names(frame.field, frame.names)
 
 
 def from_structure_constants(

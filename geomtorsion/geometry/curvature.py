@@ -17,7 +17,6 @@ from geomtorsion.geometry.components import (
     Symmetry,
     antisymmetric,
     symmetric,
-    total,
 )
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
@@ -74,8 +73,9 @@ class Curvature:
     def _unless_parallel(self, rule: Rule) -> Rule:
         """The rule, save where all legs are found parallel: such a connection is flat."""
 
-        def shorter(index: Index) -> Element | None:
-            return None if self.connection.has_parallel_legs else rule(index)
+        def shorter(index: Index) -> Element:
+            zero = self.connection.frame.field.zero
+            return zero if self.connection.has_parallel_legs else rule(index)
 
         return shorter
 
@@ -105,19 +105,13 @@ class Curvature:
         mixed, lower = self.riemann.components.get, self.lower.components.get
         inverse = frame.inverse_metric.components
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             j, i = index
             # The lower Riemann tensor has all its symmetries, so that fewer components are needed.
             if not of_metric:
-                parts = [mixed((m, j, i, m)) for m in range(n)]
-                return total(frame.field, [(1, x) for x in parts if x is not None])
-            terms = []
-            for m, row in enumerate(inverse.rows):
-                for k, factor in row:
-                    value = lower((m, j, i, k))
-                    if value is not None:
-                        terms.append((1, factor, value))
-            return total(frame.field, terms)
+                return frame.field.sum([(1, mixed((m, j, i, m))) for m in range(n)])
+            entries = inverse.nonzero.items()
+            return frame.field.sum([(1, x, lower((m, j, i, k))) for (m, k), x in entries])
 
         return Tensor(frame, "dd", rule, symmetric(2) if of_metric else (), "R", "Ricci tensor")
 
@@ -129,9 +123,8 @@ class Curvature:
         def rule() -> Element:
             if self._is_riemannian and is_dense(frame):
                 return scalar_from_anholonomy(frame)
-            inverse = frame.inverse_metric.components.nonzero
-            pairs = [(x, self.ricci.components.get(index)) for index, x in inverse.items()]
-            return frame.field.sum([(1, x, y) for x, y in pairs if y is not None])
+            inverse, ricci = frame.inverse_metric.components.nonzero, self.ricci.components.get
+            return frame.field.sum([(1, x, ricci(index)) for index, x in inverse.items()])
 
         return frame.scalar(rule, "R", "curvature scalar")
 
@@ -141,12 +134,9 @@ class Curvature:
         frame, get = self.connection.frame, self.ricci.components.get
         metric = frame.metric.components.get
 
-        def rule(index: Index) -> Element | None:
-            value, length = get(index), metric(index)
-            terms: list = [] if value is None else [(1, value)]
-            if length is not None:
-                terms.append((-HALF, length, self.scalar.element()))
-            return total(frame.field, terms)
+        def rule(index: Index) -> Element:
+            scalar = self.scalar.element()
+            return frame.field.sum([(1, get(index)), (-HALF, metric(index), scalar)])
 
         return Tensor(frame, "dd", rule, self.ricci.symmetry, "G", "Einstein tensor")
 
@@ -161,28 +151,24 @@ class Curvature:
         n = frame.dimension
         if n < 3:
             return Tensor(frame, "dddd", {}, RIEMANN, "C", "Weyl tensor")
-        lower, ricci = self.lower.components.get, self.ricci.components.get
-        metric = frame.metric.components.get
+        lower, R = self.lower.components.get, self.ricci.components.get
+        g = frame.metric.components.get
         one, two = Fraction(1, n - 2), Fraction(1, (n - 1) * (n - 2))
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c, d = index
-            value = lower(index)
-            terms: list = [] if value is None else [(1, value)]
-            for sign, first, second in (
-                (-one, (a, d), (b, c)),
-                (one, (b, d), (a, c)),
-                (one, (a, c), (b, d)),
-                (-one, (b, c), (a, d)),
-            ):
-                length, trace = metric(first), ricci(second)
-                if length is not None and trace is not None:
-                    terms.append((sign, length, trace))
-            for sign, first, second in ((two, (a, d), (b, c)), (-two, (b, d), (a, c))):
-                length, other = metric(first), metric(second)
-                if length is not None and other is not None:
-                    terms.append((sign, length, other, self.scalar.element()))
-            return total(frame.field, terms)
+            scalar = self.scalar.element()
+            return frame.field.sum(
+                [
+                    (1, lower(index)),
+                    (-one, g((a, d)), R((b, c))),
+                    (one, g((b, d)), R((a, c))),
+                    (one, g((a, c)), R((b, d))),
+                    (-one, g((b, c)), R((a, d))),
+                    (two, g((a, d)), g((b, c)), scalar),
+                    (-two, g((b, d)), g((a, c)), scalar),
+                ]
+            )
 
         return Tensor(frame, "dddd", rule, self._symmetry, "C", "Weyl tensor")
 
@@ -202,9 +188,8 @@ class Curvature:
             terms = []
             for a, b, c, d in mixed.independent:
                 if (a, b) <= (c, d):
-                    first, second = get((a, b, c, d)), get((c, d, a, b))
-                    if first is not None and second is not None:
-                        terms.append((4 if (a, b) == (c, d) else 8, first, second))
+                    times = 4 if (a, b) == (c, d) else 8
+                    terms.append((times, get((a, b, c, d)), get((c, d, a, b))))
             return frame.field.sum(terms)
 
         return frame.scalar(rule, "K", "Kretschmann scalar")
@@ -241,26 +226,15 @@ def curvature_rule(connection: Connection) -> Rule:
     """
     frame = connection.frame
     gamma, field = connection.coefficients.components.get, frame.field
-    n, coordinates = frame.dimension, frame.coordinates
+    n, q = frame.dimension, frame.coordinates
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         m, n_, l, k = index  # noqa: E741  (the letters of the formula)
-        terms = []
-        for sign, along, place in ((1, m, (n_, l, k)), (-1, n_, (m, l, k))):
-            value = gamma(place)
-            if value is not None:
-                terms.append((sign, value.diff(coordinates[along])))
+        terms: list = [(1, gamma((n_, l, k)).diff(q[m])), (-1, gamma((m, l, k)).diff(q[n_]))]
         for t in range(n):
-            for sign, one, two in (
-                (-1, (m, l, t), (n_, t, k)),
-                (1, (n_, l, t), (m, t, k)),
-            ):
-                first = gamma(one)
-                if first is not None:
-                    second = gamma(two)
-                    if second is not None:
-                        terms.append((sign, first, second))
-        return total(field, terms)
+            terms.append((-1, gamma((m, l, t)), gamma((n_, t, k))))
+            terms.append((1, gamma((n_, l, t)), gamma((m, t, k))))
+        return field.sum(terms)
 
     return rule
 
@@ -275,7 +249,6 @@ def scalar_from_anholonomy(frame: Frame) -> Element:
     upper = vector.raised()
     terms: list = [(-1, scalar_of(anholonomy)), (-2, (vector @ upper).element())]
     for i, along in enumerate(frame.legs.components.columns):
-        if upper.components.get((i,)) is not None:
-            value = upper.element(i)
-            terms += [(-2, leg, value.diff(frame.coordinates[a])) for a, leg in along]
+        value = upper.components.get((i,))
+        terms += [(-2, leg, value.diff(frame.coordinates[a])) for a, leg in along]
     return frame.field.sum(terms)

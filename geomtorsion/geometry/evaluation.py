@@ -21,6 +21,7 @@ from geomtorsion.exact.element import inside_out
 from geomtorsion.exact.evaluate import arguments, made_of
 from geomtorsion.exact.generators import Generator
 from geomtorsion.geometry.components import Index
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.validation import (
     TRIES,
     RationalPoint,
@@ -128,12 +129,9 @@ def sign_of(frame: Frame, symbol: sp.Symbol) -> int:
     return 0 if sign and repeats(frame, symbol) else sign
 
 
+@derived
 def repeats(frame: Frame, symbol: sp.Symbol) -> bool:
     """Whether a frame is the same after a full turn of a coordinate, or does not depend on it."""
-    return frame.derived(f"repeats in {symbol}", lambda: _repeats(frame, symbol))
-
-
-def _repeats(frame: Frame, symbol: sp.Symbol) -> bool:
     field, known = frame.field, dict[str, bool | None]()
     for entry in (value for matrix in frame.given.values() for value in matrix.values()):
         verdicts: set[bool | None] = set()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import FunctionType, MethodType
@@ -45,6 +45,7 @@ class Frame:
     name: what it is called in messages and pages.
     field: the exact field in which all components live.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
+    attached: what does not follow from the frame: its "atlas" and "names" for printing.
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
@@ -80,6 +81,7 @@ class Frame:
     name: str
     field: Field
     given: Mapping[str, Elements]
+    attached: dict[str, Any]
 
     def __init__(
         self,
@@ -117,7 +119,8 @@ class Frame:
             self, "name", "" if name is None else checks.text(name, "name", ArgumentError)
         )
         object.__setattr__(self, "given", given)
-        object.__setattr__(self, "_kept", {})
+        object.__setattr__(self, "_derived", {})
+        object.__setattr__(self, "attached", {})
         object.__setattr__(self, "_plain", plain)
         # Whatever else is read into the field later, this frame does not rely on it.
         self.field.settle()
@@ -125,7 +128,7 @@ class Frame:
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
-        _kept: dict[Hashable, Any]
+        _derived: dict[tuple[object, ...], Any]
         _plain: Plain
 
     @classmethod
@@ -225,14 +228,6 @@ class Frame:
         """
         return constructors.from_structure_constants(cls, constants, coordinates, signature, name)
 
-    # -- what is kept ---------------------------------------------------------------------------
-
-    def derived(self, key: Hashable, maker: Callable[[], Any]) -> Any:
-        """A thing that follows from this frame: made on first use, then kept."""
-        if key not in self._kept:
-            self._kept[key] = maker()
-        return self._kept[key]
-
     def read(self, entries: Sequence[tuple[str, object]]) -> list[Element]:
         """Exact elements of pairs (where, expression); new symbols become parameters."""
         return validation.read_more(self.field, entries)
@@ -299,7 +294,7 @@ class Frame:
 
     def scalar(
         self,
-        value: Scalar | Callable[[], Element | None],
+        value: Scalar | Callable[[], Element],
         symbol: str = "f",
         name: str = "scalar",
     ) -> Tensor:
@@ -409,14 +404,14 @@ class Frame:
         (r**2/4, ())
         """
         put = substitution.substitution(values, self.coordinates, self.field)
-        return self.derived(put.key, lambda: constructors.substituted(self, put))
+        return constructors.substituted(self, put)
 
     # -- names ----------------------------------------------------------------------------------
 
     @property
     def names(self) -> dict[sp.Symbol, sp.Expr]:
         """What the names stand for with which quantities are printed; none without `named`."""
-        return dict(self._kept.get("names", {}))
+        return dict(self.attached.get("names", {}))
 
     def named(self, /, **quantities: sp.Expr | str) -> Frame:
         """This frame, its tensors printed with names for what occurs often in them.
@@ -438,19 +433,13 @@ class Frame:
         ((2*M*r - Sigma)/Sigma, -(-2*M*r + a**2*cos(theta)**2 + r**2)/(a**2*cos(theta)**2 + r**2))
         """
         found = naming.meanings(self.field, self.names, quantities)
-        return self.derived(("named", *found.items()), lambda: constructors.named(self, found))
+        return constructors.named(self, tuple(found.items()))
 
     def written(self, element: Element) -> sp.Expr:
         """An element as it is printed: short, with the names of the frame (see `named`)."""
-        names = self.derived("names, read", lambda: naming.names(self.field, self.names))
-        return self.field.written(element, names)
+        return self.field.written(element, constructors.names(self))
 
     # -- copies ---------------------------------------------------------------------------------
-
-    @property
-    def attached(self) -> dict[str, Any]:
-        """What does not follow from the frame: further charts, and names."""
-        return {key: self._kept[key] for key in ("atlas", "names") if key in self._kept}
 
     def __reduce__(self) -> tuple[object, ...]:
         """Made again from what it was made from, so that every result is the same to the bit."""
@@ -464,7 +453,7 @@ class Frame:
         return _made_again, (shape, self.coordinates, rows, given), self.attached
 
     def __setstate__(self, attached: dict[str, Any]) -> None:
-        self._kept.update(attached)
+        self.attached.update(attached)
 
     def __deepcopy__(self, _: object) -> Frame:
         """Itself: it never changes."""

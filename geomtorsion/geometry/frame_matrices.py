@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -21,8 +21,8 @@ from geomtorsion.geometry.components import (
     inverse,
     pairs_of_inverse,
     symmetric,
-    total,
 )
+from geomtorsion.geometry.derived import derived
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def metric(frame: Frame) -> Components:
         upper = _squared(frame, frame.coframe.components.rows, frame.given["eta"])
     else:
         upper = {index: value for index, value in upper.items() if index[0] <= index[1]}
-    return Components.known(2, frame.dimension, upper, symmetric(2))
+    return Components.known(frame.field, 2, frame.dimension, upper, symmetric(2))
 
 
 def inverse_metric(frame: Frame) -> Components:
@@ -49,7 +49,7 @@ def inverse_metric(frame: Frame) -> Components:
     else:
         constants = frame.inverse_eta.components.nonzero
         upper = _squared(frame, frame.legs.components.columns, constants)
-    return Components.known(2, frame.dimension, upper, symmetric(2))
+    return Components.known(frame.field, 2, frame.dimension, upper, symmetric(2))
 
 
 def coframe(frame: Frame) -> Components:
@@ -58,9 +58,10 @@ def coframe(frame: Frame) -> Components:
     if entries is None:
         scales = _scales(frame)
         entries = {(i, mu): value * scales[i] for (i, mu), value in frame.given["rows"].items()}
-    return Components.known(2, frame.dimension, entries)
+    return Components.known(frame.field, 2, frame.dimension, entries)
 
 
+@derived
 def _scales(frame: Frame) -> list[Element]:
     """sqrt|q_i| of the completed squares."""
 
@@ -75,10 +76,7 @@ def _scales(frame: Frame) -> list[Element]:
                 "connections and curvature need no legs; or give a coframe"
             ) from None
 
-    def make() -> list[Element]:
-        return [scale(i) for i in range(frame.dimension)]
-
-    return frame.derived("scales", make)
+    return [scale(i) for i in range(frame.dimension)]
 
 
 def legs(frame: Frame) -> Components:
@@ -93,7 +91,7 @@ def legs(frame: Frame) -> Components:
         entries = _raised(frame, frame.coframe.lowered(0).components)
     elif entries is None:
         entries = inverse(frame.field, frame.given["coframe"], n)
-    return Components.known(2, n, entries)
+    return Components.known(frame.field, 2, n, entries)
 
 
 def _raised(frame: Frame, rows: Components) -> dict[Index, Element]:
@@ -101,10 +99,7 @@ def _raised(frame: Frame, rows: Components) -> dict[Index, Element]:
     entries = {}
     for mu, row in enumerate(frame.inverse_metric.components.rows):
         for i in range(frame.dimension):
-            pairs = [(x, rows.get((i, nu))) for nu, x in row]
-            value = total(frame.field, [(1, x, y) for x, y in pairs if y is not None])
-            if value is not None:
-                entries[mu, i] = value
+            entries[mu, i] = frame.field.sum([(1, x, rows.get((i, nu))) for nu, x in row])
     return entries
 
 
@@ -120,32 +115,27 @@ class ParallelRows:
     derivative: Components
 
 
+@derived
 def parallel_rows(frame: Frame) -> ParallelRows:
     """Rows to make a connection with parallel legs from: the factors f_i drop out of it."""
     if "rows" not in frame.given:
         legs_, derivative = frame.legs.components, frame.coframe_derivative
         return ParallelRows(frame.coframe.components, legs_, derivative)
+    field, n = frame.field, frame.dimension
+    rows, squares = frame.given["rows"], frame.given["squares"]
+    lowered = {(i, a): value * squares[i, i] for (i, a), value in rows.items()}
+    duals = _raised(frame, Components.known(field, 2, n, lowered))
+    # d_a(f r) / f = d_a r + (d_a f / f) r, and d_a f / f is half that of q = f**2: no root.
+    halves = [squares[i, i].inverse() * HALF for i in range(n)]
 
-    def make() -> ParallelRows:
-        n, rows, squares = frame.dimension, frame.given["rows"], frame.given["squares"]
-        lowered = {(i, a): value * squares[i, i] for (i, a), value in rows.items()}
-        duals = _raised(frame, Components.known(2, n, lowered))
-        # d_a(f r) / f = d_a r + (d_a f / f) r, and d_a f / f is half that of q = f**2: no root.
-        halves = [squares[i, i].inverse() * HALF for i in range(n)]
+    def rule(index: Index) -> Element:
+        a, i, b = index
+        row, along = rows.get((i, b), field.zero), frame.coordinates[a]
+        slope = squares[i, i].diff(along)
+        return field.sum([(1, row.diff(along)), (1, slope, halves[i], row)])
 
-        def rule(index: Index) -> Element | None:
-            a, i, b = index
-            row = rows.get((i, b))
-            if row is None:
-                return None
-            along = frame.coordinates[a]
-            slope = squares[i, i].diff(along)
-            return frame.field.sum([(1, row.diff(along)), (1, slope, halves[i], row)])
-
-        forms = Components.known(2, n, rows)
-        return ParallelRows(forms, Components.known(2, n, duals), Components(3, n, rule))
-
-    return frame.derived("parallel_rows", make)
+    forms = Components.known(field, 2, n, rows)
+    return ParallelRows(forms, Components.known(field, 2, n, duals), Components(field, 3, n, rule))
 
 
 def inverts_metric(frame: Frame) -> bool:
@@ -182,54 +172,45 @@ def coframe_derivative(frame: Frame) -> Components:
     if "rows" in frame.given:
         unscaled, scales = parallel_rows(frame).derivative.get, _scales(frame)
 
-        def scaled(index: Index) -> Element | None:
-            value = unscaled(index)
-            return None if value is None else value * scales[index[1]]
+        def scaled(index: Index) -> Element:
+            return unscaled(index) * scales[index[1]]
 
-        return Components(3, frame.dimension, scaled)
+        return Components(frame.field, 3, frame.dimension, scaled)
     get, coordinates = frame.coframe.components.get, frame.coordinates
 
-    def rule(index: Index) -> Element | None:
-        value = get(index[1:])
-        return None if value is None else value.diff(coordinates[index[0]])
+    def rule(index: Index) -> Element:
+        return get(index[1:]).diff(coordinates[index[0]])
 
-    return Components(3, frame.dimension, rule)
+    return Components(frame.field, 3, frame.dimension, rule)
 
 
+@derived
 def curl(frame: Frame) -> Components:
     """d_a e^k_b - d_b e^k_a at (a, b, k)."""
+    derivative = frame.coframe_derivative.get
 
-    def make() -> Components:
-        derivative = frame.coframe_derivative.get
+    def rule(index: Index) -> Element:
+        a, b, k = index
+        return frame.field.sum([(1, derivative((a, k, b))), (-1, derivative((b, k, a)))])
 
-        def rule(index: Index) -> Element | None:
-            a, b, k = index
-            one, two = derivative((a, k, b)), derivative((b, k, a))
-            if two is None:
-                return one
-            return -two if one is None else frame.field.sum([(1, one), (-1, two)])
-
-        return Components(3, frame.dimension, rule, antisymmetric(3))
-
-    return frame.derived("curl", make)
+    return Components(frame.field, 3, frame.dimension, rule, antisymmetric(3))
 
 
 def anholonomy(frame: Frame) -> Tensor:
     """C_ij^k = E_i^a E_j^b (d_a e^k_b - d_b e^k_a), slots DDU."""
     if not is_dense(frame):
         return Tensor(frame, "ddU", curl(frame), antisymmetric(3), "C", "anholonomy").in_frame()
-    get, pairs = curl(frame).get, _pairs_of_legs(frame)
+    get = curl(frame).get
 
-    def rule(index: Index) -> Element | None:
+    def rule(index: Index) -> Element:
         i, j, k = index
-        factor, minors = pairs()[i, j]
-        found = [(x, get((a, b, k))) for a, b, x in minors]
-        value = total(frame.field, [(1, x, y) for x, y in found if y is not None])
-        return None if value is None else value * factor
+        factor, minors = _pairs_of_legs(frame)[i, j]
+        return frame.field.sum([(1, x, get((a, b, k))) for a, b, x in minors]) * factor
 
     return Tensor(frame, "DDU", rule, antisymmetric(3), "C", "anholonomy")
 
 
+@derived
 def is_dense(frame: Frame) -> bool:
     """Whether the coframe is given and at most half as long as the metric.
 
@@ -238,20 +219,14 @@ def is_dense(frame: Frame) -> bool:
     """
     if "metric" in frame.given:
         return False
-    return frame.derived(
-        "is_dense", lambda: 2 * frame.coframe.components.length <= frame.metric.components.length
-    )
+    return 2 * frame.coframe.components.length <= frame.metric.components.length
 
 
-def _pairs_of_legs(frame: Frame) -> Callable[[], dict[tuple[int, int], tuple[Element, list[Pair]]]]:
-    """E_i^a E_j^b - E_i^b E_j^a of all legs i < j, made when they are asked for."""
-    entries, inverted = frame.coframe.components, frame.legs.components
-
-    def make() -> dict[tuple[int, int], tuple[Element, list[Pair]]]:
-        n = frame.dimension
-        return pairs_of_inverse(frame.field, entries.nonzero, inverted.nonzero, n)
-
-    return lambda: frame.derived("pairs_of_legs", make)
+@derived
+def _pairs_of_legs(frame: Frame) -> dict[tuple[int, int], tuple[Element, list[Pair]]]:
+    """E_i^a E_j^b - E_i^b E_j^a of all legs i < j."""
+    entries, inverted = frame.coframe.components.nonzero, frame.legs.components.nonzero
+    return pairs_of_inverse(frame.field, entries, inverted, frame.dimension)
 
 
 def coframe_determinant(frame: Frame) -> Element:

@@ -86,8 +86,8 @@ def component(
 ) -> sp.Expr:
     """One component as an expression, through its representative so that it is made once."""
     sign, representative = tensor.components.representative(index)
-    value = tensor.components.get(representative) if sign else None
-    if value is None:
+    value = tensor.components.get(representative)
+    if not sign or value is tensor.frame.field.zero:
         return sp.S.Zero
     written = named(tensor, index, value, write)
     return written if sign > 0 else -written

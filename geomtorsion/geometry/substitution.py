@@ -63,10 +63,8 @@ class Substitution:
             )
         return found
 
-    @property
-    def key(self) -> frozenset[object]:
-        """What tells it from others."""
-        return frozenset([*self.symbols.items(), *self.functions.items()])
+    def __hash__(self) -> int:
+        return hash(frozenset([*self.symbols.items(), *self.functions.items()]))
 
     def __str__(self) -> str:
         pairs = [f"{symbol} = {value}" for symbol, value in self.symbols.items()]

@@ -32,7 +32,7 @@ Number = int | float | complex | Fraction | sp.Expr
 Scalar = int | Fraction | sp.Expr | Element
 Point = Mapping[str, Number] | Mapping[sp.Expr, Number]
 Points = Mapping[str, "Number | ArrayLike"] | Mapping[sp.Expr, "Number | ArrayLike"]
-Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element | None]
+Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,16 +76,16 @@ class Tensor:
 
     @cached_property
     def components(self) -> Components:
-        """The array behind the tensor; missing components are None there."""
+        """The array behind the tensor."""
         symmetry = effective(self.symmetry, self.slots)
-        rank, dimension = len(self.slots), self.frame.dimension
+        field, rank, dimension = self.frame.field, len(self.slots), self.frame.dimension
         if isinstance(self.source, Components):
             return self.source
         if isinstance(self.source, Mapping):
             named = [(f"{self.symbol}{list(i)}", value) for i, value in self.source.items()]
             values = dict(zip(self.source, self.frame.read(named), strict=True))
-            return Components.placed(rank, dimension, values, symmetry)
-        return Components(rank, dimension, self.source, symmetry)
+            return Components.placed(field, rank, dimension, values, symmetry)
+        return Components(field, rank, dimension, self.source, symmetry)
 
     # -- reading -------------------------------------------------------------------------------
 
@@ -101,8 +101,8 @@ class Tensor:
         x
         """
         place = self._checked(index)
-        value = self.components.get(place)
-        return self.components.zeros.get(place, self.frame.field.zero) if value is None else value
+        # A zero that is not proved carries the chance that it is wrong.
+        return self.components.zeros.get(place, self.components.get(place))
 
     def __getitem__(self, index: SupportsIndex | tuple[SupportsIndex, ...]) -> sp.Expr:
         """One component as a sympy expression; nothing else is computed."""
@@ -436,7 +436,7 @@ class Tensor:
             (found,) = over.read([(name, given)])
             return found.written_as(given) if written else found
 
-        return replace(self, frame=over, source=self.components.mapped(changed))
+        return replace(self, frame=over, source=self.components.mapped(over.field, changed))
 
     # -- copies --------------------------------------------------------------------------------
 

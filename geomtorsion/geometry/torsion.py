@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
-from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric, total
+from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
@@ -46,13 +46,9 @@ class Torsion:
         connection = self.connection
         gamma = connection.coefficients.components.get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
-            one, two = gamma((a, b, c)), gamma((b, a, c))
-            if two is None:
-                return one
-            parts = [(-1, two)] if one is None else [(1, one), (-1, two)]
-            return connection.frame.field.sum(parts)
+            return connection.frame.field.sum([(1, gamma((a, b, c))), (-1, gamma((b, a, c)))])
 
         if connection.kind == "levi-civita":
             # The coefficients are symmetric because each is stored once for (a, b) and (b, a).
@@ -64,9 +60,8 @@ class Torsion:
         """S_ab^c = (Gamma_ab^c - Gamma_ba^c) / 2, slots ddu: torsion with the half."""
         whole = self.T.components.get
 
-        def rule(index: Index) -> Element | None:
-            value = whole(index)
-            return None if value is None else value * HALF
+        def rule(index: Index) -> Element:
+            return whole(index) * HALF
 
         return Tensor(self.connection.frame, "ddu", rule, antisymmetric(3), "S", "torsion")
 
@@ -75,9 +70,8 @@ class Torsion:
         """v_a = T_ab^b, slots d."""
         whole, n = self.T.components.get, self.connection.frame.dimension
 
-        def rule(index: Index) -> Element | None:
-            parts = [whole((index[0], b, b)) for b in range(n)]
-            return total(self.connection.frame.field, [(1, x) for x in parts if x is not None])
+        def rule(index: Index) -> Element:
+            return self.connection.frame.field.sum([(1, whole((index[0], b, b))) for b in range(n)])
 
         return Tensor(self.connection.frame, "d", rule, (), "v", "torsion vector")
 
@@ -86,11 +80,14 @@ class Torsion:
         """T_[abc] = (T_abc + T_bca + T_cab) / 3, slots ddd: the totally antisymmetric part."""
         lower = self.T.lowered(2).components.get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
-            parts = [lower((a, b, c)), lower((b, c, a)), lower((c, a, b))]
-            terms = [(THIRD, value) for value in parts if value is not None]
-            return total(self.connection.frame.field, terms)
+            terms = [
+                (THIRD, lower((a, b, c))),
+                (THIRD, lower((b, c, a))),
+                (THIRD, lower((c, a, b))),
+            ]
+            return self.connection.frame.field.sum(terms)
 
         return Tensor(self.connection.frame, "ddd", rule, alternating(3), "A", "axial torsion")
 
@@ -106,15 +103,16 @@ class Torsion:
         # In one dimension there is no torsion, and no trace to be taken off.
         share = Fraction(1, max(frame.dimension - 1, 1))
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
-            parts = ((1, lower(index)), (-1, axial(index)))
-            terms: list = [(s, x) for s, x in parts if x is not None]
-            for sign, one, two in ((-share, a, (b, c)), (share, b, (a, c))):
-                first, second = vector((one,)), metric(two)
-                if first is not None and second is not None:
-                    terms.append((sign, first, second))
-            return total(frame.field, terms)
+            return frame.field.sum(
+                [
+                    (1, lower(index)),
+                    (-1, axial(index)),
+                    (-share, vector((a,)), metric((b, c))),
+                    (share, vector((b,)), metric((a, c))),
+                ]
+            )
 
         return Tensor(frame, "ddd", rule, antisymmetric(3), "q", "tensor part of torsion")
 
@@ -136,10 +134,9 @@ class Torsion:
         frame = self.connection.frame
         lower = self.S.lowered(2).components.get
 
-        def rule(index: Index) -> Element | None:
+        def rule(index: Index) -> Element:
             a, b, c = index
-            parts = [lower((a, c, b)), lower((b, c, a))]
-            return total(frame.field, [(1, x) for x in parts if x is not None])
+            return frame.field.sum([(1, lower((a, c, b))), (1, lower((b, c, a)))])
 
         tensor = Tensor(frame, "ddd", rule, symmetric(3), "f", "torsion force")
         return tensor.raised(2)

@@ -14,6 +14,7 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import contract
+from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Parameters, Part, Segment
 from geomtorsion.loops.forms import Forms, Poles, forms, parameter_values, perturbed, poles_of
@@ -28,7 +29,7 @@ from geomtorsion.loops.transport import (
 )
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection, Tensor
+    from geomtorsion.geometry import Connection, Frame, Tensor
 
 
 Entries = tuple[tuple[tuple[int, ...], Element], ...]
@@ -118,7 +119,9 @@ class AffineForm:
     @cached_property
     def turns(self) -> bool:
         """Whether parallel transport turns the legs at all."""
-        return self._plain is None and bool(_compiled(self.connection, "line").turn)
+        return self._plain is None and bool(
+            _compiled(self.connection.frame, self.connection, "line").turn
+        )
 
     def coframe(self, point: np.ndarray) -> np.ndarray:
         """e^i_mu at one point, shape (n, n)."""
@@ -138,7 +141,10 @@ class AffineForm:
 
     def _with_numbers(self, kind: str) -> tuple[_Compiled, tuple[float | complex, ...]]:
         """Compiled components, and values for their parameters, checked once."""
-        frame, compiled = self.connection.frame, _compiled(self.connection, kind)
+        frame, compiled = (
+            self.connection.frame,
+            _compiled(self.connection.frame, self.connection, kind),
+        )
         return compiled, parameter_values(frame, compiled.parameters, self.parameters)
 
 
@@ -157,16 +163,9 @@ class _Compiled:
     poles: Poles | None
 
 
-def _compiled(connection: Connection, kind: str) -> _Compiled:
-    """The compiled form or its curvature, kept with the frame."""
-    # The connection is kept with the result, so that no other can come to have its id.
-    key = f"affine {kind} {id(connection)}"
-    return connection.frame.derived(key, lambda: (connection, _compile(connection, kind)))[1]
-
-
-def _compile(connection: Connection, kind: str) -> _Compiled:
-    """Exact components, chosen and compiled together."""
-    frame = connection.frame
+@derived
+def _compiled(frame: Frame, connection: Connection, kind: str) -> _Compiled:
+    """The form or its curvature: exact components, chosen and compiled together."""
     if kind == "line":
         turn = _entries(connection.spin_connection)
         step = _entries(frame.coframe)

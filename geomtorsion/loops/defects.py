@@ -14,6 +14,7 @@ from geomtorsion.checks import exact_number
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import LoopError, MissingValueError
 from geomtorsion.exact.form import Sum, form
+from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.affine_form import AffineForm, line_rate
 from geomtorsion.loops.affine_map import AffineMap
 from geomtorsion.loops.arcs import Number, Parameters, shown
@@ -157,12 +158,9 @@ def find_defects(frame: Frame, connection: Connection | None = None) -> tuple[De
     """
     if connection is None or connection.kind == "cartan":
         if isinstance(frame.given, Lines):
-            lines = frame.given
-            return frame.derived("defects", lambda: _of_lines(frame, lines))
-        return frame.derived("defects", lambda: _found(frame, factors(frame)))
-    # The connection is kept with the result, so that no other can come to have its id.
-    key = f"defects {id(connection)}"
-    return frame.derived(key, lambda: (connection, _of_connection(frame, connection)))[1]
+            return _of_lines(frame, frame.given)
+        return _of_frame(frame)
+    return _of_connection(frame, connection)
 
 
 def _of_lines(frame: Frame, lines: Lines) -> tuple[Defect, ...]:
@@ -174,6 +172,13 @@ def _of_lines(frame: Frame, lines: Lines) -> tuple[Defect, ...]:
     )
 
 
+@derived
+def _of_frame(frame: Frame) -> tuple[Defect, ...]:
+    """Lines on which a coframe is singular."""
+    return _found(frame, factors(frame))
+
+
+@derived
 def _of_connection(frame: Frame, connection: Connection) -> tuple[Defect, ...]:
     """Lines on which a coframe or the coefficients of a connection are singular."""
     found = dict.fromkeys(factors(frame))

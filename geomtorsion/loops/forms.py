@@ -21,6 +21,7 @@ from geomtorsion.errors import (
 )
 from geomtorsion.exact import Element
 from geomtorsion.exact.form import form, of_factor
+from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Parameters, shown
 from geomtorsion.loops.chains import pairs_of
 from geomtorsion.loops.defect_lines import Lines
@@ -176,7 +177,7 @@ def forms(
         The coframe has no finite value anywhere, for these parameters.
     """
     chosen = tuple(range(frame.dimension)) if columns is None else columns
-    compiled = frame.derived(f"loop forms {chosen}", lambda: _compiled(frame, chosen))
+    compiled = _compiled(frame, chosen)
     numbers = parameter_values(frame, compiled.parameters, parameters)
     refuse_parameters(compiled.constants, parameters)
     if not numbers:
@@ -187,6 +188,7 @@ def forms(
     return replace(compiled, coframe=coframe, curl=curl_, poles=poles, numbers=numbers)
 
 
+@derived
 def _compiled(frame: Frame, chosen: tuple[int, ...]) -> Forms:
     """Compile coframe and curl."""
     n = frame.dimension

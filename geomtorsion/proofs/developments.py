@@ -13,6 +13,7 @@ from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import exact_ball
 from geomtorsion.codegen.steps import Builder
 from geomtorsion.errors import ProofError
+from geomtorsion.geometry.derived import derived
 from geomtorsion.ode.system import System
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.loops import Coframe, check_path, values_of
@@ -24,7 +25,7 @@ from geomtorsion.proofs.steps import Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
 
 if TYPE_CHECKING:
-    from geomtorsion.geometry import Connection
+    from geomtorsion.geometry import Connection, Frame
     from geomtorsion.loops import Loop
 
 
@@ -151,9 +152,7 @@ def _along(
 ) -> tuple[arb_mat, int]:
     """The development along one arc, and the number of steps."""
     n = connection.frame.dimension
-    form = connection.frame.derived(
-        f"rows of a development {id(connection)}", lambda: (connection, _rates(connection))
-    )[1]
+    form = _rates(connection.frame, connection)
     system = _system(form, arc, n)
     given = [exact_ball(parameters[name]) for name in form.arguments[3 * n :]]
     values = [*arc.values, *given]
@@ -169,9 +168,9 @@ def _along(
     return arb_mat([*rows, [arb(0)] * n + [arb(1)]]), steps
 
 
-def _rates(connection: Connection) -> Graph:
+@derived
+def _rates(frame: Frame, connection: Connection) -> Graph:
     """g'_i = g_k omega_ai^k q'^a and shift' = g_k e^k_a q'^a over q, q', g and parameters."""
-    frame = connection.frame
     n = frame.dimension
     coordinates = [symbol.name for symbol in frame.coordinates]
     slopes, row = [f"slope {k}" for k in range(n)], [f"g {k}" for k in range(n)]

@@ -17,6 +17,7 @@ from flint import acb, arb, arb_mat
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.errors import MissingValueError, ProofError
+from geomtorsion.geometry.derived import derived
 from geomtorsion.loops.arcs import Number, shown
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.paths import BallArc, arcs_of
@@ -83,7 +84,7 @@ class Coframe:
     @classmethod
     def of(cls, frame: Frame) -> Coframe:
         """The coframe of a frame, made once."""
-        return frame.derived("coframe in balls", lambda: _compiled(frame))
+        return _compiled(frame)
 
     def matrix(self, n: int, arguments: Sequence[arb]) -> arb_mat:
         """e^i_mu at one point."""
@@ -111,6 +112,7 @@ def values_of(coframe: Coframe, parameters: Mapping[str, Number]) -> list[arb]:
     return [exact_ball(parameters[name]) for name in coframe.parameters]
 
 
+@derived
 def _compiled(frame: Frame) -> Coframe:
     entries = frame.coframe.components.nonzero
     coordinates = [symbol.name for symbol in frame.coordinates]

@@ -44,7 +44,7 @@ def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> N
         check_atlas(frame, atlas)
     except CoordinateError as error:
         raise FileFormatError(f"{words.file}: charts: {error}") from None
-    frame.derived("atlas", lambda: replace(atlas, origin=(make, frame)))
+    frame.attached["atlas"] = replace(atlas, origin=(make, frame))
 
 
 def _atlas(

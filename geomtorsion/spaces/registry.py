@@ -140,7 +140,7 @@ def _with_charts(space: Space) -> Space:
     from geomtorsion.curves.atlas import single
 
     frame, make = space.frame, space.atlas or single
-    frame.derived("atlas", lambda: replace(make(frame), origin=(make, frame)))
+    frame.attached["atlas"] = replace(make(frame), origin=(make, frame))
     return space
 
 
