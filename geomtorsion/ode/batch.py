@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.ode.engines import Engine, Taylor
-from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
+from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
+from geomtorsion.ode.engines.stepwise import FLOOR, counted, error_scales
 from geomtorsion.ode.engines.taylor import Ready, heyoka
-from geomtorsion.ode.system import STANDSTILL, System, member_units, scaled_system
+from geomtorsion.ode.system import STANDSTILL, System, WorkLimitError, member_units, scaled_system
 
 # Called with the number of members that are done.
 Show: TypeAlias = Callable[[float], None] | None
@@ -101,7 +102,16 @@ def run_batch(
             for first in range(0, number, share):
                 part = slice(first, min(first + share, number))
                 numbers = (states, parameters, units, times, tolerance)
-                _stacked(system, *numbers, part, result, crossed, steps)
+                with suppress(WorkLimitError):
+                    _stacked(
+                        cast(RungeKutta, engine).max_evaluations,
+                        system,
+                        *numbers,
+                        part,
+                        result,
+                        crossed,
+                        steps,
+                    )
                 finished[part] = np.isfinite(result[part]).all(axis=(1, 2))
                 if show is not None:
                     show(part.stop)
@@ -170,23 +180,26 @@ def _by_heyoka(
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     done = 0
-    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
-    most = MOST_STEPS if crossed is not None else ready.max_steps
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
     hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
     try:
         for k in range(count):
-            own[:] = calls.states[k]
             ready.choose(chosen[k])
+            own[:] = calls.states[k]
             integrator.set_time(0.0)
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
-                rows = integrator.propagate_grid(block, max_steps=most)[1]
+                rows = integrator.propagate_grid(block, max_steps=MOST_STEPS)[1]
+                # Beyond a guard steps may become as small as they like. Without one, motions that
+                # have got anywhere begin again and run to the end.
+                if crossed is None and _moving(integrator, np.zeros(width), ends[k], []):
+                    own[:] = calls.states[k]
+                    integrator.set_time(0.0)
+                    rows = integrator.propagate_grid(block, max_steps=ready.max_steps)[1]
                 found[k, : len(rows)] = rows
             else:
-                until(ends[k], max_steps=most)
-                if crossed is not None and (integrator.time != ends[k]).any():
-                    _go_on(integrator, ends[k], hits, most)
+                until(ends[k], max_steps=MOST_STEPS)
+                _go_on(integrator, ends[k], hits, ready.max_steps)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.
             if steps is not None:
@@ -221,26 +234,30 @@ def _by_heyoka(
 
 
 def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
-    """Go on until all members have arrived, have met the guard or get no further.
+    """Go on until all members have arrived, have met the guard, get no further or took most steps.
 
-    most: steps between two looks.
+    There is a look after each MOST_STEPS, of which some have been taken.
     """
-    moved = np.full(len(ends), True)
-    while True:
-        waiting = [
-            member
-            for member, result in enumerate(integrator.propagate_res)
-            if result[0] == type(result[0]).step_limit
-            and not any(member in members for members in crossed)
-        ]
-        if not moved[waiting].any():
+    before = np.zeros(len(ends))
+    for _ in range(most // MOST_STEPS):
+        if not _moving(integrator, before, ends, crossed):
             return
         before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=most)
-        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+        integrator.propagate_until(ends, max_steps=MOST_STEPS)
+
+
+def _moving(integrator: Any, before: np.ndarray, ends: np.ndarray, crossed: list[set[int]]) -> bool:
+    """Whether a member that ran out of steps has not met the guard and got further than before."""
+    moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+    return any(
+        result[0] == type(result[0]).step_limit and moved[member]
+        for member, result in enumerate(integrator.propagate_res)
+        if not any(member in members for members in crossed)
+    )
 
 
 def _stacked(
+    most: int,
     system: System,
     states: np.ndarray,
     parameters: np.ndarray,
@@ -252,7 +269,13 @@ def _stacked(
     crossed: np.ndarray,
     steps: np.ndarray,
 ) -> None:
-    """Some members as one system of scipy's DOP853; time in units of the fastest."""
+    """Some members as one system of scipy's DOP853; time in units of the fastest.
+
+    Raises
+    ------
+    WorkLimitError
+        It takes more than so many evaluations of the rates.
+    """
     y0 = states[part].T
     size, count = y0.shape
     top = float(units[part].max())
@@ -285,12 +308,16 @@ def _stacked(
         if tolerance < FLOOR:
             # scipy takes no smaller tolerance: the steps are shortened instead.
             trial = scipy.integrate.solve_ivp(
-                rates, (0.0, duration), y0.ravel(), "DOP853", **options
+                counted(rates, most, abs(duration)),
+                (0.0, duration),
+                y0.ravel(),
+                "DOP853",
+                **options,
             )
             taken = max(len(trial.t) - 1, 1)
             options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
         found = scipy.integrate.solve_ivp(
-            rates,
+            counted(rates, most, abs(duration)),
             (0.0, duration),
             y0.ravel(),
             "DOP853",
