@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from fractions import Fraction
@@ -155,12 +156,113 @@ def real(value: object) -> float | None:
         return None
     if not hasattr(type(found), "__float__"):
         return None
+    if isinstance(found, sp.Expr) and found.args and found.is_number:
+        check_constant(found)
     try:
         return float(found)
     except OverflowError:
         return math.inf
     except (TypeError, ValueError, RecursionError):
         return None
+
+
+@dataclass(frozen=True)
+class LargestArgument:
+    """How large a number may be that a function is taken of: beyond, its value would not end.
+
+    elementary: of exp, sin and their like. mpmath works with all digits of such a number before
+    the point; a machine word has 64 bits.
+    special: of Bessel, gamma and their like: sympy writes them out as sums of so many terms, and
+    mpmath finds no end for some of a high order.
+    power: of an exponent that is no whole number.
+    """
+
+    elementary: float = 2.0**64
+    special: float = 100.0
+    power: float = 2.0**64
+
+
+LARGEST_ARGUMENT = LargestArgument()
+# Functions that shrink what they are taken of: any number will do.
+_SHRINKING = frozenset(("sqrt", "cbrt", "log", "ln"))
+_ELEMENTARY = frozenset(
+    f"{inverse}{name}{hyperbolic}"
+    for name in ("sin", "cos", "tan", "cot", "sec", "csc")
+    for inverse in ("", "a", "arc")
+    for hyperbolic in ("", "h")
+) | {"exp", "atan2", "floor", "ceiling", "Abs", "sign", "Min", "Max", "re", "im"}
+
+
+def too_large(
+    name: str, arguments: Iterable[sp.Basic], largest: LargestArgument = LARGEST_ARGUMENT
+) -> str:
+    """Why a function of these arguments is refused, or nothing.
+
+    Only numbers count, and what they are made of has been looked at before.
+
+    Examples
+    --------
+    >>> too_large("exp", [sp.exp(99)]), too_large("exp", [sp.Integer(99)])
+    ('exp of a number above 18,446,744,073,709,551,616', '')
+    """
+    if name in _SHRINKING:
+        return ""
+    most = largest.elementary if name in _ELEMENTARY else largest.special
+    if any(_is_above(argument, most) for argument in arguments):
+        return f"{name[:20]} of a number above {most:,.0f}"
+    return ""
+
+
+def exponent_too_large(exponent: sp.Basic, largest: LargestArgument = LARGEST_ARGUMENT) -> str:
+    """Why a power with this exponent is refused, or nothing; whole numbers are not looked at."""
+    if exponent.is_Integer or not _is_above(exponent, largest.power):
+        return ""
+    return f"a power above {largest.power:,.0f} that is no whole number"
+
+
+def _is_above(value: sp.Basic, most: float) -> bool:
+    """Whether a number is larger than this in size; expressions with symbols are not."""
+    if not value.is_number:
+        return False
+    if isinstance(value, sp.Rational):
+        return abs(int(value.p)) > most * int(value.q)
+    try:
+        real, imaginary = value.evalf(15).as_real_imag()
+        return bool(abs(real) > most or abs(imaginary) > most)
+    # More digits than there is room for, or no number at all, such as 0/0.
+    except OverflowError:
+        return True
+    except TypeError:
+        return False
+
+
+def check_constant(value: sp.Expr) -> None:
+    """Refuse a number whose value would not end, before anybody asks for it.
+
+    Raises
+    ------
+    LimitError
+        It has a function or a power of a number that is too large.
+
+    Examples
+    --------
+    >>> check_constant(sp.exp(sp.exp(sp.exp(99))))
+    Traceback (most recent call last):
+    geomtorsion.errors.LimitError: exp(exp(exp(99))): expected functions of smaller numbers, got \
+exp of a number above 18,446,744,073,709,551,616. Write the number shorter.
+    """
+    for part in sp.postorder_traversal(value):
+        reason = ""
+        if part.is_Pow or isinstance(part, sp.exp):
+            base, exponent = part.as_base_exp()
+            reason = too_large("exp", [exponent]) if base is sp.E else exponent_too_large(exponent)
+        elif part.is_Function:
+            reason = too_large(type(part).__name__, part.args)
+        if reason:
+            raise LimitError(
+                f"{cut(str(value))}: expected functions of smaller numbers, got {reason}. "
+                "Write the number shorter."
+            )
 
 
 def number(
@@ -356,6 +458,8 @@ def expression(
     """
     found = plain(value)
     if isinstance(found, sp.Expr) and not getattr(found, "is_Matrix", False):
+        if found.args and found.is_number:
+            check_constant(found)
         return found
     if isinstance(found, str) and read is not None:
         return read(found)

@@ -345,7 +345,7 @@ def public_methods() -> list[Case]:
             data=PLACED.opendis()),
         _of("DislocationNetwork.read", gt.DislocationNetwork.read, path=TRIANGLE_FILE,
             periodic=True),
-        _of("DislocationNetwork.around", PLACED.around, loop=gt.Loop.circle([1, 1, 1], 0.5),
+        _of("DislocationNetwork.burgers", PLACED.burgers, loop=gt.Loop.circle([1, 1, 1], 0.5),
             lattice=[[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
         _of("DislocationNetwork.families", PLACED.families, symmetry="cubic"),
         _of("Box.of_bounds", gt.Box.of_bounds, low=(0, 0, 0), high=(1, 1, 1), periodic=True),

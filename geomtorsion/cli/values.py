@@ -62,7 +62,7 @@ def number(text: str, what: str) -> float:
 
 def _expression(text: str, what: str) -> float:
     try:
-        return float(parse_expression(text, symbols={}, functions={}))
+        return float(parse_expression(text, symbols={}, functions={}, where=what))
     except (ExpressionError, TypeError):
         raise StartError(
             f"{what}: a number was needed, {shown(text)} came. "

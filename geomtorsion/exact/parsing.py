@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import sympy
 
 from geomtorsion import checks
-from geomtorsion.checks import near_names
+from geomtorsion.checks import exponent_too_large, near_names, too_large
 from geomtorsion.errors import ArgumentError, ExpressionError
 from geomtorsion.exact.names import (
     CONSTANTS,
@@ -175,6 +175,7 @@ class _Reader:
                 self._too_high(node, exponent)
             if _bits(base) * abs(exponent) > self._most_bits:
                 self._too_long(node)
+        self._bound(node, exponent_too_large(exponent, self.limits.argument))
         result = base**exponent
         for factor in sympy.Mul.make_args(result):
             power = factor.as_base_exp()[1]
@@ -237,6 +238,7 @@ class _Reader:
         if known is not None:
             function, counts = known
             self._count(node, name, counts)
+            self._bound(node, too_large(name, arguments, self.limits.argument))
             value = function(*arguments)
             if value.has(*_NO_NUMBER):
                 self._fail(node, f"{name} has no finite value here")
@@ -257,6 +259,8 @@ class _Reader:
             return declared.func(*arguments)
         if not arguments:
             self._fail(node, f"{name} has no argument", f"Write what it depends on: {name}(r).")
+        if not isinstance(declared, sympy.core.function.UndefinedFunction):
+            self._bound(node, too_large(name, arguments, self.limits.argument))
         return declared(*arguments)
 
     def _derivative(self, node: Node, name: str) -> Any:
@@ -302,6 +306,10 @@ class _Reader:
 
     def _fail(self, node: Node, reason: str, remedy: str = "") -> NoReturn:
         raise self.source.error(node.start, node.end, reason, remedy)
+
+    def _bound(self, node: Node, reason: str) -> None:
+        if reason:
+            raise self.source.limit(node.start, node.end, reason, "Write it shorter.")
 
     def _too_long(self, node: Node) -> NoReturn:
         reason = f"a number here has more digits than the limit of {self.limits.digits:,}"

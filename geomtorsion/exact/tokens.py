@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NoReturn
 
+from geomtorsion.checks import LARGEST_ARGUMENT, LargestArgument
 from geomtorsion.errors import ExpressionError, LimitError
 
 
@@ -17,13 +18,15 @@ class Limits:
     """What an expression from outside may cost; an error names the limit that was met.
 
     characters: length of the text; depth: brackets, signs and powers inside one another;
-    exponent: largest numerical exponent; digits: length of any number that is written or formed.
+    exponent: largest numerical exponent; digits: length of any number that is written or formed;
+    argument: numbers that functions are taken of.
     """
 
     characters: int = 2_000_000
     depth: int = 50
     exponent: int = 256
     digits: int = 1000
+    argument: LargestArgument = LARGEST_ARGUMENT
 
 
 @dataclass(frozen=True)

@@ -262,7 +262,7 @@ class _Job:
 
     errors, states, finished, trajectories: of all members, as far as they are done.
     lacking, best: those whose error is not small enough, and the largest of these errors.
-    failure: the first error of a member that was followed singly.
+    reason: why the first member that does not reach the end does not.
     """
 
     def __init__(
@@ -277,9 +277,8 @@ class _Job:
         self.finished = np.zeros(number, dtype=bool)
         self.trajectories: dict[int, Trajectory] = {}
         self.lacking: list[int] = []
-        self.best, self.tolerance, self.interrupted = 0.0, 0.0, False
+        self.best, self.tolerance, self.interrupted, self.reason = 0.0, 0.0, False, ""
         self.compile_seconds = self.run_seconds = self.check_seconds = 0.0
-        self.failure: GeomtorsionError | None = None
 
     @property
     def rows(self) -> Rows:
@@ -309,8 +308,9 @@ class _Job:
             self.interrupted = True
         if not (self.interrupted or self.lacking or self.finished.any()):
             raise StartError(
-                "none of the motions that were checked reaches the last time."
-            ) from self.failure
+                "the motions that were checked: expected one at least that reaches the last time, "
+                f"got none. {self.reason}"
+            )
         if not self.lacking or self.interrupted:
             return ""
         best = self.best
@@ -388,8 +388,8 @@ class _Job:
             try:
                 grid = self.grid * problem.time_unit
                 found = alone(problem, self.engine, self.accuracy, grid)
-            except GeomtorsionError as failure:
-                self.failure = self.failure or failure
+            except GeomtorsionError as error:
+                self.reason = self.reason or f"Member {k}: {error}"
                 continue
             answer, error = found.answer, found.error
             compiling = sum([run.compile_seconds for run in found.runs])
@@ -399,6 +399,7 @@ class _Job:
             self.tolerance = min(self.tolerance, answer.tolerance)
             if answer.outcome != "done":
                 # It does not reach the end, and has no error to wait for.
+                self.reason = self.reason or f"Member {k}: {answer.reason or answer.outcome}."
                 continue
             if error > self.accuracy:
                 self.lacking.append(k)

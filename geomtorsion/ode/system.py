@@ -687,7 +687,7 @@ def units_of(
     for group in map(list, groups):
         top = float(largest[group].max())
         if top > 0:
-            found[group] = np.where(largest[group] * FAR < top, largest[group], top)
+            found[group] = np.where(largest[group] < top / FAR, largest[group], top)
             found[group] = np.where(found[group] > 0, found[group], top)
     if all(map(_is_near, (*found.tolist(), time))):
         return None
@@ -707,11 +707,11 @@ def _run_as_they_are(
         tops = np.abs(states[:, group]).max(axis=1)
         still = np.flatnonzero(tops == 0)
         if len(still):
+            shape = (system.size, len(still))
             with np.errstate(all="ignore"):
                 rates = system.array_function(*states[still].T, *parameters[still].T)
-            shape = (system.size, len(still))
-            tops[still] = np.abs(np.broadcast_to(rates, shape)[group]).max(axis=0)
-            tops[still] *= durations[still]
+                tops[still] = np.abs(np.broadcast_to(rates, shape)[group]).max(axis=0)
+                tops[still] *= durations[still]
         near &= (tops == 0) | _are_near(tops)
     return near
 

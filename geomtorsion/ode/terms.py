@@ -74,6 +74,7 @@ def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp
     """The expression over our own symbols, by name."""
     if entry.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
         raise ExpressionError(f"{where}: {entry} is not finite.")
+    checks.check_constant(entry)
     table = {}
     for symbol in entry.free_symbols:
         name = getattr(symbol, "name", str(symbol))

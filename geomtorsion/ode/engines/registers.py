@@ -77,23 +77,26 @@ def run_in_registers(
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     done = 0
-    # Beyond a guard steps may become as small as they like; without one, motions go on to the end.
-    most = MOST_STEPS if crossed is not None else max_steps
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
     hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
     try:
         for k in range(count):
-            own[:] = calls.states[k]
             choose(chosen[k])
+            own[:] = calls.states[k]
             integrator.set_time(0.0)
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
-                rows = integrator.propagate_grid(block, max_steps=most)[1]
+                rows = integrator.propagate_grid(block, max_steps=MOST_STEPS)[1]
+                # Beyond a guard steps may become as small as they like. Without one, motions that
+                # have got anywhere begin again and run to the end.
+                if crossed is None and _moving(integrator, np.zeros(width), ends[k], []):
+                    own[:] = calls.states[k]
+                    integrator.set_time(0.0)
+                    rows = integrator.propagate_grid(block, max_steps=max_steps)[1]
                 found[k, : len(rows)] = rows
             else:
-                until(ends[k], max_steps=most)
-                if crossed is not None and (integrator.time != ends[k]).any():
-                    _go_on(integrator, ends[k], hits, most)
+                until(ends[k], max_steps=MOST_STEPS)
+                _go_on(integrator, ends[k], hits, max_steps)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.
             if steps is not None:
@@ -128,20 +131,23 @@ def run_in_registers(
 
 
 def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
-    """Go on until all members have arrived, have met the guard or get no further.
+    """Go on until all members have arrived, have met the guard, get no further or took most steps.
 
-    most: steps between two looks.
+    There is a look after each MOST_STEPS, of which some have been taken.
     """
-    moved = np.full(len(ends), True)
-    while True:
-        waiting = [
-            member
-            for member, result in enumerate(integrator.propagate_res)
-            if result[0] == type(result[0]).step_limit
-            and not any(member in members for members in crossed)
-        ]
-        if not moved[waiting].any():
+    before = np.zeros(len(ends))
+    for _ in range(most // MOST_STEPS):
+        if not _moving(integrator, before, ends, crossed):
             return
         before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=most)
-        moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+        integrator.propagate_until(ends, max_steps=MOST_STEPS)
+
+
+def _moving(integrator: Any, before: np.ndarray, ends: np.ndarray, crossed: list[set[int]]) -> bool:
+    """Whether a member that ran out of steps has not met the guard and got further than before."""
+    moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
+    return any(
+        result[0] == type(result[0]).step_limit and moved[member]
+        for member, result in enumerate(integrator.propagate_res)
+        if not any(member in members for members in crossed)
+    )

@@ -105,7 +105,7 @@ class RungeKutta(_Ladder):
 
     def batch(self, batch: Batch, tolerance: float) -> float:
         """See `Engine`: all members as one system."""
-        run_stacked(batch, tolerance)
+        run_stacked(batch, tolerance, self.max_evaluations)
         return 0.0
 
 

@@ -2,33 +2,44 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.ode.engines.stepwise import FLOOR, error_scales
-from geomtorsion.ode.system import Batch
+from geomtorsion.ode.engines.stepwise import FLOOR, counted, error_scales
+from geomtorsion.ode.system import Batch, WorkLimitError
 
 # So many states make one system: larger ones leave the cache and set BLAS threads off. This decides
 # about speed, not about results.
 STACKED = 6144
 
 
-def run_stacked(batch: Batch, tolerance: float) -> None:
-    """Fill in states of members that come to the end, which those are, and their steps."""
+def run_stacked(batch: Batch, tolerance: float, most: int) -> None:
+    """Fill in states of members that come to the end, which those are, and their steps.
+
+    most: evaluations of the rates of one system; one that needs more has no members at the end.
+    """
     number, size = batch.states.shape
     share = max(1, STACKED // size)
     for first in range(0, number, share):
         part = slice(first, min(first + share, number))
-        _run_part(batch, tolerance, part)
+        with suppress(WorkLimitError):
+            _run_part(batch, tolerance, part, most)
         batch.finished[part] = np.isfinite(batch.result[part]).all(axis=(1, 2))
         if batch.show is not None:
             batch.show(part.stop)
 
 
-def _run_part(batch: Batch, tolerance: float, part: slice) -> None:
-    """Some members as one system of scipy's DOP853; time in units of the fastest."""
+def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
+    """Some members as one system of scipy's DOP853; time in units of the fastest.
+
+    Raises
+    ------
+    WorkLimitError
+        It takes more than so many evaluations of the rates.
+    """
     system, units, times, crossed = batch.system, batch.units, batch.times, batch.crossed
     y0 = batch.states[part].T
     size, count = y0.shape
@@ -62,12 +73,16 @@ def _run_part(batch: Batch, tolerance: float, part: slice) -> None:
         if tolerance < FLOOR:
             # scipy takes no smaller tolerance: the steps are shortened instead.
             trial = scipy.integrate.solve_ivp(
-                rates, (0.0, duration), y0.ravel(), "DOP853", **options
+                counted(rates, most, abs(duration)),
+                (0.0, duration),
+                y0.ravel(),
+                "DOP853",
+                **options,
             )
             taken = max(len(trial.t) - 1, 1)
             options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
         found = scipy.integrate.solve_ivp(
-            rates,
+            counted(rates, most, abs(duration)),
             (0.0, duration),
             y0.ravel(),
             "DOP853",

@@ -192,8 +192,9 @@ class Steps:
                 fifth = third = float("nan")
                 new = rates = stages = ()
             error, fifth, third = 0.0, float(fifth), float(third)
-            if fifth or third:
-                error = size * fifth / math.sqrt((fifth + 0.01 * third) * len(self.state))
+            # Measures near the smallest floats have a hundredth that is 0.
+            if both := fifth + 0.01 * third:
+                error = size * fifth / math.sqrt(both * len(self.state))
             if error < 1:
                 break
             # An error that is no number shortens the step as far as it goes.

@@ -26,7 +26,6 @@ from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
     Dense,
     Run,
-    ScalarRates,
     System,
     Watch,
     WorkLimitError,
@@ -82,7 +81,7 @@ class ScipySteps:
         longest: float,
         most: int,
     ) -> None:
-        rates = _counted(system.scalar_rates(values), most, abs(span[1] - span[0]))
+        rates = counted(system.scalar_rates(values), most, abs(span[1] - span[0]))
         options: dict[str, Any] = {}
         if method != "DOP853":
             options["jac"] = lambda _, y: system.jacobian(y.tolist(), values)
@@ -134,7 +133,7 @@ class ScipySteps:
 NO_JACOBIAN = "the Jacobian has no finite value"
 
 
-def _counted(function: ScalarRates, most: int, duration: float) -> Any:
+def counted(function: Callable[[float, np.ndarray], Any], most: int, duration: float) -> Any:
     """The rates, refusing to be called without end; no numbers any more where time stands still.
 
     scipy then gives up with what it has, as it does where the rates themselves end.

@@ -16,7 +16,7 @@ from geomtorsion.exact import parse_expression
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.precision import CALCULATED
 from geomtorsion.teaching.exercises.entries import flat, index, kind, table_or_list
-from geomtorsion.teaching.exercises.limits import ANSWER, MOST, check_constants
+from geomtorsion.teaching.exercises.limits import ANSWER, MOST
 from geomtorsion.teaching.exercises.notation import written_out
 from geomtorsion.teaching.exercises.question import advice, example, shown_name
 
@@ -57,7 +57,6 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
     names = question.domain.names
     text = written_out(without_label(given, names), names, where)
     try:
-        check_constants(text, names, where, _WRITTEN_OUT)
         return parse_expression(text, names, {}, where=where, limits=_WRITTEN_OUT, decimals=True)
     except (ExpressionError, LimitError) as error:
         raise type(error)(advice(question, str(error), given)) from None

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import cmath
-import contextlib
-import math
-import operator
-from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import comb
 
 import sympy
 
+from geomtorsion.checks import LargestArgument
 from geomtorsion.errors import LimitError
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
-from geomtorsion.exact.syntax import Node, parse
-from geomtorsion.exact.tokens import Limits, Source
-from geomtorsion.teaching.exercises.numeric import INVERSE
+from geomtorsion.exact.tokens import Limits
 
 # What a person writes is far below these; what a machine writes to annoy is above them. Powers are
 # as high as exact work takes them: how long they are multiplied out is what `check_weight` counts.
-ANSWER = Limits(characters=4000, depth=30, exponent=LARGEST_MULTIPLE, digits=80)
+ANSWER = Limits(
+    characters=4000, depth=30, exponent=LARGEST_MULTIPLE, digits=80,
+    argument=LargestArgument(elementary=1e4, power=100),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,8 +27,7 @@ class Most:
     characters: of one answer with all its components. entries: of one answer.
     levels: of lists inside one another, more than any tensor here has indices. equations: of one.
     terms: of an answer, multiplied out; equation_terms: of one of several equations, which are
-    combined to solve them. roots: different ones. argument: size of a constant that a function is
-    taken of; power: to which a constant may be raised, if it is no whole number.
+    combined to solve them. roots: different ones.
     file: bytes of a file of answers. name: letters of a student's. seed: the largest variant.
     remark: letters of a cell in the table of marks. named: wrong components that are named.
     mistakes: that are listed with a solution.
@@ -44,8 +40,6 @@ class Most:
     terms: int = 5_000_000
     equation_terms: int = 5000
     roots: int = 4
-    argument: float = 1e4
-    power: float = 100
     file: int = 200_000
     name: int = 200
     seed: int = 10**9
@@ -55,10 +49,6 @@ class Most:
 
 
 MOST = Most()
-_CONSTANTS: Mapping[str, complex] = {"pi": math.pi, "π": math.pi, "E": math.e, "I": 1j}
-# Functions that shrink what they are given: any argument will do.
-_TAME = ("sqrt", "cbrt", "log", "ln")
-_ENDLESS = complex(math.inf)
 _CIRCULAR = (sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sec, sympy.csc)
 
 
@@ -140,83 +130,3 @@ def _multiples(angle: sympy.Expr) -> int:
         size = int(max(factor.p, factor.q)) if factor.is_Rational else 1
         found = min(2 * found * (size // 2 + 1), 10**12)
     return found // 2 if found > 1 else 1
-
-
-def check_constants(text: str, symbols: Collection[str], where: str, limits: Limits) -> None:
-    """Refuse functions and powers of constants beyond all use, before anything exact is made.
-
-    An exact cosh(cosh(300000)) is a number with more digits than any memory has room for, and even
-    to ask for its sign takes for ever.
-
-    Raises
-    ------
-    LimitError
-        A function of a constant above MOST.argument, or a constant to a power that is no whole
-        number, above MOST.power.
-    ExpressionError
-        The text is no expression.
-
-    Examples
-    --------
-    >>> check_constants("sin(100*pi) + x^2", ["x"], "answer", Limits())
-    >>> check_constants("sec(cosh(9^9))", ["x"], "answer", Limits())
-    Traceback (most recent call last):
-    geomtorsion.errors.LimitError: answer: cosh of a number above 10,000. Write it shorter.
-    """
-    # What is too deep is refused by the parser proper, which says so.
-    with contextlib.suppress(RecursionError, MemoryError):
-        _estimate(parse(Source(text, where), symbols, limits, decimals=True), symbols, where)
-
-
-def _estimate(node: Node, symbols: Collection[str], where: str) -> complex | None:
-    """The value of a part as a float; None for what contains a symbol or has no value."""
-    if node.kind == "number":
-        return _computed(complex, float(node.text))
-    if node.kind == "name":
-        return None if node.text in symbols else _CONSTANTS.get(node.text)
-    values = [_estimate(part, symbols, where) for part in node.parts]
-    if node.kind == "sum":
-        return _computed(lambda *terms: sum(map(operator.mul, node.signs, terms)), *values)
-    if node.kind == "product":
-        return _computed(
-            lambda *factors: math.prod(map(operator.pow, factors, node.signs)), *values
-        )
-    if node.kind == "power":
-        exponent = values[-1]
-        if exponent is not None and abs(exponent) > MOST.power and not _is_whole(exponent):
-            raise LimitError(
-                f"{where}: a power above {MOST.power} that is no whole number. Write it shorter."
-            )
-        return _computed(operator.pow, *values)
-    for value in values:
-        if value is not None and node.text not in _TAME and not abs(value) <= MOST.argument:
-            raise LimitError(
-                f"{where}: {node.text[:20]} of a number above {MOST.argument:,.0f}. "
-                "Write it shorter."
-            )
-    return _computed(_function(node.text), *values) if len(values) == 1 else None
-
-
-def _is_whole(value: complex) -> bool:
-    return math.isfinite(value.real) and value == round(value.real)
-
-
-def _function(name: str) -> Callable[[complex], complex] | None:
-    """A function of one number by its name in an answer."""
-    plain = {"ln": "log", "cbrt": "sqrt"}.get(name, INVERSE.get(name, name))
-    function = getattr(cmath, plain, None)
-    if name not in INVERSE or function is None:
-        return function
-    return lambda value: 1 / function(value) if function(value) else _ENDLESS
-
-
-def _computed(function: Callable[..., complex] | None, *values: complex | None) -> complex | None:
-    """A value, endless where floats end, None where there is none."""
-    if function is None or None in values:
-        return None
-    try:
-        return complex(function(*values))
-    except OverflowError:
-        return _ENDLESS
-    except (ArithmeticError, ValueError):
-        return None

@@ -1,0 +1,65 @@
+"""Times far beyond what any motion reaches: the value, or an error of our own, within seconds."""
+
+import time
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.ode import ODE, Engine, RungeKutta, solve, solve_many
+
+# Seconds of processor; the steps of a second go to t = 1e6 at most.
+SECONDS = 6
+KEPLER = {"x": "u", "y": "v", "u": "-x/(x**2+y**2)**(3/2)", "v": "-y/(x**2+y**2)**(3/2)"}
+SYSTEMS = {
+    "oscillator": ODE.of({"x": "v", "v": "-x"}, [1, 0]),
+    "ellipse": ODE.of(KEPLER, [1, 0, 0, 1.1]),
+    "driven": ODE.of({"x": "sin(t)"}, [1], time="t"),
+    "guarded": ODE.of({"x": "v", "v": "-sqrt(x + 3)*x"}, [1, 0]),
+}
+ENGINES: list[Engine | None] = [None, RungeKutta()]
+
+
+@pytest.mark.parametrize("problem", SYSTEMS.values(), ids=SYSTEMS.keys())
+@pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
+@pytest.mark.parametrize("last", [1e308, -1e15])
+def test_one_motion(problem: ODE, engine: Engine | None, last: float):
+    """Alone."""
+    began = time.process_time()
+    with pytest.raises(GeomtorsionError):
+        solve(problem, last, engine=engine)
+    assert time.process_time() - began < SECONDS
+
+
+@pytest.mark.parametrize("problem", SYSTEMS.values(), ids=SYSTEMS.keys())
+@pytest.mark.parametrize("engine", ENGINES, ids=["chosen", "Runge-Kutta"])
+@pytest.mark.parametrize("times", [-1e308, [5e14, 1e15]])
+def test_many_motions(problem: ODE, engine: Engine | None, times: object):
+    """As a batch of five: the message says what ended the first."""
+    starts = np.array([float(value) for value in problem.start]) * np.linspace(1, 1.1, 5)[:, None]
+    began = time.process_time()
+    with pytest.raises(GeomtorsionError, match=r"got none\. Member 0: "):
+        solve_many(problem, starts, times, engine=engine)
+    assert time.process_time() - began < SECONDS
+
+
+def test_an_escape_arrives():
+    """Steps that grow come to any time: a hyperbola."""
+    assert solve(ODE.of(KEPLER, [1, 0, 0, 2]), 1e308, engine=RungeKutta()).times[-1] == 1e308
+
+
+def test_what_needs_few_steps_arrives():
+    """Far times are no reason by themselves."""
+    assert solve(ODE.of({"x": "1"}, [1]), 1e308).states[-1][0] == 1e308
+    assert (
+        solve_many(ODE.of({"x": "1"}, [1]), [[1], [2]], 1e308)["x"][:, -1].tolist() == [1e308] * 2
+    )
+
+
+def test_a_long_batch_arrives():
+    """More steps than are taken before the first look: as one by one."""
+    problem = SYSTEMS["oscillator"]
+    many = solve_many(problem, [[1, 0], [2, 0]], [2e4, 4e4], 1e-6)
+    alone = solve(problem, [2e4, 4e4], 1e-6)
+    assert np.abs(many["x"][0] - alone["x"]).max() < 1e-6
+    assert np.abs(many["x"][1] - 2 * alone["x"]).max() < 2e-6
