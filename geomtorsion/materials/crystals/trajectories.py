@@ -12,8 +12,7 @@ import numpy as np
 
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import CheckpointError, GeomtorsionError
-from geomtorsion.files import read_json_text, read_text, write_text
-from geomtorsion.materials.blocks import digest_of, read_array, write_array
+from geomtorsion.files import digest_of, read_json_text, read_text, write_text, written
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array, read_atom_array
 from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames, frame_count
 from geomtorsion.materials.crystals.crystal import Crystal
@@ -84,7 +83,8 @@ def reports(
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 write_text(kept.with_name(SETTINGS), said)
                 if "grains" in report:
-                    write_array(kept.with_suffix(".npy"), known.owner)
+                    with written(kept.with_suffix(".npy")) as part, part.open("wb") as stream:
+                        np.save(stream, known.owner)
                 # What stands in it comes last: where it is, all is.
                 write_text(kept, json.dumps(report))
         yield report, frame.lines
@@ -129,11 +129,14 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
     if "grains" not in report:
         return np.zeros(count, dtype=np.int64)
     file = kept.with_suffix(".npy")
-    found = read_array(file, (count,), np.int64)
-    if found is None:
+    try:
+        found = np.load(file, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        found = np.zeros(0)
+    if found.shape != (count,) or found.dtype != np.int64:
         raise CheckpointError(
-            f"{file}: the grains of its atoms were needed, but the file is missing or damaged. "
-            "Begin anew with --overwrite."
+            f"{file}: expected the grain of each of {count:,} atoms, got a file that is missing or "
+            "damaged. Begin anew with --overwrite."
         )
     return found
 
