@@ -7,6 +7,7 @@ where there is one, the line or the part.
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import math
 import os
@@ -15,7 +16,6 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from glob import escape
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
@@ -201,9 +201,24 @@ def _beside(path: Path) -> Iterator[Path]:
             part.unlink(missing_ok=True)
 
 
-def left_parts(path: Path) -> list[Path]:
-    """What killed processes have left of a file that they were writing."""
-    return sorted(path.parent.glob(f".{escape(path.stem)}.*.part{escape(path.suffix)}"))
+def digest_of(path: Path) -> str:
+    """SHA-256 of the bytes of a file; of a folder, of its files with their names.
+
+    A file of the same name and size may hold something else, such as the next frame.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such file.
+    """
+    if path.is_dir():
+        files = sorted(one for one in path.rglob("*") if one.is_file())
+        listed = [f"{one.relative_to(path).as_posix()} {digest_of(one)}" for one in files]
+        return hashlib.sha256("\n".join(listed).encode()).hexdigest()
+    if not path.is_file():
+        raise FileFormatError(f"{path}: there is no such file.")
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def write_text(path: str | PathLike[str], text: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -107,8 +106,3 @@ def time_left(done: float, elapsed: float) -> str:
         return ""
     seconds = elapsed * (1 - done) / done
     return f"{seconds:.0f} s left" if seconds < 600 else f"{seconds / 60:.0f} min left"
-
-
-def ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that started this one."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

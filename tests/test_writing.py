@@ -14,7 +14,6 @@ import geomtorsion as gt
 from geomtorsion import scenes
 from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
 from geomtorsion.loops.loop_files import read_loops
-from geomtorsion.materials.crystals import blocked_crystal
 from geomtorsion.materials.measured import open_measured
 from geomtorsion.pictures.report import write_report
 from geomtorsion.spaces.files import read_file
@@ -71,7 +70,6 @@ READERS: dict[str, Callable[[Any], object]] = {
     "space": read_file,
     "loops": lambda path: read_loops(gt.spaces.load("s2").frame, path),
     "answers": read_submission,
-    "blocks": lambda path: blocked_crystal(np.zeros((30, 3)), path, [30.0] * 3, block=15),
 }
 NOT_NAMES = (None, 3, ["a.npz"], b"a.npz")
 

@@ -134,13 +134,8 @@ MeasuredResolution = Annotated[
 
 Workers = Annotated[
     int | None,
-    option("--workers", metavar="N", text="Processes that compute blocks; default: 1."),
+    option("--workers", metavar="N", text="Threads that compute blocks; default: 1."),
 ]
-
-
-def processes(workers: int | None) -> int:
-    """How many processes compute blocks: those that were asked for, or one."""
-    return 1 if workers is None else workers
 
 
 # -- how a curve begins ---------------------------------------------------------------------------

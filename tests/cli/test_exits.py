@@ -111,7 +111,7 @@ def test_a_program_that_imports_the_package_gets_its_interrupt():
     ("arguments", "named"),
     [
         (["map", "field.npz"], "map.csv"),
-        (["map", "field.npy", "--blocks", "30"], "block-0-0.npy"),
+        (["map", "field.npy", "--blocks", "30"], "map.zarr"),
         pytest.param(
             ["burgers", "field.npz", "--loop", "circle 20,20:9"],
             "circuits.png",

@@ -11,24 +11,17 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from geomtorsion.checks import cut
+from geomtorsion.checks import cut, shown
 from geomtorsion.cli.commands.burgers import Form
-from geomtorsion.cli.crystal_blocks import (
-    Blocks,
-    begins_anew,
-    is_blocked,
-    opened_folder,
-    report_in_blocks,
-)
 from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import ExitCode, stopped
-from geomtorsion.cli.options import Workers, argument, directory, option
+from geomtorsion.cli.options import argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
 from geomtorsion.files import write_text, written
 from geomtorsion.materials.crystals import LATTICES
-from geomtorsion.materials.crystals.blocked import forget_blocks
+from geomtorsion.materials.crystals.atom_arrays import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
 from geomtorsion.materials.crystals.trajectories import Wanted, forget, is_begun, reports
 from geomtorsion.materials.lines import DislocationNetwork
@@ -71,10 +64,6 @@ def crystal(
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
-    blocks: Annotated[
-        float | None,
-        option(metavar="LENGTH", text="In blocks about as wide, kept in DIR until all are done."),
-    ] = None,
     cell: Annotated[
         str | None,
         option(metavar="A,B,C", text="Arrays: lengths of the cell's edges, or ax,ay,az;bx,...;..."),
@@ -83,7 +72,6 @@ def crystal(
         str | None,
         option(metavar="XYZ", text="Arrays: edges along which the cell repeats: xyz, z, none."),
     ] = None,
-    workers: Workers = None,
     output: Annotated[
         Path | None,
         directory("Write crystal.json, lines for OVITO, ParaView and ParaDiS, and pictures there."),
@@ -102,23 +90,25 @@ def crystal(
     numbers in time. With -o every frame stays in DIR when the command is stopped or killed; with
     --resume it goes on, to the same bits.
 
-    More atoms than memory holds are done in blocks: of arrays of positions (.npy, .zarr, or .npz
-    with positions, cell and periodic), and of one frame of any other file.
+    FILE may be an array of positions: .npy, or .npz with the arrays positions, cell and periodic.
 
     \b
     Examples:
       geomtorsion crystal cu_edge.xyz -o out
       geomtorsion crystal w.dump --lattice bcc --orient '1,1,-2;-1,1,0;1,1,1' -o out
       geomtorsion crystal run.xyz --format json | jq '.frames[].lines[].burgers_lattice'
-      geomtorsion crystal atoms.npy --cell 3000,3000,2000 --blocks 300 -o out
+      geomtorsion crystal atoms.npy --cell 80,80,14.4 --periodic z -o out
     """
     # A sign that nobody knows is told before anything is computed.
     burgers([0], convention)
-    wanted = Wanted(lattice, _axes(orient), constant, read_as, partials, convention)
-    asked = Blocks(blocks, cell, periodic, workers)
-    if is_blocked(file, asked):
-        _in_blocks(file, wanted, asked, output, form, resume=resume, overwrite=overwrite)
-        return
+    edges, axes = _cell(cell), _periodic(periodic)
+    for name, value in (("--cell", edges), ("--periodic", axes)):
+        if value is not None and not is_atom_array(file):
+            raise CrystalError(
+                f"{name}: expected a file .npy or .npz, got {file.name}, which has its own cell. "
+                "Leave the option out."
+            )
+    wanted = Wanted(lattice, _axes(orient), constant, read_as, partials, convention, edges, axes)
     folder = _folder(output, resume=resume, overwrite=overwrite)
     found: list[Json] = []
     made: list[Callable[[], DislocationNetwork]] = []
@@ -150,25 +140,35 @@ def _shown(file: Path, found: list[Json], form: Form) -> Json:
     return document
 
 
-def _in_blocks(
-    file: Path,
-    wanted: Wanted,
-    asked: Blocks,
-    output: Path | None,
-    form: Form,
-    *,
-    resume: bool,
-    overwrite: bool,
-) -> None:
-    """A crystal that is kept block by block until it is done."""
-    folder = opened_folder(output, resume=resume, overwrite=overwrite)
+def _cell(text: str | None) -> tuple[tuple[float, ...], ...] | None:
+    """Edges of a cell: three lengths, or three vectors with semicolons between them."""
+    if text is None:
+        return None
     try:
-        report, net = report_in_blocks(file, wanted, asked, folder)
-    except KeyboardInterrupt:
-        stopped(f"; blocks are in {folder}; go on with --resume")
-        raise typer.Exit(ExitCode.interrupted) from None
-    _save(_shown(file, [report], form), net, folder.parent)
-    forget_blocks(folder)
+        rows = [[float(x) for x in part.split(",")] for part in text.split(";")]
+    except ValueError:
+        rows = []
+    if len(rows) == 1 and len(rows[0]) == 3:
+        rows = np.diag(rows[0]).tolist()
+    if len(rows) != 3 or any(len(row) != 3 for row in rows):
+        raise CrystalError(
+            "--cell: expected three lengths such as 80,80,14.4 or three edges such as "
+            f"80,0,0;0,80,0;0,0,14.4, got {cut(text)}. Write numbers with commas between them."
+        )
+    return tuple(map(tuple, rows))
+
+
+def _periodic(text: str | None) -> tuple[bool, bool, bool] | None:
+    """Edges along which a cell repeats, as letters."""
+    if text is None:
+        return None
+    letters = "" if text == "none" else text
+    if not set(letters) <= set("xyz") or len(set(letters)) < len(letters):
+        raise CrystalError(
+            "--periodic: expected letters of xyz, for the first to the third edge, or none, got "
+            f"{shown(text)}. Write --periodic z where only the third edge repeats."
+        )
+    return "x" in letters, "y" in letters, "z" in letters
 
 
 def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
@@ -196,7 +196,16 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
         return None
     folder = output / FRAMES
     begun = is_begun(folder)
-    if begins_anew(folder, "trajectory", begun=begun, resume=resume, overwrite=overwrite):
+    if resume and overwrite:
+        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
+    if begun and not resume and not overwrite:
+        raise CheckpointError(
+            f"{folder} holds a trajectory that was stopped. Give --resume to go on with it, or "
+            "--overwrite to begin anew."
+        )
+    if resume and not begun:
+        raise CheckpointError(f"{folder} holds nothing that was stopped. Leave out --resume.")
+    if begun and overwrite:
         forget(folder)
     return folder
 

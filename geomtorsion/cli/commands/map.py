@@ -40,17 +40,16 @@ from geomtorsion.cli.options import (
     Workers,
     directory,
     option,
-    processes,
 )
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
+from geomtorsion.materials.fields.blocked_map import on_threads, run_in
 from geomtorsion.materials.measured import is_array
-from geomtorsion.materials.measured.in_blocks import (
-    BLOCKS,
-    BlockedRun,
+from geomtorsion.materials.measured.blocked_fields import (
     BlockedSurvey,
+    map_in_blocks,
     open_in_blocks,
 )
 from geomtorsion.materials.measured.results import summary
@@ -80,7 +79,7 @@ def map(
     ] = None,
     blocks: Annotated[
         int | None,
-        option(metavar="N", text="Grids: in blocks of N places a side, kept in DIR until all are."),
+        option(metavar="N", text="Grids: in blocks of N places a side, kept in DIR as map.zarr."),
     ] = None,
     steps: Annotated[
         str | None, option(metavar="DX,DY", text="Fields in .npy and .zarr: steps of the axes.")
@@ -110,8 +109,9 @@ def map(
     taken at every place.
 
     A field in an array (.npy of shape (rows, columns, grid...), .zarr) may be larger than memory:
-    it is done in blocks, which stay in DIR when the command is stopped or killed; with --resume it
-    goes on from there, to the same result bit by bit.
+    its map is computed in blocks, and written to map.zarr in DIR with map.json and a picture. When
+    the command is stopped or killed the finished blocks stay there, and --resume computes the
+    others, to the same result bit by bit.
 
     \b
     Examples:
@@ -124,7 +124,7 @@ def map(
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     path = Path(source)
     if blocks is not None or resume or is_array(path):
-        wanted = Blocks(blocks, steps, unit, processes(workers), resume, overwrite)
+        wanted = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
         _in_blocks(path, reading, wanted, size, plane, output, form, as_json=as_json, circle=circle)
         return
     refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
@@ -197,6 +197,7 @@ def _in_blocks(
         raise GridError(f"{name}: it does not belong to maps in blocks. Leave it out.")
     if output is None:
         raise CheckpointError(f"{path.name}: blocks are kept in a directory: name it with -o.")
+    place = output / "map.zarr"
     try:
         steps = None if wanted.steps is None else _numbers(wanted.steps)
         sigma = None if reading.sigma is None else sigma_of(reading.sigma)
@@ -204,19 +205,19 @@ def _in_blocks(
             field = open_in_blocks(
                 path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
             )
-        run = BlockedRun.begin(
-            field, output, wanted.block, size, _plane(plane, field.names),
-            resume=wanted.resume, overwrite=wanted.overwrite,
-        )  # fmt: skip
-        made = run.compute(wanted.workers)
+        with on_threads(wanted.workers):
+            found = map_in_blocks(
+                field, place, wanted.block, size, _plane(plane, field.names),
+                resume=wanted.resume, overwrite=wanted.overwrite,
+            )  # fmt: skip
         with working("writing") as progress:
-            progress("map.npy, summary and picture")
-            numbers, lines, written = run.finish(made, lambda found: _report(found, form.value))
+            progress("summary and picture")
+            numbers, lines, written = _report(found, form.value)
     except (GridError, OrientationError, ImageError) as error:
         raise dashed(error) from None
     except KeyboardInterrupt:
-        done = len(list((output / BLOCKS).glob("block-*.npy")))
-        stopped(f"; {done} blocks are in {output / BLOCKS}; go on with --resume" if done else "")
+        begun = run_in(place) is not None
+        stopped(f"; finished blocks are in {place}; go on with --resume" if begun else "")
         raise typer.Exit(ExitCode.interrupted) from None
     if as_json:
         typer.echo(json.dumps(numbers, indent=2))
@@ -226,14 +227,15 @@ def _in_blocks(
 
 
 def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str], list[Path]]:
-    """Write map.json and a picture beside map.npy; the numbers, the same in words, the files."""
+    """Write map.json and a picture beside the map; the numbers, the same in words, the files."""
     survey, numbers = found.survey()
     about = found.field.about
     document = {"about": list(about), **numbers, "circles": []}
-    written = [found.path, found.path.with_suffix(".json")]
+    place = Path(found.result.path)
+    written = [place, place.with_suffix(".json")]
     write_text(written[1], json.dumps(document, indent=2) + "\n")
     if can_draw():
-        written.append(found.path.with_suffix(f".{form}"))
+        written.append(place.with_suffix(f".{form}"))
         save(draw_survey(survey), written[-1])
     return document, [*about, *survey_lines(survey, numbers)], written
 

@@ -1,6 +1,5 @@
 """Crystals: from atoms to dislocation lines."""
 
-from geomtorsion.materials.crystals.blocked import BlockedCrystal, blocked_crystal
 from geomtorsion.materials.crystals.circuits import AtomCircuit
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.grains import Grain, Grains, Wall
@@ -10,13 +9,11 @@ from geomtorsion.materials.crystals.reading import read, read_all
 __all__ = [
     "LATTICES",
     "AtomCircuit",
-    "BlockedCrystal",
     "Crystal",
     "Grain",
     "Grains",
     "Lattice",
     "Wall",
-    "blocked_crystal",
     "read",
     "read_all",
 ]

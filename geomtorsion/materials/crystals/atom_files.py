@@ -69,13 +69,14 @@ class AtomData:
 
     positions: shape (atoms, 3), in the unit of the file (ase: angstrom).
     cell: edges as rows, shape (3, 3), or None if there is none.
-    periodic: along which edges it repeats. species: chemical symbols. where: the file and frame.
+    periodic: along which edges it repeats. species: chemical symbols, None where the file has none.
+    where: the file and frame.
     """
 
     positions: np.ndarray
     cell: np.ndarray | None
     periodic: tuple[bool, bool, bool]
-    species: tuple[str, ...]
+    species: tuple[str, ...] | None
     where: str
 
 

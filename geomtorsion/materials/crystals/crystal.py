@@ -191,7 +191,8 @@ class Crystal(InFrame):
     @cached_property
     def _places(self) -> Places:
         """The atoms in the cell, with those about each."""
-        reach = reach_of_sample(_spanned(self.positions, self._box), len(self.positions))
+        # Most atoms have as many neighbours as a frame needs within it, whatever the structure.
+        reach = 3 * (_spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
         return Places(self._wrapped[0], self._box, reach)
 
     # -- grains -----------------------------------------------------------------------------------
@@ -393,15 +394,12 @@ class Crystal(InFrame):
         if not self.grains.is_single:
             crystals = [self.grain(grain.number) for grain in self.grains]
             networks = [one.dislocations(partials) for one in crystals]
-            every = np.arange(len(self.positions)), self._wrapped[0]
-            return network_of_grains(networks, self.grains, self._box, lambda *_: every)
+            return network_of_grains(networks, self.grains, self._box, self._wrapped[0])
         found, vacancies = self._near_torsion(partials)
         # A grain does not fill its cell.
         occupied = None if self._own is not None else len(self.positions) + vacancies
         faces = TornFaces.of(found.relaxed(), self._numbers)
-        return lines_of(
-            faces, self._box, self.frame, partials, occupied, lambda *_: self._wrapped[0]
-        )
+        return lines_of(faces, self._wrapped[0], self._box, self.frame, partials, occupied)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
         """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
@@ -418,11 +416,6 @@ class Crystal(InFrame):
         count = len(self.positions)
         axes = "".join("T" if flag else "F" for flag in self.periodic.tolist())
         return f"Crystal({count:,} atoms, {self.lattice}, a = {self.constant:.6g}, periodic {axes})"
-
-
-def reach_of_sample(volume: float, atoms: int) -> float:
-    """Within which an atom has as many neighbours as are asked for, whatever the structure."""
-    return 3 * (volume / atoms) ** (1 / 3)
 
 
 def _spanned(positions: np.ndarray, cell: Cell) -> float:

@@ -23,9 +23,6 @@ from geomtorsion.materials.crystals.surroundings import Places
 from geomtorsion.materials.crystals.torsion import components
 from geomtorsion.materials.crystals.triangulation import Cell, distinct
 
-# Places of all atoms as near to some places as a distance, or of more.
-Near = Callable[[np.ndarray, float], np.ndarray]
-
 
 @dataclass(frozen=True, eq=False)
 class Around:
@@ -84,16 +81,9 @@ class Around:
         base = (along[:, :2] @ self.sides[:, :2].T + self.sides[:, 2]).max(axis=1, initial=-np.inf)
         return np.maximum(base, np.abs(along[:, 2]) - self.half[2])
 
-    def filling(self, margin: float) -> np.ndarray:
-        """Points in it and in a margin, next ones nearer than the margin, shape (k, 3)."""
-        ends = self.half + margin
-        counts = np.ceil(2 * ends / margin).astype(int) + 1
-        along = [np.linspace(-end, end, n) for end, n in zip(ends, counts.tolist(), strict=True)]
-        return self.middle + np.stack(np.meshgrid(*along), axis=-1).reshape(-1, 3) @ self.axes
-
 
 def inserted_about(
-    path: np.ndarray, others: np.ndarray, frame: Frame, cell: Cell, near: Near
+    path: np.ndarray, others: np.ndarray, frame: Frame, cell: Cell, places: np.ndarray
 ) -> int | None:
     """Atoms more than sites about a closed line; an isolated vacancy counts as an atom.
 
@@ -103,6 +93,8 @@ def inserted_about(
         Of the line, shape (k, 3).
     others
         Points of all other lines, shape (n, 3).
+    places
+        Of all atoms in the cell, shape (atoms, 3).
 
     Returns
     -------
@@ -119,8 +111,7 @@ def inserted_about(
         # Neither another line lies in it nor an image of this one.
         if len(around.inside(others, cell, outer)) or len(around.inside(path, cell, outer, False)):
             return None
-        points, _ = cell.wrapped(around.filling(outer + reach))
-        steps = around.inside(near(points, outer + reach), cell, outer + reach)
+        steps = around.inside(places, cell, outer + reach)
         found = _counted(steps, around, margin, outer, frame)
         if found is not None:
             return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,17 +57,6 @@ class Given:
         """The cell, or any where nothing is periodic."""
         vectors = np.eye(3) if self.cell is None else self.cell
         return Cell(vectors, self.periodic)
-
-    @property
-    def described(self) -> dict[str, Any]:
-        """The same as JSON has it, to the last bit."""
-        return {
-            "cell": None if self.cell is None else self.cell.tolist(),
-            "periodic": self.periodic.tolist(),
-            "lattice": self.lattice,
-            "orient": None if self.orient is None else self.orient.tolist(),
-            "constant": self.constant,
-        }
 
 
 def positions_of(given: object) -> np.ndarray:

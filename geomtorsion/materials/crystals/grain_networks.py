@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
@@ -14,12 +14,9 @@ from geomtorsion.materials.crystals.triangulation import Cell
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
 
-# Numbers and places of all atoms as near to some places as a distance, or of more.
-Near = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray]]
-
 
 def network_of_grains(
-    networks: Sequence[DislocationNetwork], grains: Grains, cell: Cell, near: Near
+    networks: Sequence[DislocationNetwork], grains: Grains, cell: Cell, places: np.ndarray
 ) -> DislocationNetwork:
     """The networks of single grains as one; b of each line is along the axes of its grain.
 
@@ -30,9 +27,8 @@ def network_of_grains(
     ----------
     networks
         Of each grain, as found in it alone.
-    cell, near
-        The cell, and what gives the numbers and places of all atoms as near to some places in it as
-        a distance, or of more.
+    cell, places
+        The cell, and the places of all atoms in it, shape (atoms, 3).
     """
     import networkx as nx  # 0.15 s, and networks alone need it
 
@@ -41,9 +37,7 @@ def network_of_grains(
         if not network.lines:
             continue
         width = METHOD.width * grain.frame.lattice.nearest * grain.frame.constant
-        points = np.concatenate([line.path for line in network.lines])
-        numbers, places = near(cell.wrapped(points)[0], width)
-        outside = _Outside(places[grains.number[numbers] != grain.number], cell, width)
+        outside = _Outside(places[grains.number != grain.number], cell, width)
         graph = nx.MultiDiGraph(network.graph)
         for _, data in graph.nodes(data=True):
             data["wall"] = data["surface"] and outside.all_near(np.array([data["position"]]))

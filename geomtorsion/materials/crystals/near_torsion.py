@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geomtorsion.materials.crystals.enclosed import Near, inserted_about
+from geomtorsion.materials.crystals.enclosed import inserted_about
 from geomtorsion.materials.crystals.faults import MODULES, fault_labels
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
@@ -32,23 +32,12 @@ class Atoms:
     kinds: np.ndarray
 
 
-def widest(frame: Frame) -> float:
-    """How far apart two atoms of one tetrahedron may be: the largest empty sphere, jittered."""
-    return 2 * (1 + 2 * METHOD.jitter) * METHOD.reach * frame.lattice.nearest * frame.constant
-
-
 def lattice_read(frame: Frame, partials: bool) -> Lattice:
     """The lattice of which bonds are vectors, with those of stacking faults if partials are."""
     lattice = frame.lattice
     if not partials:
         return lattice
     return layered(lattice) if lattice.name == "hcp" else MODULES.get(lattice.name, lattice)
-
-
-def reads_around(frame: Frame, partials: bool) -> bool:
-    """Whether it depends on other bonds of its atoms, too, how a bond is read: where there are
-    stacking faults."""
-    return frame.lattice.name in ("fcc", "hcp") or lattice_read(frame, partials) != frame.lattice
 
 
 def torsion_on(
@@ -109,12 +98,17 @@ def sites_in(frame: Frame, cell: Cell) -> int | None:
 
 
 def lines_of(
-    faces: TornFaces, cell: Cell, frame: Frame, partials: bool, occupied: int | None, near: Near
+    faces: TornFaces,
+    places: np.ndarray,
+    cell: Cell,
+    frame: Frame,
+    partials: bool,
+    occupied: int | None,
 ) -> DislocationNetwork:
     """The dislocation lines that carry the torsion of faces.
 
-    occupied: atoms, and vacancies that are not part of a line; None if they do not fill the cell.
-    near: gives the places of all atoms as near to some places as a distance.
+    places: of all atoms in the cell. occupied: atoms, and vacancies that are not part of a line;
+    None if they do not fill the cell.
     """
     sites = None if occupied is None else sites_in(frame, cell)
     width = METHOD.width * frame.lattice.nearest * frame.constant
@@ -123,7 +117,7 @@ def lines_of(
         more = None
         if occupied is not None and sites is not None and not len(others):
             more = occupied - sites
-        more = more or inserted_about(path, others, frame, cell, near) or 0
+        more = more or inserted_about(path, others, frame, cell, places) or 0
         return more * frame.atom_volume
 
     here = replace(frame, lattice=lattice_read(frame, partials))

@@ -9,7 +9,6 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.conventions import burgers
-from geomtorsion.materials.crystals.blocked import BlockedCrystal
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.grains import Grain, Wall
@@ -22,9 +21,7 @@ from geomtorsion.materials.lines.line_arrays import DislocationLine
 Json = dict[str, Any]
 
 
-def crystal_report(
-    crystal: Crystal | BlockedCrystal, net: DislocationNetwork, convention: str = "SF/RH"
-) -> Json:
+def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = "SF/RH") -> Json:
     """A crystal and its dislocation lines as plain data; every number to the last digit.
 
     Parameters
@@ -76,7 +73,7 @@ def _ratio(frame: Frame) -> Json:
     return {"ratio": frame.lattice.ratio} if frame.lattice.is_hexagonal else {}
 
 
-def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
+def _polycrystal(crystal: Crystal) -> Json:
     """Grains and walls of what is no single crystal."""
     if _is_single(crystal):
         return {}
@@ -90,10 +87,8 @@ def _polycrystal(crystal: Crystal | BlockedCrystal) -> Json:
     }
 
 
-def _is_single(crystal: Crystal | BlockedCrystal) -> bool:
+def _is_single(crystal: Crystal) -> bool:
     """Whether it is a single crystal, and was in frames before."""
-    if isinstance(crystal, BlockedCrystal):
-        return crystal.is_single
     return crystal.grains.is_single and crystal.grains.used == 1
 
 
@@ -139,7 +134,7 @@ def _signed(values: object, convention: str) -> np.ndarray:
     return burgers(np.asarray(values, dtype=float), convention) + 0.0
 
 
-def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: str) -> Json:
+def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
     """One line as plain data."""
     exact = burgers(list(line.burgers_lattice or ()), convention)
     grain = line.grain
@@ -160,7 +155,7 @@ def _line(crystal: Crystal | BlockedCrystal, line: DislocationLine, convention: 
     return found
 
 
-def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
+def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
     """How many atoms a closed line has between its half planes; of vacancies less than none.
 
     Equation
@@ -176,7 +171,7 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     return float(b @ line.area / frame.atom_volume)
 
 
-def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> float:
+def inserted_error(line: DislocationLine, crystal: Crystal) -> float:
     """How far `inserted_atoms` may be off: 0.0 where atoms and sites were counted.
 
     Elsewhere, at a surface, next to another line, in much noise, the line alone tells. It lies
@@ -192,7 +187,7 @@ def inserted_error(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> 
     return float(b * line.length * nearest / 2 / frame.atom_volume)
 
 
-def _frame_of(line: DislocationLine, crystal: Crystal | BlockedCrystal) -> Frame:
+def _frame_of(line: DislocationLine, crystal: Crystal) -> Frame:
     """The frame of the grain in which a line lies."""
     if line.grain is not None:
         return crystal.grains[line.grain].frame

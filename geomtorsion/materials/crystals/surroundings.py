@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -81,45 +80,33 @@ class Places:
 
     def neighbours(self, atoms: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
-        the vectors to them, shape (atoms, count, 3).
+        the vectors to them, shape (atoms, count, 3). Of equally near ones those with lower numbers
+        come first.
 
         Raises
         ------
         CrystalError
             Atoms lie upon each other, or have not so many neighbours.
         """
-        centres = self.places[atoms]
-        return nearest_points(lambda _, far: self.within(far), centres, count, self.reach)
-
-
-def nearest_points(
-    about: Callable[[np.ndarray, float], Surroundings],
-    centres: np.ndarray,
-    count: int,
-    reach: float,
-) -> tuple[np.ndarray, np.ndarray]:
-    """The same of atoms of which those near by are asked for.
-
-    Of equally near ones those with lower numbers come first.
-    """
-    found = np.empty((len(centres), count), dtype=np.int64)
-    vectors = np.empty((len(centres), count, 3))
-    left = np.arange(len(centres))
-    while len(left):
-        around = about(centres[left], reach)
-        points, numbers = around.points, around.numbers
-        if around.whole and len(points) <= count:
-            raise CrystalError(
-                f"positions: atoms with {count} neighbours were needed, but there are "
-                f"{len(points)} atoms. Give more of the crystal."
-            )
-        if len(points) > count:
-            apart, near = around.apart.tree.query(centres[left], k=count + 1)
-            order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
-            near = np.take_along_axis(near, order, axis=1)
-            found[left] = numbers[near]
-            vectors[left] = points[near] - centres[left][:, None]
-            left = left[(apart[:, -1] > around.distance) & (not around.whole)]
-        # At corners, and in a gas about the crystal, neighbours are far away.
-        reach = 2 * around.distance
-    return found, vectors
+        reach, centres = self.reach, self.places[atoms]
+        found = np.empty((len(centres), count), dtype=np.int64)
+        vectors = np.empty((len(centres), count, 3))
+        left = np.arange(len(centres))
+        while len(left):
+            around = self.within(reach)
+            points, numbers = around.points, around.numbers
+            if around.whole and len(points) <= count:
+                raise CrystalError(
+                    f"positions: atoms with {count} neighbours were needed, but there are "
+                    f"{len(points)} atoms. Give more of the crystal."
+                )
+            if len(points) > count:
+                apart, near = around.apart.tree.query(centres[left], k=count + 1)
+                order = np.lexsort((numbers[near], apart), axis=1)[:, 1:]
+                near = np.take_along_axis(near, order, axis=1)
+                found[left] = numbers[near]
+                vectors[left] = points[near] - centres[left][:, None]
+                left = left[(apart[:, -1] > around.distance) & (not around.whole)]
+            # At corners, and in a gas about the crystal, neighbours are far away.
+            reach = 2 * around.distance
+        return found, vectors

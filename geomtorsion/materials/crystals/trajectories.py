@@ -12,8 +12,8 @@ import numpy as np
 
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import CheckpointError, GeomtorsionError
-from geomtorsion.files import read_json_text, read_text, write_text
-from geomtorsion.materials.blocks import digest_of, read_array, write_array
+from geomtorsion.files import digest_of, read_json_text, read_text, write_text, written
+from geomtorsion.materials.crystals.atom_arrays import is_atom_array, read_atom_array
 from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames, frame_count
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains
@@ -29,7 +29,7 @@ class Wanted:
     """What is asked of every frame.
 
     lattice, orient (rows), constant, form: as for `read`. partials: as for `dislocations`.
-    convention: of the sign of b.
+    convention: of the sign of b. cell, periodic: of arrays, as for `read_atom_array`.
     """
 
     lattice: str | None = None
@@ -38,6 +38,8 @@ class Wanted:
     form: str | None = None
     partials: bool = False
     convention: str = "SF/RH"
+    cell: tuple[tuple[float, ...], ...] | None = None
+    periodic: tuple[bool, bool, bool] | None = None
 
 
 def reports(
@@ -61,10 +63,12 @@ def reports(
     CheckpointError
         The folder holds reports of another file or of other settings.
     """
-    total = frame_count(path, wanted.form)
+    is_array = is_atom_array(path)
+    total = 1 if is_array else frame_count(path, wanted.form)
     said = "" if folder is None else _settings(path, wanted, folder)
     known = None
-    for number, data in enumerate(atom_frames(path, wanted.form)):
+    frames = iter([_atoms(path, wanted)]) if is_array else atom_frames(path, wanted.form)
+    for number, data in enumerate(frames):
         seen(number, total)
         frame = _Frame(data, wanted, known)
         kept = None if folder is None else folder / f"{number:06}.json"
@@ -79,11 +83,18 @@ def reports(
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 write_text(kept.with_name(SETTINGS), said)
                 if "grains" in report:
-                    write_array(kept.with_suffix(".npy"), known.owner)
+                    with written(kept.with_suffix(".npy")) as part, part.open("wb") as stream:
+                        np.save(stream, known.owner)
                 # What stands in it comes last: where it is, all is.
                 write_text(kept, json.dumps(report))
         yield report, frame.lines
     seen(total, total)
+
+
+def _atoms(path: Path, wanted: Wanted) -> AtomData:
+    """The one frame of an array."""
+    cell = None if wanted.cell is None else np.array(wanted.cell)
+    return read_atom_array(path, cell, wanted.periodic)
 
 
 class _Frame:
@@ -118,11 +129,14 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
     if "grains" not in report:
         return np.zeros(count, dtype=np.int64)
     file = kept.with_suffix(".npy")
-    found = read_array(file, (count,), np.int64)
-    if found is None:
+    try:
+        found = np.load(file, mmap_mode="r", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        found = np.zeros(0)
+    if found.shape != (count,) or found.dtype != np.int64:
         raise CheckpointError(
-            f"{file}: the grains of its atoms were needed, but the file is missing or damaged. "
-            "Begin anew with --overwrite."
+            f"{file}: expected the grain of each of {count:,} atoms, got a file that is missing or "
+            "damaged. Begin anew with --overwrite."
         )
     return found
 

@@ -1,6 +1,6 @@
 """Fields: frames and displacements on grids and at scattered points."""
 
-from geomtorsion.materials.fields.blocks import BlockMap, blocked_map
+from geomtorsion.materials.fields.blocked_map import BlockMap, blocked_map
 from geomtorsion.materials.fields.sampled import SampledFrame
 from geomtorsion.materials.fields.scattered import ScatteredFrame
 

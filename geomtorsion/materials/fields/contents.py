@@ -73,10 +73,12 @@ def module(name: str, path: Path) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        extra, others = ("cluster", ".npy") if name == "zarr" else ("files", ".npz, .nc or .csv")
+        in_parts = name in ("zarr", "dask", "dask.callbacks")
+        extra = "cluster" if in_parts else "files"
+        others = "" if in_parts else ", or use .npz, .nc or .csv"
         raise MissingExtraError(
-            f"{path}: this format needs {name}, which is not installed. "
-            f"Run `pip install 'geomtorsion[{extra}]'`, or use {others}."
+            f"{path}: this needs {name}, which is not installed. "
+            f"Run `pip install 'geomtorsion[{extra}]'`{others}."
         ) from None
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geomtorsion.materials.crystals import BlockedCrystal, trajectories
+from geomtorsion.materials.crystals import trajectories
 from geomtorsion.materials.lines import DislocationNetwork
 from tests.cli import running
 from tests.materials.crystals.making import BOX, copper_screw, written
@@ -178,7 +178,8 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
         (("--constant", "-1"), "positive"),
         (("--read-as", "traj"), "form: one of"),
         (("--resume",), "name it by -o"),
-        (("--workers", "2"), "--blocks LENGTH"),
+        (("--cell", "80,80,14.4"), "its own cell"),
+        (("--periodic", "z"), "its own cell"),
     ],
 )
 def test_wrong_options_are_told(tmp_path: Path, options: tuple[str, ...], message: str) -> None:
@@ -217,95 +218,57 @@ def test_shared_files(name: str, lines: int) -> None:
     assert "no dislocation line" in text
 
 
-def in_blocks(tmp_path: Path) -> Path:
-    """A file of positions alone, of the screw that `written` writes."""
-    np.save(tmp_path / "atoms.npy", copper_screw())
-    return tmp_path / "atoms.npy"
+ARRAY = ("--cell", "80,80,14.4", "--periodic", "z")
 
 
-BLOCKS = ("--cell", "80,80,14.4", "--periodic", "z", "--blocks", "35")
-
-
-def same(one: Path, other: Path) -> None:
-    """Two folders hold the same files byte by byte, but for the name of what was read."""
-    names = sorted(path.name for path in one.iterdir())
-    assert sorted(path.name for path in other.iterdir()) == names
-    for name in names:
-        texts = [(folder / name).read_bytes() for folder in (one, other)]
-        assert len({text.replace(b"atoms.xyz", b"atoms.npy") for text in texts}) == 1, name
-
-
-def test_blocks_give_what_the_file_at_once_gives(tmp_path: Path) -> None:
-    """Arrays and any other file, in blocks or not: table, JSON, lines and pictures."""
-    array, file = in_blocks(tmp_path), written(tmp_path, copper_screw())
-    np.savez(
-        tmp_path / "atoms.npz", positions=copper_screw(), cell=BOX, periodic=[False, False, True]
-    )
-    whole = run(str(file), "-o", str(tmp_path / "whole")).stdout
-    told = run(str(array), *BLOCKS, "-o", str(tmp_path / "array")).stdout
-    assert told == whole.replace("atoms.xyz", "atoms.npy")
-    same(tmp_path / "whole", tmp_path / "array")
-    run(str(file), "--blocks", "30", "-o", str(tmp_path / "file"))
-    same(tmp_path / "whole", tmp_path / "file")
-    packed = run(str(tmp_path / "atoms.npz"), "--blocks", "90", "-o", str(tmp_path / "npz"))
-    assert packed.stdout == whole.replace("atoms.xyz", "atoms.npz")
-
-
-def test_blocks_that_are_stopped_go_on_to_the_same_bits(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Ctrl-C in the third block; what is done is not done again; all files byte by byte."""
-    file, whole, parts = in_blocks(tmp_path), tmp_path / "whole", tmp_path / "parts"
-    run(str(file), *BLOCKS, "-o", str(whole))
-    made, calls = BlockedCrystal.compute, []
-
-    def stopping(self: BlockedCrystal, block: Any) -> None:
-        calls.append(block)
-        if len(calls) == 3:
-            raise KeyboardInterrupt
-        made(self, block)
-
-    monkeypatch.setattr(BlockedCrystal, "compute", stopping)
-    assert "--resume" in run(str(file), *BLOCKS, "-o", str(parts), code=130).stderr
-    assert "--resume" in run(str(file), *BLOCKS, "-o", str(parts), code=2).stderr
-    other = (*BLOCKS[:-1], "26")
-    assert "another run" in run(str(file), *other, "-o", str(parts), "--resume", code=2).stderr
-    run(str(file), *BLOCKS, "-o", str(parts), "--resume")
-    assert len(set(calls)) == len(calls) - 1
-    same(whole, parts)
+def test_arrays_give_what_the_file_gives(tmp_path: Path) -> None:
+    """Positions with the cell in options or in the file: table, JSON, lines and pictures."""
+    places = copper_screw()
+    np.save(tmp_path / "atoms.npy", places)
+    np.savez(tmp_path / "atoms.npz", positions=places, cell=BOX, periodic=[False, False, True])
+    file = written(tmp_path, places)
+    whole = run(str(file), "-o", str(tmp_path / "xyz")).stdout
+    for end, options in (("npy", ARRAY), ("npz", ())):
+        text = run(str(tmp_path / f"atoms.{end}"), *options, "-o", str(tmp_path / end)).stdout
+        assert text == whole.replace("atoms.xyz", f"atoms.{end}")
+        for path in (tmp_path / "xyz").iterdir():
+            other = (tmp_path / end / path.name).read_bytes()
+            assert other.replace(f"atoms.{end}".encode(), b"atoms.xyz") == path.read_bytes()
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--cell", "80,80,14.4"), "--blocks LENGTH"),
-        (("--blocks", "25", "-o", "out"), "--periodic none"),
-        ((*BLOCKS,), "-o"),
-        ((*BLOCKS, "-o", "out", "--resume"), "nothing that was stopped"),
-        ((*BLOCKS, "-o", "out", "--resume", "--overwrite"), "give one of them"),
-        (("--cell", "80,80", "--blocks", "25", "-o", "out"), "three lengths"),
-        (("--cell", "a;b;c", "--blocks", "25", "-o", "out"), "three lengths"),
-        (("--periodic", "w", "--blocks", "25", "-o", "out"), "letters of xyz"),
-        ((*BLOCKS[:-1], "-3", "-o", "out"), "block"),
+        ((), "--periodic none"),
+        (("--periodic", "z"), "--cell"),
+        (("--cell", "80,80"), "three lengths"),
+        (("--cell", "a;b;c"), "three lengths"),
+        (("--cell", "0,80,80"), "span a volume"),
+        ((*ARRAY[:3], "w"), "letters of xyz"),
+        ((*ARRAY, "--resume"), "name it by -o"),
     ],
 )
-def test_wrong_options_of_blocks_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], message: str
+def test_wrong_options_of_arrays_are_told(
+    tmp_path: Path, options: tuple[str, ...], message: str
 ) -> None:
-    """What is missing or does not fit."""
-    file = in_blocks(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    assert message in run(str(file), *options, code=2).stderr
+    """A missing cell, and cells and edges that cannot be read."""
+    np.save(tmp_path / "atoms.npy", copper_screw())
+    found = run(str(tmp_path / "atoms.npy"), *options, code=2)
+    assert message in " ".join(found.stderr.split())
 
 
-def test_blocks_are_for_one_frame(tmp_path: Path) -> None:
-    """A trajectory, and options of arrays with a file that says them itself."""
-    file = written(tmp_path, copper_screw(), copper_screw())
-    out = ("-o", str(tmp_path / "out"))
-    assert "has 2" in run(str(file), "--blocks", "30", *out, code=2).stderr
-    one = written(tmp_path, copper_screw())
-    assert "says it itself" in run(str(one), *BLOCKS, *out, code=2).stderr
-    assert "belongs to arrays" in run(str(one), "--periodic", "z", code=2).stderr
+def test_damaged_arrays_are_told(tmp_path: Path) -> None:
+    """Cut, of another shape, without positions, missing."""
+    np.save(tmp_path / "cut.npy", copper_screw())
+    content = (tmp_path / "cut.npy").read_bytes()
+    (tmp_path / "cut.npy").write_bytes(content[: len(content) // 2])
+    np.save(tmp_path / "flat.npy", copper_screw()[:, 0])
+    np.save(tmp_path / "objects.npy", np.array([{}, []], dtype=object), allow_pickle=True)
+    np.savez(tmp_path / "other.npz", places=copper_screw())
+    for name in ("cut.npy", "flat.npy", "objects.npy", "other.npz", "none.npy", "none.npz"):
+        found = run(str(tmp_path / name), "--periodic", "none", code=2)
+        assert name in found.stderr
+        assert "Traceback" not in found.stderr
 
 
 def test_grains_and_walls_are_told(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geomtorsion.materials.crystals import Crystal, blocked_crystal
+from geomtorsion.materials.crystals import Crystal
 from geomtorsion.materials.crystals.reports import inserted_atoms, inserted_error
 from tests.materials.crystals.synthetic import interstitial_loop, vacancy_disc
 
@@ -64,19 +64,6 @@ def test_vacancies_of_a_frank_loop_in_an_open_box(radius):
     """The fault that it encloses takes nothing from the count: all about it the crystal is good."""
     places, cell, missing = vacancy_disc(radius)
     assert counted(Crystal(places, cell, OPEN), partials=True) == [-missing]
-
-
-# A closed line with vacancies about it, in blocks, stands in test_blocked.py.
-@pytest.mark.slow
-@pytest.mark.parametrize(("radius", "size"), [(3, 8), (4, 4.5)])
-def test_blocks_count_the_same(tmp_path, radius, size):
-    """To the last bit, whatever the size of blocks: the loop lies in several of them."""
-    places, cell, _ = interstitial_loop(radius)
-    whole = Crystal(places, cell, OPEN).dislocations().lines[0].path
-    cut = blocked_crystal(places, tmp_path, cell, size, OPEN)
-    blocks = {tuple(place) for place in np.floor(whole / size).astype(int)}
-    assert len(blocks) > 2
-    assert np.array_equal(cut.dislocations().lines[0].path, whole)
 
 
 def test_what_has_no_good_crystal_about_it_is_told_with_an_error():

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from geomtorsion.materials.crystals import Crystal, blocked_crystal, read
+from geomtorsion.materials.crystals import Crystal, read
 from geomtorsion.materials.crystals.reports import crystal_report, followed, tracks
 from tests.materials.crystals.making import BOX, copper_screw
 from tests.materials.crystals.polycrystals import filled, turned
@@ -123,13 +123,13 @@ def test_atoms_of_a_loop_are_counted(radius, periodic):
     assert one["inserted_error"] == 0.0
 
 
-def test_atoms_of_a_loop_are_counted_in_its_own_grain(tmp_path):
-    """By the volume of an atom there, not in grain 0, in blocks, too."""
+def test_atoms_of_a_loop_are_counted_in_its_own_grain():
+    """By the volume of an atom there, not in grain 0."""
     places, _, put_in = interstitial_loop(3)
     other = filled("bcc", turned(30, [1, 1, 1]), 12, 1.3)
     other = other - other.min(axis=0) + [places[:, 0].max() + 3, 0, 0]
     both = np.concatenate([places, other])
-    crystal = blocked_crystal(both, tmp_path, None, 40)
+    crystal = Crystal(both)
     assert crystal.constant == pytest.approx(1.3)
     (one,) = crystal_report(crystal, crystal.dislocations())["lines"]
     assert (one["grain"], one["inserted_error"]) == (1, 0.0)

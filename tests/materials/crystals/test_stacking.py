@@ -6,12 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from geomtorsion.materials.crystals import Crystal, blocked_crystal
+from geomtorsion.materials.crystals import Crystal
 from geomtorsion.materials.crystals.reports import inserted_atoms
 from geomtorsion.materials.lines.crystal_analysis import Cluster, crystal_analysis_text
 from tests.chosen import one_in
 from tests.materials.crystals.synthetic import basal_partials, frank_partials, stacked, vacancy_disc
-from tests.materials.crystals.test_blocked import bits
 from tests.materials.crystals.test_crystal import line_of
 
 IDEAL = (8 / 3) ** 0.5
@@ -160,18 +159,6 @@ def test_a_frank_loop_encloses_the_vacancies(radius):
     assert (line.family, line.kind) == ("1/6<0 2 -2 3>", "closed")
     assert inserted_atoms(line, crystal) == pytest.approx(-missing, rel=0.01)
     assert line.length == pytest.approx(2 * np.pi * radius, rel=0.05)
-
-
-# Those of fcc in blocks stand in test_blocked.py.
-@pytest.mark.slow
-def test_blocks_tell_the_same_partials(tmp_path):
-    """To the last bit, whatever the size of blocks; whole lines, too."""
-    places, period, _ = basal_partials("screw")
-    places, box = noisy(places, 3), np.diag([60, 60, period])
-    whole = Crystal(places, box, OPEN)
-    cut = blocked_crystal(places, tmp_path, box, 12.0, OPEN)
-    for partials in (False, True):
-        assert bits(cut.dislocations(partials)) == bits(whole.dislocations(partials))
 
 
 def test_a_cell_a_few_atoms_long_has_the_same_partials():

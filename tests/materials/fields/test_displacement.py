@@ -12,7 +12,7 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.measured import open_measured
-from geomtorsion.materials.measured.in_blocks import open_in_blocks
+from geomtorsion.materials.measured.blocked_fields import open_in_blocks
 from tests.loops.edge_dislocation import displacement
 
 B = 0.286

@@ -1,17 +1,18 @@
-"""Blocks: the same bits whatever their size, after a kill, and on several workers."""
+"""Blocked map: the same bits whatever the size of blocks, after a kill, and on any scheduler."""
 
 import json
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import dask
+import dask.array as da
 import numpy as np
 import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.fields.blocks import blocked_map
+from geomtorsion.materials.fields.blocked_map import blocked_map
 from tests.chosen import one_in
 
 ROOT = Path(__file__).parents[3]
@@ -23,10 +24,22 @@ SOLID = RNG.random((1, 3, 13, 12, 11))
 STEPS = (0.3, 0.7)
 
 
-def generated(index):
-    """A field that is nowhere in memory as a whole: screws on a square lattice."""
-    x, y = np.meshgrid(*(np.arange(s.start, s.stop) + 0.5 for s in index), indexing="ij")
-    return np.array([[np.sin(y / 9) + x * 0, np.cos(x / 7) + y * 0]])
+def screws(rows, columns):
+    """The field of screws on a square lattice."""
+    x, y = np.meshgrid(np.arange(rows) + 0.5, np.arange(columns) + 0.5, indexing="ij")
+    return np.array([[np.sin(y / 9), np.cos(x / 7)]])
+
+
+class Listed:
+    """An array that lists which nodes are read."""
+
+    def __init__(self, values):
+        self.values, self.shape, self.dtype = values, values.shape, values.dtype
+        self.asked = []
+
+    def __getitem__(self, index):
+        self.asked.append([(s.start, s.stop) for s in index[2:]])
+        return self.values[index]
 
 
 @pytest.mark.parametrize(
@@ -86,100 +99,100 @@ def test_halos_are_no_wider_than_stencils(tmp_path, circuits, width, holes):
     Order 2 is compared with order 4, and needs what that needs.
     """
     (size, less), (order, halo) = circuits, width
-    asked = []
-
-    def source(index):
-        asked.append([(s.start, s.stop) for s in index])
-        values = generated(index)
-        nodes = np.add.outer(*(np.arange(s.start, s.stop) for s in index))
-        values[:, :, nodes < holes] = np.nan
-        return values
-
-    found = blocked_map(
-        source, tmp_path, (1, 1), 10, size, order=order, shape=(1, 2, 100, 100), plane=(1, 0)
-    )
+    values = screws(100, 100)
+    if holes:
+        values[..., ::7, ::7] = np.nan
+    source = Listed(values)
+    with dask.config.set(scheduler="synchronous"):
+        blocked_map(source, tmp_path / "a", (1, 1), 10, size, order=order, plane=(1, 0))
     sides, wide = (5, 3) if size else (0, 0), halo - less
-    at_the_corner, inside = found.numbers.index((0, 0)), found.numbers.index((5, 4))
-    # At first one node is read for the reference, and three blocks to know the field again.
-    assert len(asked) == 4 + len(found.numbers) + holes
-    first = asked[4 + at_the_corner + holes]
-    # Beside a hole a stencil may lie on one side.
+    # At an end of the grid, and beside a hole, a stencil may lie on one side.
     more = max(order, 4) - 2 * less if holes else wide
-    assert first == [(0, 10 + side + more) for side in sides]
+    assert [(0, 10 + side + more) for side in sides] in source.asked
     around = [
         (low - wide, low + 10 + side + wide) for low, side in zip((50, 40), sides, strict=True)
     ]
-    assert asked[4 + inside + holes] == around
+    assert around in source.asked
+    widest = max(high - low for nodes in source.asked for low, high in nodes)
+    assert widest <= 10 + max(sides) + 2 * (max(order, 4) if holes else wide)
 
 
 def test_nothing_is_read_across_the_plane(tmp_path):
     """Layers of a solid are apart."""
-    asked = []
-
-    def source(index):
-        asked.append([(s.start, s.stop) for s in index])
-        return SOLID[(slice(None), slice(None), *index)]
-
-    blocked_map(source, tmp_path, (1, 1, 1), (99, 99, 1), 2, shape=SOLID.shape)
-    assert asked[1:] == [[(0, 13), (0, 12), (k, k + 1)] for k in (0, 5, 10, *range(11))]
+    source = Listed(SOLID)
+    with dask.config.set(scheduler="synchronous"):
+        blocked_map(source, tmp_path / "a", (1, 1, 1), (99, 99, 1), 2)
+    # Four reads are for the reference and the digest.
+    assert sorted(source.asked[4:]) == [[(0, 13), (0, 12), (k, k + 1)] for k in range(11)]
 
 
-def test_killed_and_taken_up_again(tmp_path):
+def test_killed_and_resumed(tmp_path):
     """A process that ends in the middle: what is done stays, the rest follows, the same bits."""
     code = (
-        "import os, numpy as np\n"
-        "from geomtorsion.materials.fields.blocks import blocked_map\n"
-        "from tests.materials.fields.test_blocks import generated\n"
-        "count = 0\n"
-        "def source(index):\n"
-        "    global count\n    count += 1\n"
-        # Three calls see whose blocks these are.
-        "    if count > 8: os._exit(9)\n"
-        "    return generated(index)\n"
-        f"blocked_map(source, {str(tmp_path / 'a')!r}, (1, 1), 10, 3, shape=(1, 2, 40, 40))\n"
+        "import os, dask\n"
+        "from geomtorsion.materials.fields import blocked_map\n"
+        "from tests.materials.fields.test_blocked_map import Listed, screws\n"
+        "class Ending(Listed):\n"
+        "    def __getitem__(self, index):\n"
+        # One call is for the reference, and three see whose blocks these are.
+        "        if len(self.asked) > 8: os._exit(9)\n"
+        "        return super().__getitem__(index)\n"
+        "dask.config.set(scheduler='synchronous')\n"
+        "source = Ending(screws(40, 37))\n"
+        f"blocked_map(source, {str(tmp_path / 'a')!r}, (1, 1), 10, 3)\n"
     )
     killed = subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=False)
     assert killed.returncode == 9
-    before = {file: file.stat().st_mtime_ns for file in (tmp_path / "a").glob("block*.npy")}
-    assert len(before) == 4
-    shape = (1, 2, 40, 40)
-    again = blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape)
+    chunks = [file for file in (tmp_path / "a" / "c").rglob("*") if file.is_file()]
+    before = {file: file.stat().st_mtime_ns for file in chunks}
+    assert len(before) == 5
+    source = Listed(screws(40, 37))
+    again = blocked_map(source, tmp_path / "a", (1, 1), 10, 3)
     assert all(file.stat().st_mtime_ns == time for file, time in before.items())
-    whole = blocked_map(generated, tmp_path / "b", (1, 1), 100, 3, shape=shape)
+    whole = blocked_map(source, tmp_path / "b", (1, 1), 100, 3)
     assert np.array_equal(again.read(), whole.read())
-    # A block that somebody cut is done again.
-    first = again.file(again.numbers[0])
-    first.write_bytes(first.read_bytes()[:100])
-    assert np.array_equal(
-        blocked_map(generated, tmp_path / "a", (1, 1), 10, 3, shape=shape).read(), whole.read()
-    )
+    # A block that was cut is computed again, at the edge too; what a killed process wrote goes.
+    for number in (again.numbers[0], again.numbers[-1]):
+        chunk = again.file(number)
+        chunk.write_bytes(chunk.read_bytes()[:100])
+        chunk.with_suffix(".0.partial").write_bytes(b"0")
+        with pytest.raises(CheckpointError, match="expected 16 blocks, got 15"):
+            again.read()
+        found = blocked_map(source, tmp_path / "a", (1, 1), 10, 3)
+        assert np.array_equal(found.read(), whole.read())
+    assert not list((tmp_path / "a").rglob("*.partial"))
 
 
-def test_several_processes_and_a_cluster(tmp_path):
-    """Two processes, and what has the interface of a dask client, give the same bits."""
+def test_a_block_of_holes_is_done(tmp_path):
+    """Nothing is known in it, and it is not computed again."""
+    values = FLAT.copy()
+    values[..., :20, :20] = np.nan
+    one = blocked_map(values, tmp_path / "a", STEPS, 10)
+    assert len(one.done) == len(one.numbers)
+    assert np.isnan(one.read()[:, :10, :10]).all()
+
+
+@pytest.mark.parametrize(
+    "scheduler", ["synchronous", "threads", pytest.param("processes", marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("kind", ["path", "dask"])
+def test_any_scheduler_gives_the_same_bits(tmp_path, scheduler, kind):
+    """Blocks run where dask is set to run them."""
     np.save(tmp_path / "source.npy", HOLED)
-    path = tmp_path / "source.npy"
-    one = blocked_map(path, tmp_path / "one", STEPS, 100, 4).read()
-    two = blocked_map(path, tmp_path / "two", STEPS, 12, 4, workers=2).read()
-
-    class Client:
-        def map(self, function, tasks, pure):
-            assert pure is False
-            pool = ThreadPoolExecutor(2)
-            return [pool.submit(function, task) for task in tasks]
-
-    three = blocked_map(path, tmp_path / "three", STEPS, 15, 4, client=Client()).read()
+    source = da.from_array(HOLED, chunks=9) if kind == "dask" else tmp_path / "source.npy"
+    one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
+    with dask.config.set(scheduler=scheduler, num_workers=2):
+        two = blocked_map(source, tmp_path / "two", STEPS, 12, 4).read()
     assert np.array_equal(one, two, equal_nan=True)
-    assert np.array_equal(one, three, equal_nan=True)
 
 
 def test_a_dask_cluster(tmp_path):
-    """One task for each block on two workers of a real one: the same bits."""
+    """One task for each block on two workers: the same bits."""
     distributed = pytest.importorskip("dask.distributed")
     one = blocked_map(HOLED, tmp_path / "one", STEPS, 100, 4).read()
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with distributed.Client(processes=False, **options) as client:
-        two = blocked_map(HOLED, tmp_path / "two", STEPS, 15, 4, client=client).read()
+    with distributed.Client(processes=False, **options):
+        two = blocked_map(HOLED, tmp_path / "two", STEPS, 15, 4).read()
     assert np.array_equal(one, two, equal_nan=True)
 
 
@@ -268,80 +281,76 @@ def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
         blocked_map(path, tmp_path / "out", STEPS, 11, 4)
 
 
+def wide(side):
+    """A constant field of so many nodes a side, which takes no memory."""
+    return np.broadcast_to(np.float64(1.0), (1, 2, side, side))
+
+
 def test_a_map_that_finds_no_room_is_refused(tmp_path):
     """Before the first block is computed: too many blocks, or more bytes than the disk has."""
-    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**5, 10**5))
-    with pytest.raises(LimitError, match="at most 1,000,000 blocks, got 100,000,000"):
-        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 10, shape=values.shape)
-    values = np.broadcast_to(np.float64(1.0), (2, 2, 10**6, 10**6))
-    with pytest.raises(LimitError, match="expected .* free bytes for the blocks of the map"):
-        blocked_map(lambda index: values[(..., *index)], tmp_path, (1, 1), 5000, shape=values.shape)
+    for side, block, message in (
+        (10**5, 100, "at most 100,000 blocks, got 1,000,000"),
+        (10**6, 5000, "expected .* free bytes for the blocks of the map"),
+    ):
+        field = Listed(wide(side))
+        with pytest.raises(LimitError, match=message):
+            blocked_map(field, tmp_path / "a", (1, 1), block)
+    assert not (tmp_path / "a").exists()
 
 
-def test_a_folder_of_another_run_is_refused(tmp_path):
-    """The message names what differs; a ledger that is none is refused."""
-    blocked_map(FLAT, tmp_path, STEPS, 20, 2)
-    for arguments, word in (((20, 3), "size"), ((10, 2), "block")):
-        with pytest.raises(CheckpointError, match=f"another run: {word} differ"):
-            blocked_map(FLAT, tmp_path, STEPS, *arguments)
-    with pytest.raises(CheckpointError, match="steps"):
-        blocked_map(FLAT, tmp_path, (0.3, 0.8), 20, 2)
-    found = blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+def test_an_array_of_another_run_is_refused(tmp_path):
+    """The message names what differs; so is what is no map."""
+    path = tmp_path / "a"
+    blocked_map(FLAT, path, STEPS, 20, 2)
+    for arguments, word in (((STEPS, 20, 3), "size"), ((STEPS, 10, 2), "block"),
+                            (((0.3, 0.8), 20, 2), "steps")):  # fmt: skip
+        with pytest.raises(CheckpointError, match=f"another run: {word}.* differ"):
+            blocked_map(FLAT, path, *arguments)
+    found = blocked_map(FLAT, path, STEPS, 20, 2)
     found.file(found.numbers[1]).unlink()
-    with pytest.raises(CheckpointError, match="1 of 4 blocks are missing"):
+    with pytest.raises(CheckpointError, match="expected 4 blocks, got 3"):
         found.read()
-    (tmp_path / "ledger.json").write_text("{")
-    with pytest.raises(CheckpointError, match="no JSON"):
-        blocked_map(FLAT, tmp_path, STEPS, 20, 2)
+    meta = path / "zarr.json"
+    kept = meta.read_text()
+    other = json.loads(kept)
+    other["chunk_grid"]["configuration"]["chunk_shape"][1] = 10
+    for text in (json.dumps(other), kept.replace("geomtorsion", "another"), "{"):
+        meta.write_text(text)
+        with pytest.raises(CheckpointError, match="Name another path"):
+            blocked_map(FLAT, path, STEPS, 20, 2)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(CheckpointError, match="got something else"):
+        blocked_map(FLAT, tmp_path / "file", STEPS, 20, 2)
 
 
-def test_other_values_of_the_same_size_are_another_field(tmp_path):
-    """Refused where one value differs in arrays and files, and in any block of a function."""
+@pytest.mark.parametrize("kind", ["array", "dask", "file"])
+def test_other_values_of_the_same_size_are_another_field(tmp_path, kind):
+    """Refused where one value differs."""
     other = FLAT.copy()
     other[1, 1, 20, 3] += 1e-9
-    file = tmp_path / "field.npy"
-    sources = (
-        (FLAT, other),
-        (lambda index: FLAT[(..., *index)], lambda index: other[(..., *index)]),
-        (file, file),
-    )
-    for k, (one, two) in enumerate(sources):
-        folder = tmp_path / f"of-{k}"
-        arguments = (folder, STEPS, 20, 2)
-        np.save(file, FLAT)
-        shape = FLAT.shape if callable(one) else None
-        first = blocked_map(one, *arguments, shape=shape).read()
-        assert np.array_equal(blocked_map(one, *arguments, shape=shape).read(), first)
-        np.save(file, other)
-        with pytest.raises(CheckpointError, match="another run: digest differ"):
-            blocked_map(two, *arguments, shape=shape)
 
+    def source(values):
+        np.save(tmp_path / "field.npy", values)
+        whole = da.from_array(values, chunks=10)
+        return {"array": values, "dask": whole, "file": tmp_path / "field.npy"}[kind]
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        (lambda values: values[0, 0], r"shape \(1, 2, 1, 1\) were needed at the nodes 0:1, 0:1"),
-        (lambda values: values[:, :, :1, :1], r"but \(1, 2, 1, 1\) came"),
-        (lambda values: values + 1j, "an array of real numbers was needed"),
-        (lambda values: None, "an array of real numbers was needed"),
-    ],
-)
-def test_what_a_function_gives_is_not_spread(tmp_path, given, message):
-    """Of another shape it filled all rows and columns, and imaginary parts were dropped."""
-    with pytest.raises(GridError, match=message):
-        blocked_map(lambda index: given(generated(index)), tmp_path, (1, 1), 10, 3,
-                    shape=(1, 2, 40, 40))  # fmt: skip
+    arguments = (tmp_path / "a", STEPS, 20, 2)
+    first = blocked_map(source(FLAT), *arguments).read()
+    assert np.array_equal(blocked_map(source(FLAT), *arguments).read(), first)
+    with pytest.raises(CheckpointError, match="another run: digest differ"):
+        blocked_map(source(other), *arguments)
 
 
 INFINITE = FLAT.copy()
 INFINITE[1, 0, 20, 3] = np.inf
+LYING = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x[:, :, :1], dtype=float)
+COMPLEX = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x + 1j, dtype=float)
 
 
 @pytest.mark.parametrize(
     ("source", "options", "message"),
     [
-        (FLAT[0], {}, "source: shape"),
-        (generated, {}, "shape: .* is needed with a function"),
+        (FLAT[0], {}, "source: expected the shape"),
         ("nowhere.npy", {}, "no such file"),
         (FLAT, {"steps": (1, 0)}, r"steps\[1\]: a positive number"),
         (FLAT, {"steps": (1,)}, "steps: 2 numbers"),
@@ -352,14 +361,15 @@ INFINITE[1, 0, 20, 3] = np.inf
         (FLAT, {"plane": (0, 0)}, "two different axes"),
         (FLAT, {"sigma": -1}, "sigma: 0 or more"),
         (FLAT, {"stride": 0}, "stride: a whole number from 1"),
-        (FLAT, {"workers": 0}, "workers: a whole number"),
         (FLAT[:, :, :4], {}, "axis x: 5 points or more"),
         (FLAT.astype(complex), {}, "real numbers"),
         (INFINITE, {}, r"infinite at node \(20, 3\)"),
+        (LYING, {}, r"source: expected real numbers of shape .*, got float64 of shape"),
+        (COMPLEX, {}, "source: expected real numbers of shape .*, got complex128"),
     ],
 )
 def test_maps_that_there_are_not(tmp_path, source, options, message):
     """Each with its own message."""
     arguments = {"steps": STEPS, "block": 10} | options
     with pytest.raises((GridError, FileFormatError), match=message):
-        blocked_map(source, tmp_path, **arguments)
+        blocked_map(source, tmp_path / "a", **arguments)

@@ -1,17 +1,19 @@
-"""Blocks: maps of fields larger than memory, block by block, with a ledger of what is done.
+"""Blocked map: circuits of a field larger than memory, as tasks of dask that fill a Zarr array.
 
 Every block is computed from its own nodes and a halo, with the stencils that the whole grid would
 have there, and sums that do not depend on where a block begins: any size of blocks gives the same
-bits, and so does a run that was killed and taken up again.
+bits. A block whose chunk is in the array is done.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
-from math import prod
+from itertools import count, product
+from math import inf, prod
 from pathlib import Path
 from shutil import disk_usage
 from typing import Any
@@ -19,18 +21,13 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import CheckpointError, GridError, LimitError
+from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
+from geomtorsion.files import read_json_text, read_text, written
 from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.materials.blocks import (
-    digest_of_arrays,
-    open_ledger,
-    read_array,
-    run_blocks,
-    write_array,
-)
 from geomtorsion.materials.burgers import independent_significances
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
+from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import (
     Grid,
     check_length,
@@ -38,15 +35,21 @@ from geomtorsion.materials.fields.grid import (
     other_order,
     periodic_axes,
 )
-from geomtorsion.materials.fields.noise import SMOOTH, Noise, estimated_from_parts
-from geomtorsion.materials.fields.sources import Source
+from geomtorsion.materials.fields.large_arrays import LargeArray, digest_of_arrays, opened
+from geomtorsion.materials.fields.noise import (
+    SMOOTH,
+    Noise,
+    estimated_from_parts,
+)
+from geomtorsion.progress import PATIENCE, bar
 
 # Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
 # field: the median over so many has an error of half a per cent.
 SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
-# Files in one folder, whose numbers are in memory: more than any disk has room for, with blocks as
-# large as they are made by themselves.
-MOST_BLOCKS = 1_000_000
+# Tasks of one graph of dask, which takes some kilobytes for each.
+MOST_BLOCKS = 100_000
+# The attribute of the array that describes its run.
+RUN = "geomtorsion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,16 +83,16 @@ class Parts:
 
 @dataclass(frozen=True, eq=False)
 class BlockMap:
-    """A map in blocks, one file each in a folder.
+    """A map in blocks, the chunks of one Zarr array.
 
-    folder: of the blocks and the ledger. block: places in each block along each axis.
+    path: of the array, shape (2 * rows + 1, places...). block: places of a block along each axis.
     size: edges of the circuits, or (0, 0) for torsion at the nodes; plane: the two axes.
     steps, order, periodic: as for `SampledFrame`. sigma: noise of each component, shape
     (rows, columns along the grid). stride: nodes from one place to the next along each axis.
     """
 
-    source: Source
-    folder: str
+    source: LargeArray
+    path: str
     steps: tuple[float, ...]
     block: tuple[int, ...]
     size: tuple[int, int]
@@ -125,22 +128,37 @@ class BlockMap:
         counts = [range(-(-n // b)) for n, b in zip(self.places, self.block, strict=True)]
         return tuple(product(*counts))
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the array: `Parts` at all places."""
+        return (2 * self.source.shape[0] + 1, *self.places)
+
+    @property
+    def chunks(self) -> tuple[int, ...]:
+        """Of the array: one for each block."""
+        return (self.shape[0], *self.block)
+
     def file(self, number: Sequence[int]) -> Path:
-        """Where a block is kept."""
-        return Path(self.folder, f"block-{'-'.join(map(str, number))}.npy")
+        """The chunk of a block."""
+        return Path(self.path, "c", "0", *map(str, number))
+
+    def is_done(self, number: Sequence[int]) -> bool:
+        """Whether the chunk of a block is there as a whole: it is not packed, at the edges too."""
+        file = self.file(number)
+        return file.is_file() and file.stat().st_size == 8 * prod(self.chunks)
 
     @property
     def done(self) -> list[tuple[int, ...]]:
         """The blocks that are finished."""
-        return [number for number in self.numbers if self.file(number).is_file()]
+        return [number for number in self.numbers if self.is_done(number)]
 
     def span(self, number: Sequence[int]) -> tuple[tuple[int, int], ...]:
         """First place of a block along each axis, and the first one behind it."""
         triples = zip(number, self.block, self.places, strict=True)
         return tuple((k * b, min((k + 1) * b, n)) for k, b, n in triples)
 
-    def compute(self, number: tuple[int, ...]) -> tuple[int, ...]:
-        """One block of the map, written to its file: `Parts` as one array."""
+    def compute(self, number: tuple[int, ...]) -> None:
+        """One block of the map, written to its chunk: `Parts` as one array."""
         low, values = self._read(number, beside_holes=False)
         if np.isnan(values).any():
             low, values = self._read(number, beside_holes=True)
@@ -152,8 +170,13 @@ class BlockMap:
                 self.span(number), self.stride, low, strict=True
             )
         ]
-        write_array(self.file(number), found[(slice(None), *inner)])
-        return number
+        with _writing(Path(self.path)):
+            array = module("zarr", Path(self.path)).open_array(self.path, mode="r+")
+            array[self._region(number)] = found[(slice(None), *inner)]
+
+    def _region(self, number: Sequence[int]) -> tuple[slice, ...]:
+        """Where a block is in the array."""
+        return (slice(None), *(slice(*ends) for ends in self.span(number)))
 
     def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
         """First node along each axis, and the values of all that a block is computed from."""
@@ -218,23 +241,30 @@ class BlockMap:
         CheckpointError
             Blocks are missing.
         """
-        missing = len(self.numbers) - len(self.done)
-        if missing:
-            raise CheckpointError(
-                f"{self.folder}: {missing} of {len(self.numbers)} blocks are missing. Call "
-                "blocked_map again: it goes on where it ended."
-            )
-        found = np.empty((self.source.shape[0] + 1, *self.places))
-        for number, values in self:
-            parts = Parts.of(values)
-            whole = np.concatenate([parts.vectors, parts.errors[None]])
-            found[(slice(None), *(slice(*ends) for ends in self.span(number)))] = whole
-        return found
+        values = np.empty((self.source.shape[0] + 1, *self.places))
+        for number, parts in self:
+            values[self._region(number)] = np.concatenate([parts.vectors, parts.errors[None]])
+        return values
 
-    def __iter__(self) -> Iterator[tuple[tuple[int, ...], np.ndarray]]:
-        """The finished blocks one by one, each `Parts` as one array."""
-        for number in self.done:
-            yield number, np.load(self.file(number), allow_pickle=False)
+    def __iter__(self) -> Iterator[tuple[tuple[int, ...], Parts]]:
+        """The numbers of all blocks, and what is in them.
+
+        Raises
+        ------
+        CheckpointError
+            Blocks are missing.
+        """
+        if len(self.done) < len(self.numbers):
+            raise CheckpointError(
+                f"{self.path}: expected {len(self.numbers):,} blocks, got "
+                f"{len(self.done):,}. Call blocked_map again: it computes those that are missing."
+            )
+        for number in self.numbers:
+            yield number, Parts.of(self.part(self._region(number)))
+
+    def part(self, index: tuple[Any, ...]) -> np.ndarray:
+        """A part of the array on disk, shape (2 * rows + 1, places...), which holds `Parts`."""
+        return guarded(Path(self.path), lambda: opened(self.path, again=True)[index])
 
     @property
     def _digest(self) -> str:
@@ -244,23 +274,15 @@ class BlockMap:
         return digest_of_arrays(self._read(numbers[k], beside_holes=False)[1] for k in chosen)
 
     @property
-    def ledger(self) -> dict[str, Any]:
-        """What a run must have in common with the one that it takes up."""
-        given = self.source.given
+    def described(self) -> dict[str, Any]:
+        """What a run must have in common with the one that it resumes, as JSON has it."""
+        names = ("steps", "block", "size", "plane", "order", "periodic", "stride")
         return {
-            "source": given if isinstance(given, str) else type(given).__name__,
             "digest": self.source.digest or self._digest,
             "shape": list(self.source.shape),
-            "steps": list(self.steps),
-            "block": list(self.block),
-            "size": list(self.size),
-            "plane": list(self.plane),
-            "order": self.order,
-            "periodic": list(self.periodic),
             "sigma": self.sigma.tolist(),
-            "stride": list(self.stride),
             "reference": [[float(x).hex() for x in row] for row in self.reference],
-        }
+        } | {name: np.array(getattr(self, name)).tolist() for name in names}
 
     def __repr__(self) -> str:
         places = " x ".join(map(str, self.places))
@@ -269,30 +291,30 @@ class BlockMap:
 
 def blocked_map(
     source: Any,
-    folder: str | Path,
+    path: str | Path,
     steps: Sequence[float],
     block: int | Sequence[int],
     size: int | Sequence[int] = 1,
     plane: tuple[int, int] = (0, 1),
     order: int = 4,
     *,
-    shape: Sequence[int] | None = None,
     periodic: Any = (),
     sigma: float | np.ndarray = 0.0,
     stride: int | Sequence[int] = 1,
-    workers: int = 1,
-    client: Any = None,
 ) -> BlockMap:
     """Burgers vectors of circuits at every place of a field larger than memory, block by block.
+
+    Blocks are tasks of dask, on threads of this machine, or wherever dask is set to run them:
+    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. Each takes the memory
+    of a block with its halo some ten times.
 
     Parameters
     ----------
     source
-        The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: an array (also a mapped
-        one), the path of an .npy file or a Zarr array (extra `cluster`), or a function that takes
-        slices of the grid and returns the values there.
-    folder
-        Where blocks are kept, one file each. A run that was killed goes on there.
+        The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: the path of an .npy file or
+        a Zarr array, or an array of NumPy, Zarr or dask.
+    path
+        Of the Zarr array that holds the map. A run that was killed is resumed there.
     steps
         Spacing of each axis.
     block
@@ -306,42 +328,173 @@ def blocked_map(
     stride
         Nodes from one place to the next, one number or one for each axis: the size, for circuits
         that lie side by side.
-    workers
-        Processes on this machine (the source must then be a path or can be sent to others). A
-        script asks for them below ``if __name__ == "__main__":``, since each reads it again.
-    client
-        A `dask.distributed.Client`, which runs one task for each block on its workers.
 
     Raises
     ------
     GridError
         Steps, size or block fit no grid.
     CheckpointError
-        The folder holds blocks of another run.
+        The path holds something else, or the map of another run.
     LimitError
-        A process ended before its work was done.
+        There is no room for the map, or a process ended before its work was done.
+    MissingExtraError
+        dask or zarr is not installed: the extra `cluster`.
 
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
     >>> y, x = np.mgrid[:40, :30].astype(float)
     >>> with TemporaryDirectory() as folder:
-    ...     found = blocked_map(np.array([[-x, y]]) / 2, folder, (1, 1), block=16, size=4)
-    ...     found, found.read()[0].round(9).max()
+    ...     field = np.array([[-x, y]]) / 2
+    ...     result = blocked_map(field, f"{folder}/map.zarr", (1, 1), block=16, size=4)
+    ...     result, result.read()[0].round(9).max()
     (BlockMap(36 x 26 places, 6 of 6 blocks done), np.float64(16.0))
     """
-    made = _checked(
-        source, folder, steps, block, size, plane, order, shape, periodic, sigma, stride
-    )
-    checks.count(workers, "workers", GridError, 1)
-    _open_ledger(made)
-    left = [number for number in made.numbers if not made.file(number).is_file()]
-    _check_disk(made, left)
-    run_blocks(made.compute, left, workers, client)
+    check_order(order)
+    place = checks.file_name(path)
+    found = LargeArray.of(source)
+    grid = found.shape[2:]
+    d = len(grid)
+    spacing = checks.numbers(steps, d, "steps", GridError)
+    for k, step in enumerate(spacing):
+        checks.positive(step, f"steps[{k}]", GridError)
+    names = tuple("xyzuvw"[:d])
+    wraps = periodic_axes(periodic, names)
+    pair = checks.entries(plane, "plane", GridError)
+    if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(d)):
+        raise GridError(
+            f"plane: two different axes from 0 to {d - 1} were needed, but {plane!r} came."
+        )
+    sides = _several(size, 2, "size", 0)
+    if 0 in sides and sides != (0, 0):
+        raise GridError(f"size: 0 for both axes (torsion) or for none was needed, not {size}.")
+    for k, side in zip(pair, sides, strict=True):
+        checks.count(side, "size", GridError, 0, grid[k] - 1)
+    blocks = _several(block, d, "block", 1)
+    check_length(names, grid, order)
+    components = (found.shape[0], d)
+    blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
+    if blocks_needed > MOST_BLOCKS:
+        raise LimitError(
+            f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
+            f"{found.shape}. Give larger blocks, or a part of the field."
+        )
+    noise = checks.array(sigma, "sigma", GridError)
+    if noise.shape not in ((), components) or (noise < 0).any():
+        raise GridError(
+            f"sigma: 0 or more was needed, as one number or in shape {components}, but "
+            f"{checks.shown(sigma)} came."
+        )
+    # The same everywhere, so that blocks agree: a constant part closes exactly, unrounded.
+    reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
+    made = BlockMap(
+        found, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
+        (pair[0], pair[1]), order, wraps, np.broadcast_to(noise, components), reference,
+        _several(stride, d, "stride", 1),
+    )  # fmt: skip
+    _open(made)
+    left = [number for number in made.numbers if not made.is_done(number)]
+    for number in left:
+        made.file(number).unlink(missing_ok=True)
+    _run(made, left)
     return made
 
 
-def estimated_sigma(source: Source) -> np.ndarray:
+def run_in(path: Path) -> dict[str, Any] | None:
+    """The description of the run in a Zarr array; None where there is no array of this kind."""
+    try:
+        content = read_json_text(read_text(path / "zarr.json"), str(path))
+    except FileFormatError:
+        return None
+    attributes = content.get("attributes") if isinstance(content, dict) else None
+    described = attributes.get(RUN) if isinstance(attributes, dict) else None
+    return described if isinstance(described, dict) else None
+
+
+def _open(made: BlockMap) -> None:
+    """Make the array of a map, or look whether the one that is there is of the same run."""
+    path, described = Path(made.path), made.described
+    there = run_in(path)
+    if there is not None:
+        differ = [key for key, value in described.items() if there.get(key) != value]
+        array = opened(made.path, again=True)
+        if differ or (array.shape, array.chunks) != (made.shape, made.chunks):
+            raise CheckpointError(
+                f"{path}: expected the map of this run, got one of another run: "
+                f"{', '.join(differ) or 'its shape'} differ. Name another path, or give the same "
+                "arguments."
+            )
+        # What a killed process was writing.
+        for part in path.rglob("*.partial"):
+            part.unlink()
+    elif path.exists() and not (path.is_dir() and not any(path.iterdir())):
+        raise CheckpointError(
+            f"{path}: expected a map in blocks or nothing, got something else. Name another path."
+        )
+    with written(path.parent, is_folder=True):
+        free = disk_usage(path.parent).free
+    needed = 8 * prod(made.chunks) * (len(made.numbers) - len(made.done))
+    if needed > free:
+        raise LimitError(
+            f"{path}: expected {needed:,} free bytes for the blocks of the map, got {free:,}. Make "
+            "room, name another disk, or give a part of the field."
+        )
+    if there is None:
+        with _writing(path):
+            # A chunk of nothing but the fill value is not written: NaN would be one of holes.
+            module("zarr", path).create_array(
+                made.path, shape=made.shape, chunks=made.chunks, dtype="float64", fill_value=inf,
+                compressors=None, zarr_format=3, attributes={RUN: described},
+            )  # fmt: skip
+
+
+@contextmanager
+def on_threads(number: int) -> Iterator[None]:
+    """Let dask compute blocks on so many threads of this process; one is this thread itself."""
+    checks.count(number, "workers", GridError, 1)
+    dask = module("dask", Path("dask"))
+    with dask.config.set(scheduler="threads" if number > 1 else "synchronous", num_workers=number):
+        yield
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Failures of the system while a part of a Zarr array is written."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error, FileFormatError):
+            raise
+        raise FileFormatError(
+            f"{path}: it cannot be written: {error.strerror or error}. Make room, or name another "
+            "disk."
+        ) from None
+
+
+def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
+    """Compute blocks as tasks of dask, which decides where they run."""
+    dask = module("dask", Path(made.path))
+    task = dask.delayed(BlockMap.compute, pure=False)
+    given = dask.delayed(made, pure=False, traverse=False)
+    with bar(f"{len(left)} blocks", len(left), patience=PATIENCE) as show:
+        finished = count(1)
+
+        def seen(*_: object) -> None:
+            if show is not None:
+                show(min(next(finished), len(left)))
+
+        try:
+            with module("dask.callbacks", Path(made.path)).Callback(posttask=seen):
+                dask.compute(*[task(given, number) for number in left])
+        except BrokenProcessPool:
+            raise LimitError(
+                "a process ended before its work was done. Mostly memory ran out: take fewer "
+                "workers or smaller blocks; the same call resumes the run. A script that uses "
+                'processes needs `if __name__ == "__main__":` around its calls.'
+            ) from None
+
+
+def estimated_sigma(source: LargeArray) -> np.ndarray:
     """Noise of each component, shape (rows, columns along the grid), from a sample of the field.
 
     The estimate is that of `SampledFrame(sigma="estimate")`, from all nodes of a small field, and
@@ -386,63 +539,6 @@ def _check_finite(values: np.ndarray, low: Sequence[int]) -> None:
         )
 
 
-def _checked(
-    source: Any,
-    folder: str | Path,
-    steps: Sequence[float],
-    block: int | Sequence[int],
-    size: int | Sequence[int],
-    plane: tuple[int, int],
-    order: int,
-    shape: Sequence[int] | None,
-    periodic: Any,
-    sigma: float | np.ndarray,
-    stride: int | Sequence[int],
-) -> BlockMap:
-    """Everything that was given, looked at once."""
-    check_order(order)
-    found = Source.of(source, shape)
-    grid = found.shape[2:]
-    d = len(grid)
-    spacing = checks.numbers(steps, d, "steps", GridError)
-    for k, step in enumerate(spacing):
-        checks.positive(step, f"steps[{k}]", GridError)
-    names = tuple("xyzuvw"[:d])
-    wraps = periodic_axes(periodic, names)
-    pair = checks.entries(plane, "plane", GridError)
-    if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(d)):
-        raise GridError(
-            f"plane: two different axes from 0 to {d - 1} were needed, but {plane!r} came."
-        )
-    sides = _several(size, 2, "size", 0)
-    if 0 in sides and sides != (0, 0):
-        raise GridError(f"size: 0 for both axes (torsion) or for none was needed, not {size}.")
-    for k, side in zip(pair, sides, strict=True):
-        checks.count(side, "size", GridError, 0, grid[k] - 1)
-    blocks = _several(block, d, "block", 1)
-    check_length(names, grid, order)
-    components = (found.shape[0], d)
-    blocks_needed = prod(-(-n // b) for n, b in zip(grid, blocks, strict=True))
-    if blocks_needed > MOST_BLOCKS:
-        raise LimitError(
-            f"block: expected at most {MOST_BLOCKS:,} blocks, got {blocks_needed:,} for the shape "
-            f"{found.shape}. Give larger blocks, or a part of the field."
-        )
-    noise = checks.array(sigma, "sigma", GridError)
-    if noise.shape not in ((), components) or (noise < 0).any():
-        raise GridError(
-            f"sigma: 0 or more was needed, as one number or in shape {components}, but "
-            f"{checks.shown(sigma)} came."
-        )
-    # The same everywhere, so that blocks agree: a constant part closes exactly, unrounded.
-    reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
-    return BlockMap(
-        found, str(folder), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
-        (pair[0], pair[1]), order, wraps, np.broadcast_to(noise, components), reference,
-        _several(stride, d, "stride", 1),
-    )  # fmt: skip
-
-
 def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
     """One whole number for all, or one for each."""
     entries = checks.rows(given)
@@ -452,32 +548,3 @@ def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
             f"{name}: one number or {count} were needed, but {checks.shown(given)} came."
         )
     return tuple(checks.count(n, name, GridError, least) for n in rows)
-
-
-def _check_disk(made: BlockMap, left: Sequence[Sequence[int]]) -> None:
-    """Refuse a map whose blocks find no room: not after hours of work."""
-    places = sum(prod(b - a for a, b in made.span(number)) for number in left)
-    needed = 8 * (2 * made.source.shape[0] + 1) * places
-    free = disk_usage(made.folder).free
-    if needed > free:
-        raise LimitError(
-            f"{made.folder}: expected {needed:,} free bytes for the blocks of the map, got "
-            f"{free:,}. Make room, name another disk, or give a part of the field."
-        )
-
-
-def _open_ledger(made: BlockMap) -> None:
-    """Begin a folder, or take up what is in it."""
-    if not open_ledger(Path(made.folder), made.ledger):
-        return
-    expected = prod(made.block) * (2 * made.source.shape[0] + 1) * 8
-    for number in made.done:
-        # A file that somebody has cut is done again.
-        if made.file(number).stat().st_size > expected + 1000 or not _whole(made, number):
-            made.file(number).unlink()
-
-
-def _whole(made: BlockMap, number: tuple[int, ...]) -> bool:
-    """Whether a block has the size that it must have."""
-    wanted = (2 * made.source.shape[0] + 1, *(b - a for a, b in made.span(number)))
-    return read_array(made.file(number), wanted) is not None

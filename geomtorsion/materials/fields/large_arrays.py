@@ -1,9 +1,10 @@
-"""Sources: large arrays of which parts are read: NumPy's, files of NPY and Zarr, and functions."""
+"""Large arrays: fields of which parts are read, in files of NPY and Zarr, or arrays of dask."""
 
 from __future__ import annotations
 
+import hashlib
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 from pathlib import Path
@@ -13,8 +14,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GridError, LimitError
-from geomtorsion.files import read_json_text, read_text
-from geomtorsion.materials.blocks import digest_of, digest_of_arrays
+from geomtorsion.files import digest_of, read_json_text, read_text
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.npz import LARGEST_ARRAYS
 
@@ -23,46 +23,44 @@ HARMLESS = frozenset(
     "blosc zstd gzip zlib lz4 bz2 lzma bytes crc32c transpose sharding_indexed endian".split()
 )
 
+# What the array of a field is called in a Zarr group.
+INNER = "coframe"
+
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class LargeArray:
     """Values of shape (rows, columns, grid...) that are read part by part.
 
-    given: an array; the path of an .npy file or of a Zarr array; or a function that takes slices of
-    the grid and returns the values there.
+    given: the path of an .npy file or a Zarr array, or an array that can be sliced: of NumPy, Zarr
+    or dask.
     """
 
     given: Any
     shape: tuple[int, ...]
 
     @classmethod
-    def of(cls, given: Any, shape: Sequence[int] | None) -> Source:
-        """A source of known shape; a function needs to be told its own."""
-        if callable(given):
-            if shape is None:
-                raise GridError("shape: (rows, columns, grid...) is needed with a function.")
-            rows = checks.numbers(shape, None, "shape", GridError)
-            sizes = tuple(checks.count(n, "shape", GridError, 1) for n in rows)
-        else:
-            given = str(given) if isinstance(given, str | Path) else given
-            sizes = tuple(int(n) for n in np.shape(opened(given)))
+    def of(cls, given: Any) -> LargeArray:
+        """An array whose shape is that of a field."""
+        array = opened(str(given) if isinstance(given, str | Path) else given)
+        sizes = tuple(int(n) for n in array.shape)
         if len(sizes) < 4 or sizes[1] < len(sizes) - 2:
             raise GridError(
-                f"source: shape (rows, columns, N_1, N_2, ...) was needed, but {sizes} came."
+                f"source: expected the shape (rows, columns, N_1, N_2, ...), got {sizes}. Give the "
+                "coframe at each node."
             )
         if 0 in sizes:
             raise GridError(f"source: expected one node or more along each axis, got {sizes}.")
-        return cls(given, sizes)
+        # A path is opened again where it is read: a mapped array would be copied to a worker.
+        return cls(str(given) if isinstance(given, str | Path) else array, sizes)
 
     @property
     def digest(self) -> str | None:
-        """Of all values or their files; None of a function, all of which may take long."""
-        if callable(self.given):
-            return None
+        """SHA-256 of all values or their files; None of arrays that may take long to read."""
         if isinstance(self.given, str):
             return digest_of(Path(self.given))
-        array = opened(self.given)
-        return digest_of_arrays(np.asarray(array[:, :, k]) for k in range(self.shape[2]))
+        if not isinstance(self.given, np.ndarray):
+            return None
+        return digest_of_arrays(np.asarray(self.given[:, :, k]) for k in range(self.shape[2]))
 
     def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
         """The values of nodes from low to high; beyond the ends of an axis it begins again."""
@@ -73,31 +71,40 @@ class Source:
                 f"{8 * math.prod(shape):,} bytes for {shape}. Give smaller blocks."
             )
         pieces = [_pieces(a, b, n) for a, b, n in zip(low, high, self.shape[2:], strict=True)]
-        found = np.empty(shape)
-        is_function = callable(self.given)
-        array = self.given if is_function else opened(self.given, again=True)
+        values = np.empty(shape)
+        array = opened(self.given, again=True)
         for parts in product(*pieces):
             there = tuple(slice(start, stop) for _, start, stop in parts)
             here = tuple(slice(place, place + stop - start) for place, start, stop in parts)
-            whole = (slice(None), slice(None))
-            if is_function:
-                values = _checked(array(there), found[(*whole, *here)].shape, there)
-            else:
-                values = array[(*whole, *there)]
-            found[(*whole, *here)] = values
-        return found
+            place = values[(slice(None), slice(None), *here)]
+            place[...] = self._part(array, (slice(None), slice(None), *there), place.shape)
+        return values
+
+    def _part(self, array: Any, index: tuple[slice, ...], shape: tuple[int, ...]) -> np.ndarray:
+        """The values of a slice. A task of dask may give another shape or type than it declares."""
+        if isinstance(self.given, str):
+            # A damaged chunk is known only when it is unpacked.
+            part = guarded(Path(self.given), lambda: np.asarray(array[index]))
+        else:
+            part = array[index]
+        if hasattr(part, "compute"):
+            # This runs inside a task: another pool of threads would multiply the memory.
+            part = part.compute(scheduler="synchronous")
+        part = np.asarray(part)
+        if part.shape != shape or part.dtype.kind not in "fiu":
+            raise GridError(
+                f"source: expected real numbers of shape {shape}, got {part.dtype} of shape "
+                f"{part.shape}. Give an array whose parts have the shape that it declares."
+            )
+        return part
 
 
-def _checked(values: object, shape: tuple[int, ...], there: tuple[slice, ...]) -> np.ndarray:
-    """What a function gave: of another shape it would be spread without a word."""
-    found = checks.array(values, "source", GridError, infinite=None)
-    if found.shape != shape:
-        nodes = ", ".join(f"{part.start}:{part.stop}" for part in there)
-        raise GridError(
-            f"source: values of shape {shape} were needed at the nodes {nodes}, but {found.shape} "
-            "came. Give (rows, columns, grid...) there."
-        )
-    return found
+def digest_of_arrays(parts: Iterable[np.ndarray]) -> str:
+    """SHA-256 of the bytes of arrays, one after another."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(np.ascontiguousarray(part).data)
+    return digest.hexdigest()
 
 
 def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
@@ -106,11 +113,10 @@ def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
     return [(a - low, a % points, a % points + b - a) for a, b in pairwise(ends)]
 
 
-def opened(given: Any, inner: str = "coframe", *, again: bool = False) -> Any:
+def opened(given: Any, *, again: bool = False) -> Any:
     """An array in memory or on disk, of which parts are read when they are asked for.
 
-    inner: what the array is called in a Zarr group. again: whether it was opened before, so that
-    its chunks need not be counted.
+    again: whether it was opened before, so that its chunks need not be counted.
     """
     if not isinstance(given, str):
         found = given
@@ -122,7 +128,7 @@ def opened(given: Any, inner: str = "coframe", *, again: bool = False) -> Any:
         path = Path(given)
         if not path.exists():
             raise FileFormatError(f"{path}: there is no such file.")
-        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, inner, again))
+        found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, again))
     if np.dtype(found.dtype).kind not in "fiu":
         raise GridError(f"source: real numbers were needed, but {found.dtype} came.")
     return found
@@ -133,34 +139,9 @@ def _npy(path: Path) -> np.ndarray:
     return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
-@dataclass(frozen=True, eq=False)
-class ZarrArray:
-    """A Zarr array on disk, of which parts are read; damaged chunks are errors of ours."""
-
-    path: Path
-    array: Any
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Length along each axis."""
-        return tuple(self.array.shape)
-
-    @property
-    def dtype(self) -> Any:
-        """Kind of the numbers."""
-        return self.array.dtype
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: Any) -> np.ndarray:
-        """A part, in memory."""
-        return guarded(self.path, lambda: np.asarray(self.array[index]))
-
-
-def _zarr(path: Path, called: str, again: bool) -> ZarrArray:
+def _zarr(path: Path, again: bool) -> Any:
     """A Zarr array, or one in a group, if it is only packed and all of it is there."""
-    for inner in (path, path / called):
+    for inner in (path, path / INNER):
         for name in (".zarray", "zarr.json"):
             if (inner / name).is_file():
                 said = read_json_text(read_text(inner / name), str(inner / name))
@@ -174,10 +155,8 @@ def _zarr(path: Path, called: str, again: bool) -> ZarrArray:
                     array = module("zarr", path).open_array(str(inner), mode="r")
                     if not again:
                         _check_chunks(inner, array)
-                    return ZarrArray(inner, array)
-    raise FileFormatError(
-        f"{path}: neither an .npy file nor a Zarr array, nor one called {called}."
-    )
+                    return array
+    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called {INNER}.")
 
 
 def _check_packing(path: Path, said: dict[str, Any]) -> None:

@@ -1,31 +1,27 @@
-"""In blocks: a map of a sampled field, block by block in a folder, stopped and taken up again."""
+"""Blocked fields: maps of sampled fields larger than memory, which a later run can resume."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
+from shutil import rmtree
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import CheckpointError, GeomtorsionError, GridError
-from geomtorsion.files import left_parts, read_json_text, read_text, write_text, written
+from geomtorsion.errors import CheckpointError, GridError
+from geomtorsion.files import written
 from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.materials.blocks import array_on_disk, digest_of
 from geomtorsion.materials.burgers import noise_level
 from geomtorsion.materials.fields import BlockMap, blocked_map
-from geomtorsion.materials.fields.blocks import Parts, estimated_sigma
-from geomtorsion.materials.fields.sources import Source
+from geomtorsion.materials.fields.blocked_map import Parts, estimated_sigma, run_in
+from geomtorsion.materials.fields.large_arrays import LargeArray, opened
 from geomtorsion.materials.measured.fields import SampledField, layer_names
 from geomtorsion.materials.measured.opening import is_array, open_measured
 from geomtorsion.materials.measured.results import Survey, summary
 
-# What the folder of blocks is called, and what it says of the run that fills it.
-BLOCKS, RUN = "blocks", "run.json"
 # Nodes of a block where nobody says how many: some ten megabytes with its halo.
 NODES = 8 * PIECE
 
@@ -37,7 +33,7 @@ class BlockedField:
     given: values of shape (rows, columns, grid...), an array or the path of an .npy or Zarr array.
     starts, steps: coordinates of the first node and from one to the next. names: of the axes.
     sigma: noise of each component, shape (rows, columns along the grid); sigma_source: how it is
-    known. digest: of the file.
+    known.
     """
 
     given: Any
@@ -50,12 +46,11 @@ class BlockedField:
     periodic: tuple[bool, ...]
     unit: str
     vector_unit: str
-    digest: str
 
     @property
     def about(self) -> tuple[str, ...]:
         """What it is."""
-        shape = Source.of(self.given, None).shape
+        shape = LargeArray.of(self.given).shape
         sizes = " x ".join(map(str, shape[2:]))
         levels = " to ".join(dict.fromkeys(f"{f(self.sigma):.3g}" for f in (np.min, np.max)))
         return (
@@ -89,7 +84,7 @@ def open_in_blocks(
         It is no grid, or its noise is not the same everywhere.
     """
     if is_array(path):
-        source = Source.of(path, None)
+        source = LargeArray.of(path)
         d = len(source.shape) - 2
         spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
         if sigma is None or isinstance(sigma, str):
@@ -101,7 +96,7 @@ def open_in_blocks(
             noise, said = np.full((source.shape[0], d), value), "given"
         return BlockedField(
             str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise, said,
-            4 if order is None else order, (False,) * d, unit, unit, digest_of(path),
+            4 if order is None else order, (False,) * d, unit, unit,
         )  # fmt: skip
     if steps is not None:
         raise GridError(f"steps: {path.name} says them itself. Leave them out.")
@@ -139,148 +134,65 @@ def open_in_blocks(
     steps = tuple(abs(float(x)) for x in frame.steps)
     return BlockedField(
         values, starts, steps, tuple(frame.names), noise, frame.sigma_source, frame.order,
-        tuple(frame.periodic), frame.unit, frame.vector_unit, digest_of(path),
+        tuple(frame.periodic), frame.unit, frame.vector_unit,
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class BlockedRun:
-    """A map of a field in blocks, which are kept in a folder until all are done.
+def map_in_blocks(
+    field: BlockedField,
+    path: Path,
+    block: int | None,
+    size: int,
+    plane: tuple[int, int],
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+) -> BlockedSurvey:
+    """Compute the map of a field in the Zarr array at a path, or the blocks that it lacks.
 
-    folder: of the results; blocks stand in a folder of their own in it.
+    block: places along the side of a block; None for that of the run that is resumed, or as many
+    as fit. A map that is complete is replaced unless it is resumed.
+
+    Raises
+    ------
+    CheckpointError
+        A run was stopped there, and nobody says what to do with it; or none, or another one, to
+        resume.
     """
-
-    field: BlockedField
-    folder: Path
-    block: int
-    size: int
-    plane: tuple[int, int]
-
-    @classmethod
-    def begin(
-        cls,
-        field: BlockedField,
-        folder: Path,
-        block: int | None,
-        size: int,
-        plane: tuple[int, int],
-        *,
-        resume: bool,
-        overwrite: bool,
-    ) -> BlockedRun:
-        """A new run, or one that was stopped.
-
-        Raises
-        ------
-        CheckpointError
-            The folder holds a run that was stopped and nobody said what to do with it; or none, or
-            another one, to go on with.
-        """
-        kept = folder / BLOCKS / RUN
-        if overwrite:
-            _clear(folder)
-        said: dict[str, Any] = {}
-        if kept.is_file():
-            if not resume:
-                raise CheckpointError(
-                    f"{folder} holds a map that was stopped. Give --resume to go on with it, or "
-                    "--overwrite to begin anew."
-                )
-            found = read_json_text(read_text(kept), str(kept))
-            said = found if isinstance(found, dict) else {}
-        elif resume:
+    there = run_in(path)
+    if resume and overwrite:
+        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
+    if resume and there is None:
+        raise CheckpointError(f"{path}: it holds no map to resume. Leave out --resume.")
+    if there is not None and not resume:
+        done = sum(1 for file in path.joinpath("c").rglob("*") if file.is_file())
+        if not overwrite and 0 < done < opened(str(path), again=True).nchunks:
             raise CheckpointError(
-                f"{folder} holds no map that was stopped. Leave out --resume to begin one."
+                f"{path}: it holds a map that was stopped. Give --resume to complete it, or "
+                "--overwrite to begin anew."
             )
-        if block is None:
-            given = said.get("block")
-            block = given if isinstance(given, int) else field.block
-        run = cls(field, folder, block, size, plane)
-        if said and said != run.described:
-            differ = [key for key, value in run.described.items() if said.get(key) != value]
-            raise CheckpointError(
-                f"{folder} holds a map of another run: {', '.join(differ)} differ. Give the same "
-                "file and options, or --overwrite to begin anew."
-            )
-        with written(kept.parent, is_folder=True):
-            write_text(kept, json.dumps(run.described))
-        return run
-
-    @property
-    def described(self) -> dict[str, Any]:
-        """What a run must have in common with the one that it takes up."""
-        return {
-            "file": self.field.digest,
-            "block": self.block,
-            "size": self.size,
-            "plane": list(self.plane),
-            "sigma": self.field.sigma.tolist(),
-            "order": self.field.order,
-            "steps": list(self.field.steps),
-        }
-
-    def compute(self, workers: int = 1) -> BlockMap:
-        """All blocks that are missing."""
-        field = self.field
-        try:
-            return blocked_map(
-                field.given, self.folder / BLOCKS, field.steps, self.block, self.size, self.plane,
-                field.order, periodic=field.periodic, sigma=field.sigma, workers=workers,
-            )  # fmt: skip
-        except GeomtorsionError:
-            # What cannot be done at all leaves nothing to go on with.
-            if not any((self.folder / BLOCKS).glob("block-*.npy")):
-                _clear(self.folder)
-            raise
-
-    def finish(
-        self, made: BlockMap, report: Callable[[BlockedSurvey], Any] = lambda found: found
-    ) -> Any:
-        """Write the map as one array, map.npy, report it, and remove the blocks.
-
-        report: writes what else belongs to the map. Until it has returned the blocks stay, so that
-        a run that is stopped can be resumed. Returned is what it returns: without it the survey.
-        """
-        path = self.folder / "map.npy"
-        with array_on_disk(path, (2 * made.source.shape[0] + 1, *made.places)) as whole:
-            for number, values in made:
-                whole[(slice(None), *(slice(*ends) for ends in made.span(number)))] = values
-        found = report(BlockedSurvey(self.field, path, self.size, self.plane))
-        _clear(self.folder)
-        return found
-
-
-def _clear(folder: Path) -> None:
-    """Remove blocks, and nothing else."""
-    inner = folder / BLOCKS
-    for pattern in ("block-*.npy", ".*.part*", "ledger*", RUN):
-        for path in inner.glob(pattern):
-            path.unlink()
-    for path in left_parts(folder / "map.npy"):
-        path.unlink()
-    if inner.is_dir() and not any(inner.iterdir()):
-        inner.rmdir()
+        with written(path, is_folder=True):
+            rmtree(path)
+    kept = there.get("block", field.block) if resume and there else field.block
+    result = blocked_map(
+        field.given, path, field.steps, kept if block is None else block, size, plane,
+        field.order, periodic=field.periodic, sigma=field.sigma,
+    )  # fmt: skip
+    return BlockedSurvey(field, result)
 
 
 @dataclass(frozen=True, eq=False)
 class BlockedSurvey:
-    """A finished map on disk: `Parts` of every circuit, shape (2 * rows + 1, places...)."""
+    """A finished map on disk, and the field of which it is."""
 
     field: BlockedField
-    path: Path
-    size: int
-    plane: tuple[int, int]
-
-    @cached_property
-    def values(self) -> np.ndarray:
-        """The array, of which parts are read."""
-        return np.load(self.path, mmap_mode="r", allow_pickle=False)
+    result: BlockMap
 
     @property
     def area(self) -> float:
         """Of one circuit."""
-        one, two = (abs(self.field.steps[k]) for k in self.plane)
-        return one * two * self.size**2
+        one, two = (abs(self.field.steps[k]) for k in self.result.plane)
+        return one * two * self.result.size[0] ** 2
 
     def survey(self, drawn: int = 1000) -> tuple[Survey, dict[str, Any]]:
         """A thinned survey for a picture, of the layer of the largest b, and a summary of all,
@@ -288,48 +200,50 @@ class BlockedSurvey:
 
         drawn: places along an axis at most; pictures have no more pixels.
         """
-        field, values = self.field, self.values
-        rows = len(values) // 2
-        others = [k for k in range(len(field.names)) if k not in self.plane]
-        counts, best = np.zeros(2, dtype=np.int64), (-1.0, (0,) * (values.ndim - 1))
-        # Slab by slab along the first axis: never all at once.
-        for k in range(values.shape[1]):
-            parts = Parts.of(values[:, k])
+        field, plane, places = self.field, self.result.plane, self.result.places
+        side = self.result.size[0]
+        rows = self.result.source.shape[0]
+        others = [k for k in range(len(field.names)) if k not in plane]
+        counts = np.zeros(2, dtype=np.int64)
+        # Of equally large b that of the first place, whatever the blocks.
+        best = (-1.0, [0] * len(field.names))
+        for number, parts in self.result:
             sizes = np.linalg.norm(parts.vectors, axis=0)
             known = np.isfinite(sizes)
             far = parts.significance > noise_level(rows)
             counts += (int(known.sum()), int((far & known).sum()))
             if known.any():
                 place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
-                if sizes[place] > best[0]:
-                    best = float(sizes[place]), (k, *map(int, place))
-        at = best[1]
-        cut: list[Any] = [at[k] for k in range(len(at))]
-        every = [-(-values.shape[k + 1] // drawn) for k in self.plane]
-        for k, step in zip(self.plane, every, strict=True):
+                first = [begin for begin, _ in self.result.span(number)]
+                there = [-int(k + n) for k, n in zip(first, place, strict=True)]
+                best = max(best, (float(sizes[place]), there))
+        at = [-k for k in best[1]]
+        cut: list[Any] = list(at)
+        every = [-(-places[k] // drawn) for k in plane]
+        for k, step in zip(plane, every, strict=True):
             cut[k] = slice(None, None, step)
-        part = np.asarray(values[(slice(None), *cut)])
-        if self.plane[0] > self.plane[1]:
+        part = self.result.part((slice(None), *cut))
+        if plane[0] > plane[1]:
             part = part.swapaxes(1, 2)
         part = part[..., None]
-        half = self.size / 2
+        half = side / 2
         first, second = (
             field.starts[k] + field.steps[k] * (half + step * np.arange(n))
-            for k, step, n in zip(self.plane, every, part.shape[1:3], strict=True)
+            for k, step, n in zip(plane, every, part.shape[1:3], strict=True)
         )
         parts = Parts.of(part)
         vectors = parts.vectors
-        flat = set(self.plane) == {0, 1} and rows > 1
+        flat = set(plane) == {0, 1} and rows > 1
         layer = layer_names([field.names[k] for k in others],
                             [field.starts[k] + field.steps[k] * at[k] for k in others])  # fmt: skip
         survey = Survey(
-            size=(self.size, self.size),
+            size=(side, side),
             centres=(first, second),
-            names=(field.names[self.plane[0]], field.names[self.plane[1]]),
+            names=(field.names[plane[0]], field.names[plane[1]]),
             layers=(layer,),
             vectors=vectors,
             components=tuple(f"b{k}" for k in range(rows)),
-            arrows=vectors[list(self.plane)] if flat else None,
+            arrows=vectors[list(plane)] if flat else None,
             sigma=np.linalg.norm(parts.sigmas, axis=0),
             grid_error=parts.interpolation,
             significance=parts.significance,
@@ -339,11 +253,11 @@ class BlockedSurvey:
             missing="touch a hole",
         )
         found = summary(survey) | {
-            "circuits": int(np.prod(values.shape[1:])),
+            "circuits": int(np.prod(places)),
             "known": int(counts[0]),
             "significant": int(counts[1]),
         }
         if counts[0]:
-            place = [field.starts[k] + field.steps[k] * (at[k] + half) for k in self.plane]
+            place = [field.starts[k] + field.steps[k] * (at[k] + half) for k in plane]
             found |= {"largest": best[0] / self.area, "place": place, "layer": layer}
         return survey, found

@@ -1,4 +1,4 @@
-"""In blocks: the same map as at once; killed and taken up again, the same bits."""
+"""Blocked fields: the same map as at once; killed and resumed, the same bits."""
 
 import signal
 import subprocess
@@ -10,9 +10,15 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
-from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields import BlockMap, SampledFrame
+from geomtorsion.materials.fields.blocked_map import on_threads
+from geomtorsion.materials.fields.large_arrays import opened
 from geomtorsion.materials.measured import is_array, is_measured, open_measured
-from geomtorsion.materials.measured.in_blocks import BLOCKS, BlockedRun, open_in_blocks
+from geomtorsion.materials.measured.blocked_fields import (
+    BlockedSurvey,
+    map_in_blocks,
+    open_in_blocks,
+)
 from tests.cli import running
 from tests.materials.measured.test_opening import grid
 
@@ -28,11 +34,16 @@ def values(shape: tuple[int, int] = (60, 50)) -> np.ndarray:
     return found
 
 
-def run(path: Path, folder: Path, block: int | None, size: int = 4, **options: bool) -> BlockedRun:
-    """A run that is begun, or taken up."""
-    given = {"resume": False, "overwrite": False} | options
-    field = open_in_blocks(path)
-    return BlockedRun.begin(field, folder, block, size, (0, 1), **given)
+def run(
+    path: Path, folder: Path, block: int | None, size: int = 4, **options: bool
+) -> BlockedSurvey:
+    """The map of a file, computed or resumed."""
+    return map_in_blocks(open_in_blocks(path), folder / "map.zarr", block, size, (0, 1), **options)
+
+
+def chunks(folder: Path) -> list[Path]:
+    """The finished blocks."""
+    return [file for file in (folder / "map.zarr" / "c").rglob("*") if file.is_file()]
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -44,9 +55,7 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
         axes[1], whole = axes[1][::-1], whole[..., ::-1]
     path = tmp_path / "field.npz"
     SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
-    made = run(path, tmp_path / "o", 17)
-    found = made.finish(made.compute())
-    survey, numbers = found.survey()
+    survey, numbers = run(path, tmp_path / "o", 17).survey()
     once = open_measured(path).survey(4)
     at = np.s_[:, :, ::-1] if turned else np.s_[:, :, :]
     assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
@@ -54,7 +63,6 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
     assert numbers["known"] == once.known.sum() < once.known.size
     assert numbers["largest"] == pytest.approx(np.nanmax(once.density))
     assert (survey.unit, survey.density_unit) == ("um", "1/um")
-    assert not (tmp_path / "o" / BLOCKS).exists()
 
 
 def noisy(n: int, defects: bool) -> np.ndarray:
@@ -79,8 +87,7 @@ def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     """
     whole = noisy(n, defects)
     np.save(tmp_path / "field.npy", whole)
-    made = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8)
-    survey, numbers = made.finish(made.compute()).survey()
+    survey, numbers = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8).survey()
     SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
     once = open_measured(tmp_path / "field.npz").survey(8)
     # The sample gives each sigma within two per cent, a small field the very same.
@@ -119,8 +126,7 @@ def test_a_volume_and_its_strongest_layer(tmp_path):
     axes = [np.arange(9.0), np.arange(10.0), np.arange(7.0)]
     x, y, z = np.meshgrid(*axes, indexing="ij")
     SampledFrame(axes, np.array([[-y * z, x * z, 0 * z]]) / 2, sigma=0.1).save(tmp_path / "v.npz")
-    made = run(tmp_path / "v.npz", tmp_path / "o", 4, size=2)
-    survey, numbers = made.finish(made.compute()).survey()
+    survey, numbers = run(tmp_path / "v.npz", tmp_path / "o", 4, size=2).survey()
     assert survey.layers == ("z = 6",)
     assert numbers["largest"] == pytest.approx(6.0)
     assert numbers["circuits"] == 7 * 8 * 7
@@ -143,21 +149,18 @@ def test_killed_and_taken_up_again(tmp_path, end):
     command = [sys.executable, "-m", "geomtorsion", *given, "--blocks", "10", "-o", str(out)]
     began = subprocess.Popen(command, cwd=ROOT)
     for _ in range(3000):
-        if len(list((out / BLOCKS).glob("block-*.npy"))) > 10:
+        if len(chunks(out)) > 10:
             break
         time.sleep(0.02)
     began.send_signal(signal.SIGKILL)
     assert began.wait() == -signal.SIGKILL
-    kept = list((out / BLOCKS).glob("block-*.npy"))
-    assert 10 < len(kept) < 80
-    assert not (out / "map.npy").exists()
+    assert 10 < len(chunks(out)) < 80
     assert "--resume" in running.run(*given, "-o", str(out), code=2).stderr
     running.run(*given, "-o", str(out), "--resume")
     running.run(*given, "-o", str(tmp_path / "one"))
-    one, two = (folder / "map.npy" for folder in (out, tmp_path / "one"))
-    assert one.read_bytes() == two.read_bytes()
+    one, two = (opened(str(folder / "map.zarr"))[:] for folder in (out, tmp_path / "one"))
+    assert one.tobytes() == two.tobytes()
     assert (out / "map.json").read_bytes() == (tmp_path / "one" / "map.json").read_bytes()
-    assert not (out / BLOCKS).exists()
 
 
 def test_stopped_by_hand(tmp_path):
@@ -167,7 +170,7 @@ def test_stopped_by_hand(tmp_path):
                "8", "-o", str(tmp_path / "out")]  # fmt: skip
     began = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE)
     for _ in range(3000):
-        if any((tmp_path / "out" / BLOCKS).glob("block-*.npy")):
+        if chunks(tmp_path / "out"):
             break
         time.sleep(0.02)
     began.send_signal(signal.SIGINT)
@@ -177,37 +180,54 @@ def test_stopped_by_hand(tmp_path):
     assert b"Traceback" not in said
 
 
-def test_stopped_while_the_report_is_written(tmp_path):
-    """The map is done, its report is not: the blocks are there still, and the run is resumed."""
-    path = grid(tmp_path, sigma=0.1)
-    made = run(path, tmp_path / "o", 5)
+def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
+    """A map that was stopped is refused without a word what to do; so are another file and size."""
+    path, out = grid(tmp_path, sigma=0.1), tmp_path / "o"
+    with pytest.raises(CheckpointError, match="no map to resume"):
+        run(path, out, 5, resume=True)
+    compute = BlockMap.compute
 
-    def killed(found: object) -> None:
-        raise KeyboardInterrupt
+    def stopping(self: BlockMap, number: tuple[int, ...]) -> None:
+        if len(chunks(out)) == 2:
+            raise KeyboardInterrupt
+        compute(self, number)
 
-    with pytest.raises(KeyboardInterrupt):
-        made.finish(made.compute(), killed)
-    first = (tmp_path / "o" / "map.npy").read_bytes()
-    again = run(path, tmp_path / "o", None, resume=True)
-    again.finish(again.compute())
-    assert (tmp_path / "o" / "map.npy").read_bytes() == first
-    assert not (tmp_path / "o" / BLOCKS).exists()
+    monkeypatch.setattr(BlockMap, "compute", stopping)
+    with pytest.raises(KeyboardInterrupt), on_threads(1):
+        run(path, out, 5)
+    monkeypatch.undo()
+    kept = chunks(out)
+    assert len(kept) == 2
+    times = [file.stat().st_mtime_ns for file in kept]
+    for options, message in (
+        ({}, "--resume to complete it"),
+        ({"resume": True, "overwrite": True}, "give one of them"),
+        ({"resume": True, "size": 2}, "another run: size differ"),
+        ({"resume": True, "block": 4}, "another run: block differ"),
+    ):
+        with pytest.raises(CheckpointError, match=message):
+            run(path, out, **{"block": None, **options})
+    with pytest.raises(CheckpointError, match="sigma differ"):
+        run(grid(tmp_path, "b.npz", sigma=0.2), out, None, resume=True)
+    found = run(path, out, None, resume=True)
+    assert found.result.block == (5, 5)
+    assert [file.stat().st_mtime_ns for file in kept] == times
+    # What is complete is replaced, as all files of results are.
+    assert run(path, out, 7).result.block == (7, 7)
 
 
-def test_a_run_is_taken_up_as_it_was(tmp_path):
-    """Another file or size is refused; begun anew it is not."""
-    path = grid(tmp_path, sigma=0.1)
-    with pytest.raises(CheckpointError, match="no map that was stopped"):
-        run(path, tmp_path / "o", 5, resume=True)
-    run(path, tmp_path / "o", 5)
-    with pytest.raises(CheckpointError, match="--resume to go on with it"):
-        run(path, tmp_path / "o", 5)
-    with pytest.raises(CheckpointError, match="another run: size differ"):
-        run(path, tmp_path / "o", None, size=2, resume=True)
-    assert run(path, tmp_path / "o", None, resume=True).block == 5
-    with pytest.raises(CheckpointError, match="file, sigma differ"):
-        run(grid(tmp_path, "b.npz", sigma=0.2), tmp_path / "o", None, resume=True)
-    assert run(path, tmp_path / "o", 7, overwrite=True).block == 7
+def test_what_cannot_be_done_leaves_nothing_to_resume(tmp_path):
+    """An infinite value ends the first run; with the file mended, the next one begins."""
+    whole = np.where(np.isnan(values()), 1.0, values())
+    whole[0, 0, 3, 3] = np.inf
+    np.save(tmp_path / "field.npy", whole)
+    field = open_in_blocks(tmp_path / "field.npy", sigma=0.1)
+    with pytest.raises(GridError, match="infinite at node"):
+        map_in_blocks(field, tmp_path / "map.zarr", 100, 4, (0, 1))
+    whole[0, 0, 3, 3] = 1.0
+    np.save(tmp_path / "field.npy", whole)
+    field = open_in_blocks(tmp_path / "field.npy", sigma=0.1)
+    map_in_blocks(field, tmp_path / "map.zarr", 100, 4, (0, 1))
 
 
 def test_what_is_no_field_is_refused(tmp_path):
