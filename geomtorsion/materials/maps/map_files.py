@@ -58,31 +58,18 @@ class MapFile:
     shift: float = 0.0
 
 
-def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
-    """An orientation map from a .ctf or .ang file.
+# How a .ctf file begins.
+CTF = "Channel Text File"
 
-    laue: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
-    file says.
 
-    Raises
-    ------
-    FileFormatError
-        The file is no such map: truncated, with wrong columns, mixed steps or an unknown phase;
-        the message names file, line and remedy.
-    """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in (".ctf", ".ang"):
-        raise FileFormatError(
-            f"{path.name}: a map ending in .ctf or .ang was needed, but {suffix or 'no ending'!r} "
-            "came. Export the map as .ctf or .ang."
-        )
+def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
+    """A map from a .ctf or .ang file."""
     groups = checks.table(laue, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     # Names may hold letters at which `splitlines` breaks, such as the three dots of Windows.
     lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
     source = _Source(path.name, lines, groups)
-    found = source.ctf() if suffix == ".ctf" else source.ang()
+    found = source.ctf() if path.suffix.lower() == ".ctf" else source.ang()
     _check_laue(path.name, groups, found.phases)
     return found
 
@@ -156,7 +143,7 @@ class _Source:
 
     def ctf(self) -> MapFile:
         """A map of Oxford Instruments; angles in degrees."""
-        if not self.lines or not self.lines[0].startswith("Channel Text File"):
+        if not self.lines or not self.lines[0].startswith(CTF):
             self.fail(0, "'Channel Text File' was needed. Is this a .ctf file?")
         header: dict[str, tuple[int, str]] = {}
         start = None
@@ -396,9 +383,6 @@ def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
                 f"{values[0] + step * place[k]:g} of it. Sort the points by rows, or export the "
                 "map as .ctf or .ang."
             )
-
-
-SUFFIXES = (".h5", ".hdf5")
 
 
 def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:

@@ -29,7 +29,8 @@ from geomtorsion.materials.maps.lattice_edges import (
     grains_of,
     spread_of,
 )
-from geomtorsion.materials.maps.map_files import SUFFIXES, MapFile, read_map_file, read_orix
+from geomtorsion.materials.maps.map_files import MapFile
+from geomtorsion.materials.maps.map_formats import read_map_file
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import (
     CircuitMap,
@@ -188,8 +189,7 @@ class OrientationMap:
             names file, line and remedy.
         """
         path = checks.file_name(path)
-        is_orix = path.suffix.lower() in SUFFIXES
-        file = read_orix(path, laue) if is_orix else read_map_file(path, laue)
+        file = read_map_file(path, laue)
         if not (file.phase > 0).any():
             raise FileFormatError(
                 f"{path.name}: no pixel is indexed: the phase of each is 0, so that nothing "

@@ -24,13 +24,15 @@ from geomtorsion.materials.fields.grid_files import FORMATS
 from geomtorsion.materials.images import LatticeImage
 from geomtorsion.materials.images.image_files import KINDS as PICTURES
 from geomtorsion.materials.maps import OrientationMap
+from geomtorsion.materials.maps.map_files import CTF
+from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
 from geomtorsion.materials.maps.slip import FAMILIES as SLIP
 from geomtorsion.materials.measured.fields import CrystalField, LatticeField, SampledField
 from geomtorsion.materials.measured.results import Measured
 
-ORIENTATIONS = (".ctf", ".ang")
+# HDF5 files hold grids or maps: their content says which.
+ORIENTATIONS = tuple(end for end in MAPS if end not in FORMATS)
 IMAGES = tuple(PICTURES)
-HDF5 = (".h5", ".hdf5")
 SUFFIXES = (*FORMATS, *ORIENTATIONS, *IMAGES, ".zarr")
 # Kind of a file -> the options that it takes, what it is called, and its errors.
 OPTIONS = {
@@ -40,14 +42,14 @@ OPTIONS = {
 }
 KINDS = {
     "grid": "sampled frames",
-    "map": "orientation maps (.ctf, .ang)",
+    "map": f"orientation maps ({', '.join(ORIENTATIONS)})",
     "image": f"lattice images ({', '.join(IMAGES)})",
 }
 KIND = {"grid": "a sampled frame", "map": "an orientation map", "image": "an image"}
 ERRORS = {"grid": GridError, "map": OrientationError, "image": ImageError}
 # First bytes -> what such files end in. Text (CSV, .ang) has no bytes of its own.
 BEGINNINGS: dict[bytes, tuple[str, ...]] = {
-    b"Channel Text File": (".ctf",),
+    CTF.encode(): (".ctf",),
     b"PK\x03\x04": (".npz",),
     b"\x89HDF\r\n\x1a\n": (".h5", ".hdf5", ".nc", ".netcdf"),
     b"CDF\x01": (".nc", ".cdf", ".netcdf"),
@@ -171,7 +173,7 @@ def _kind(path: Path) -> str:
     suffix = path.suffix.lower()
     if suffix in IMAGES:
         return "image"
-    if suffix in HDF5 and path.is_file() and not _has_grid(path):
+    if suffix in FORMATS and suffix in MAPS and path.is_file() and not _has_grid(path):
         return "map"
     return "map" if suffix in ORIENTATIONS else "grid"
 

@@ -12,6 +12,7 @@ from geomtorsion.teaching.lab.kept import Kept, written
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
+from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 from geomtorsion.teaching.lab.views import TABS, TETRAD, intro
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def kept_loop(
 
 def upload(mo: ModuleType) -> ui.file:
     """A field for one file of a map; what is longer than it says does not come in."""
-    ends = ".npz .csv .ctf .ang .txt .png .tif .tiff .npy".split()
+    ends = [".npz", ".csv", *TEXT_MAPS, ".txt", ".png", ".tif", ".tiff", ".npy"]
     label = f"a file, up to {PAGE.upload / 1e6:g} MB"
     return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
 

@@ -14,6 +14,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticeImage
 from geomtorsion.materials.images.image_files import read_pixels
 from geomtorsion.materials.maps import OrientationMap
+from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
 from geomtorsion.materials.measured import LatticeField
 from geomtorsion.teaching.lab.settings import PAGE
 
@@ -31,9 +32,11 @@ _IMAGES: dict[bytes, str] = {
     b"MM\x00*": ".tif",
     b"\x93NUMPY": ".npy",
 }
+# Endings of orientation maps that the page takes.
+TEXT_MAPS = tuple(end for end, form in MAPS.items() if form.seems is not None)
 NEEDED = (
-    "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map (.ctf or "
-    ".ang) or a picture of a lattice (PNG, TIFF, NPY) was needed"
+    "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map "
+    f"({' or '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY) was needed"
 )
 # What a file is called while it is read: messages name it as its owner does.
 _STEM = "given-map"
@@ -64,15 +67,13 @@ def kind_of(content: bytes) -> str:
             raise FileFormatError(f"{NEEDED}, but the file is {what}. Save the map in one of them.")
     if not content.strip():
         raise FileFormatError(f"{NEEDED}, but the file is empty. Choose another.")
-    lines = content.removeprefix(b"\xef\xbb\xbf").splitlines()
-    if lines[0].startswith(b"Channel Text File"):
-        return ".ctf"
+    for end, form in MAPS.items():
+        if form.seems is not None and form.seems(content):
+            return end
+    lines = content.splitlines()
     row = next((line for line in lines if line.strip() and not line.startswith(b"#")), b"")
     if b"," in row:
         return ".csv"
-    # Angles, place, quality, confidence, phase: eight numbers at least.
-    if lines[0].startswith(b"#") and len(row.split()) >= 8:
-        return ".ang"
     raise FileFormatError(
         f"{NEEDED}, but neither a header of columns nor that of an orientation map was found in "
         "the file. Choose another."
@@ -115,9 +116,7 @@ def read_map(
         try:
             if kind in _IMAGES.values():
                 return _lattice(path)
-            found = (
-                _orientations(path, threshold, laue) if kind in (".ctf", ".ang") else _frame(path)
-            )
+            found = _orientations(path, threshold, laue) if kind in MAPS else _frame(path)
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
             # Of the same class: a limit stays a limit.

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 
 
 @dataclass(frozen=True)
@@ -127,8 +128,9 @@ ATOMS = Guide(
 )
 MEASURED = Guide(
     "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
-    "it), an orientation map (.ctf, .ang) or a picture of a lattice (PNG, TIFF, NPY). Colours show "
-    "|b| per area of square circuits of one size, each at its middle; a picture is shown as it is. "
+    f"it), an orientation map ({', '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY). "
+    "Colours show |b| per area of square circuits of one size, each at its middle; a picture is "
+    "shown as it is. "
     "The frame is the circuit whose b is given. Up to "
     f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels; the file stays in "
     "the memory of the machine that serves this page.",

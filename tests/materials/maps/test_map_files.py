@@ -7,7 +7,7 @@ import pytest
 
 from geomtorsion.errors import FileFormatError
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.maps.map_files import read_map_file
+from geomtorsion.materials.maps.map_formats import read_map_file
 from tests.materials.maps.synthetic import bent
 from tests.real import real
 

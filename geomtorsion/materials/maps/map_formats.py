@@ -1,0 +1,65 @@
+"""Map formats: which files hold orientation maps, and what reads each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from geomtorsion.errors import FileFormatError
+from geomtorsion.materials.maps.map_files import CTF, MapFile, read_orix, read_text_map
+
+
+@dataclass(frozen=True)
+class MapFormat:
+    """A format of orientation maps.
+
+    read: takes a path and Laue groups of phases, and gives the map. seems: whether bytes are the
+    content of such a file; None where it is no text, which the page does not take.
+    """
+
+    read: Callable[[Path, Mapping[int, str] | None], MapFile]
+    seems: Callable[[bytes], bool] | None = None
+
+
+def _seems_ctf(content: bytes) -> bool:
+    """Whether it begins as programs of Oxford Instruments write it."""
+    return content.removeprefix(b"\xef\xbb\xbf").startswith(CTF.encode())
+
+
+def _seems_ang(content: bytes) -> bool:
+    """Whether a header of comments goes before rows of angles, place, quality and phase."""
+    lines = content.removeprefix(b"\xef\xbb\xbf").splitlines()
+    row = next((line for line in lines if line.strip() and not line.startswith(b"#")), b"")
+    return bool(lines) and lines[0].startswith(b"#") and b"," not in row and len(row.split()) >= 8
+
+
+# Ending of a name -> the format. A new format is a line here.
+FORMATS: dict[str, MapFormat] = {
+    ".ctf": MapFormat(read_text_map, _seems_ctf),
+    ".ang": MapFormat(read_text_map, _seems_ang),
+    ".h5": MapFormat(read_orix),
+    ".hdf5": MapFormat(read_orix),
+}
+
+
+def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
+    """An orientation map from a file, by the ending of its name.
+
+    laue: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
+    file says.
+
+    Raises
+    ------
+    FileFormatError
+        The file is no such map: truncated, with wrong columns, mixed steps or an unknown phase;
+        the message names file, line and remedy.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise FileFormatError(
+            f"{path.name}: expected a map ending in {' or '.join(FORMATS)}, got "
+            f"{suffix or 'no ending'!r}. Export the map as .ctf or .ang."
+        )
+    return FORMATS[suffix].read(path, laue)
