@@ -10,11 +10,12 @@ import numpy as np
 from geomtorsion.copies import only_fields
 from geomtorsion.ode.batch import STACKED, BatchRun, Show, run_batch
 from geomtorsion.ode.engines import Engine
-from geomtorsion.ode.error_estimate import AIM, rounding, rounding_on
+from geomtorsion.ode.error_estimate import rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
 from geomtorsion.ode.system import System
 from geomtorsion.ode.trajectory import Trajectory
+from geomtorsion.precision import GOLDEN
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +79,13 @@ class Members:
             varied={name: value[index] for name, value in self.varied.items()},
         )
 
-    def perturbed(self, part: float) -> Members:
-        """The same from starts that are changed by a relative part, up and down in turn."""
-        signs = np.where(np.arange(self.states.shape[1]) % 2, -part, part)
-        return replace(self, states=self.states * (1 + signs))
+    def perturbed(self, parts: np.ndarray) -> Members:
+        """Members whose starts are changed by a relative part each, shape (number,).
+
+        Up and down as in `numbers.perturbed`.
+        """
+        signs = np.where(np.arange(self.states.shape[1]) % 2, -GOLDEN, 1.0)
+        return replace(self, states=self.states * (1 + np.multiply.outer(parts, signs)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,14 +121,21 @@ class BatchRows:
     """The same of members that stay together, by one tolerance.
 
     left: shape (number,), errors that a finer run shares: by roundings of the rates, and by what
-        steps passed over; infinite where they may have, and where roundings of steps may matter.
+        steps passed over; infinite where they may have.
+    steps: shape (number,), where they were counted.
     """
 
     states: np.ndarray
     finished: np.ndarray
     left: np.ndarray
+    steps: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
+
+    def of(self, which: np.ndarray) -> BatchRows:
+        """Some of the members."""
+        rows = self.states[which], self.finished[which], self.left[which], self.steps[which]
+        return BatchRows(*rows, self.interrupted, self.compile_seconds)
 
 
 def run_members(
@@ -141,7 +152,8 @@ def run_members(
     """
     size, number = members.states.shape[1], len(members)
     states = np.full((number, len(grid), size), np.nan)
-    finished, left, compiling = np.ones(number, dtype=bool), np.zeros(number), 0.0
+    finished, compiling = np.ones(number, dtype=bool), 0.0
+    left, steps = np.zeros(number), np.zeros(number)
     end = float(grid[-1])
     sign = -1.0 if end < 0 else 1.0
     while True:
@@ -158,11 +170,12 @@ def run_members(
         compiling += run.compile_seconds
         finished &= run.finished
         left += run.left
+        steps += run.steps
         place = np.searchsorted(np.abs(times), np.abs(local))
         states[:, inside] = run.states[:, place]
         if run.interrupted or final or members.follow is None:
             states[~finished] = np.nan
-            return BatchRows(states, finished & final, left, run.interrupted, compiling)
+            return BatchRows(states, finished & final, left, steps, run.interrupted, compiling)
         members = members.follow(run.states[:, -1])
 
 
@@ -177,7 +190,7 @@ def _run_parts(
     """All members up to their next event, each part by its own equations."""
     number = len(members)
     states = np.full((number, len(times), members.states.shape[1]), np.nan)
-    finished, left = np.zeros(number, dtype=bool), np.zeros(number)
+    finished, left, steps = np.zeros(number, dtype=bool), np.zeros(number), np.zeros(number)
     compiling, interrupted = 0.0, False
     for part in [members.whole] if members.parts is None else members.parts(members):
         units, pace = members.units[part.index], members.pace[part.index]
@@ -191,17 +204,15 @@ def _run_parts(
                 full = part.lift(part.parameters, full)
         states[part.index] = full
         finished[part.index] = run.finished
+        steps[part.index] = run.steps
         compiling += run.compile_seconds
         interrupted = run.interrupted
         if accuracy is not None and not interrupted:
             errors, interrupted = _left(part, run, units, pace, times, tolerance, engine, accuracy)
             left[part.index] = errors + _rounding(part, run, units, times, engine)
-            # One by one they are compared with runs of more digits, see `roundings_matter`.
-            many = run.steps > (AIM * tolerance / rounding(engine, 1)) ** 2
-            left[part.index[run.finished & many]] = np.inf
         if interrupted:
             break
-    return BatchRows(states, finished, left, interrupted, compiling)
+    return BatchRows(states, finished, left, steps, interrupted, compiling)
 
 
 def _left(
