@@ -10,7 +10,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache, partial
 from importlib import import_module
@@ -298,12 +298,6 @@ class Taylor:
     def name(self) -> str:
         """How it is called in tables."""
         return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
-
-    @property
-    def sharper(self) -> Taylor | None:
-        """With more digits, for a run to compare with; None where heyoka has no longer numbers."""
-        bits = {53: 64, 64: 113}.get(self.precision, 2 * self.precision)
-        return replace(self, precision=bits) if bits <= EXACT_BITS else None
 
     @property
     def finest(self) -> float:
