@@ -171,14 +171,6 @@ class Graph:
         """
         return compiled(self._source, "floats")
 
-    def long_python(self) -> Callable[..., tuple[np.longdouble, ...]]:
-        """A function of single long doubles, with constants to as many digits.
-
-        Where there is no value it warns, and is infinite or not a number.
-        """
-        body = python_body(self.steps, self.outputs, long=True)
-        return compiled(python_source(len(self.arguments), body), "arrays")
-
     def numpy(self, real: type[np.floating[Any]] = np.float64) -> Callable[..., np.ndarray]:
         """A function of numbers or arrays of one shape; it returns an array (size, *shape).
 

@@ -79,12 +79,9 @@ class Binding(IntEnum):
 Body = tuple[tuple[str, ...], tuple[str, ...]]
 
 
-def python_body(steps: Sequence[Step], outputs: Sequence[Signed], *, long: bool = False) -> Body:
-    """The code of outputs over a0, a1, ...
-
-    long: with constants to the digits of long doubles.
-    """
-    writer = _PythonWriter(steps, outputs, long)
+def python_body(steps: Sequence[Step], outputs: Sequence[Signed]) -> Body:
+    """The code of outputs over a0, a1, ..."""
+    writer = _PythonWriter(steps, outputs)
     results = tuple(writer.signed(sign, place) for sign, place in outputs)
     return tuple(writer.lines), results
 
@@ -100,9 +97,8 @@ def python_source(arguments: int, body: Body) -> str:
 class _PythonWriter:
     """Writes steps: those needed once in place, others as statements before."""
 
-    def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed], long: bool) -> None:
+    def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
         self.lines: list[str] = []
-        self._long: bool = long
         self._codes: list[tuple[str, Binding]] = []
         for step, count in zip(steps, uses(steps, outputs), strict=True):
             code, kind = self._step(step)
@@ -131,10 +127,8 @@ class _PythonWriter:
         if kind == "argument":
             return f"a{detail}", Binding.WHOLE
         if kind == "number":
-            return _long_number(detail) if self._long else _number(detail)
+            return _number(detail)
         if kind == "digits":
-            if self._long:
-                return f"longdouble('{detail.evalf(LONG_DIGITS)}')", Binding.WHOLE
             return repr(float(detail)), Binding.WHOLE
         if kind == "imaginary":
             return "1j", Binding.WHOLE
@@ -151,8 +145,7 @@ class _PythonWriter:
             return f"{first}{sign}{second}", Binding.PRODUCT
         inner = [self._codes[place][0] for place in operands]
         if kind == "root":
-            one = "longdouble(1)" if self._long else "1"
-            name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"{one}/{detail}"])
+            name, inner = ("sqrt", inner) if detail == 2 else ("pow", [*inner, f"1/{detail}"])
         else:
             name = "pow" if detail == "power" else FUNCTIONS[detail].math
         return f"{name}({', '.join(inner)})", Binding.WHOLE
@@ -187,21 +180,6 @@ def _far_number(value: Fraction) -> tuple[str, Binding]:
         ) from None
 
 
-# More than a long double holds.
-LONG_DIGITS = 2 * int(np.finfo(np.longdouble).precision)
-
-
-def _long_number(value: Fraction) -> tuple[str, Binding]:
-    """A rational number as code for long doubles."""
-    try:
-        is_double = value == float(value)
-    except OverflowError:
-        is_double = False
-    if is_double:
-        return _number(value)
-    return f"(longdouble('{value.numerator}')/longdouble('{value.denominator}'))", Binding.WHOLE
-
-
 def _sign(x: float) -> float:
     """1, -1, 0 or not a number, as numpy has it."""
     return x if x != x else float((x > 0) - (x < 0))
@@ -232,7 +210,6 @@ _ARRAYS: dict[str, Any] = {
     "sqrt": np.sqrt,
     "max": _largest,
     "min": _smallest,
-    "longdouble": np.longdouble,
 }
 
 
@@ -243,7 +220,6 @@ def compiled(
     """A function of source text that this package has written, by its name there.
 
     numbers: what its functions take; floats go to those of the math module, which make no arrays.
-    Long doubles go to those of NumPy.
 
     Examples
     --------

@@ -20,8 +20,10 @@ from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import (
     AIM,
     SAFETY,
+    change_by_rounding,
     next_tolerance,
     rounding,
+    roundings_matter,
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.numbers import (
@@ -154,13 +156,13 @@ class Ensemble:
 
 def solve_many(
     problem: Any,
-    starts: Any = None,
-    t: Any = None,
+    starts: object = None,
+    t: object = None,
     accuracy: float = 1e-10,
     engine: Engine | None = None,
     *,
-    velocities: Any = None,
-    frame_velocities: Any = None,
+    velocities: object = None,
+    frame_velocities: object = None,
     check: int | None = None,
     progress: bool | None = None,
 ) -> Ensemble:
@@ -323,14 +325,17 @@ class _Job:
 
     def _verify(self, pending: np.ndarray, show: Show) -> None:
         """Members with their errors: those that stay in the batch, then the others one by one."""
-        part = SAFETY * 2.0 ** (1 - self.engine.precision)
+        grain = SAFETY * 2.0 ** (1 - self.engine.precision)
         apart, best = pending[:0], 0.0
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
             self.tolerance = tolerance
             answer = self._batch("run_seconds", pending, tolerance, show, look=True)
-            reference = self._batch("check_seconds", pending, finer, None, part)
+            reference = self._batch(
+                "check_seconds", pending, finer, None, np.full(len(pending), grain)
+            )
             found = self._errors(answer, reference)
+            self._add_roundings(pending, answer, tolerance, found)
             if self.interrupted:
                 self._keep(pending, answer, answer.finished & np.isfinite(answer.left), found)
                 return
@@ -353,15 +358,15 @@ class _Job:
         index: np.ndarray,
         tolerance: float,
         show: Show,
-        part: float = 0.0,
+        parts: np.ndarray | None = None,
         *,
         look: bool = False,
     ) -> BatchRows:
-        """Some members at one tolerance, from starts that are changed by a part."""
+        """Some members at one tolerance, from starts that are changed by a part each."""
         began = time.perf_counter()
         members = self.members if len(index) == len(self.members) else self.members.of(index)
-        if part:
-            members = members.perturbed(part)
+        if parts is not None:
+            members = members.perturbed(parts)
         accuracy = self.accuracy if look else None
         found = run_members(members, self.grid, tolerance, self.engine, show, accuracy)
         self.compile_seconds += found.compile_seconds
@@ -369,6 +374,20 @@ class _Job:
         spent = time.perf_counter() - began - found.compile_seconds
         setattr(self, account, getattr(self, account) + spent)
         return found
+
+    def _add_roundings(
+        self, pending: np.ndarray, answer: BatchRows, tolerance: float, errors: np.ndarray
+    ) -> None:
+        """Raise errors to what roundings of all steps may add up to, as `verified` does."""
+        engine = self.engine
+        steps = answer.steps.astype(int).tolist()
+        some = np.array([roundings_matter(engine, count, tolerance) for count in steps])
+        some &= errors <= self.accuracy
+        if not some.any():
+            return
+        parts = np.array([change_by_rounding(engine, steps[k]) for k in np.flatnonzero(some)])
+        moved = self._batch("check_seconds", pending[some], tolerance, None, parts)
+        errors[some] = np.fmax(errors[some], self._errors(answer.of(some), moved) / SAFETY)
 
     def _keep(
         self, index: np.ndarray, answer: BatchRows, done: np.ndarray, errors: np.ndarray | float

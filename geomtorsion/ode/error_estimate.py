@@ -1,10 +1,10 @@
 """Error estimate: one rule for everything that moves.
 
-The answer is compared with one run two orders finer, which starts a rounding away. Twice the
-largest difference is the error: the finer run shows what the steps of the answer leave out, and
-the other start shows how rounding grows along this very motion. Roundings of two runs in doubles
-may agree, by chance or as both add up the same ones. Where roundings may be a noticeable part of
-the error, the answer is compared with a finer run in numbers of more digits instead.
+The answer is compared with a run two orders finer, which starts a rounding away; twice the largest
+difference is the error. Roundings of two runs in doubles may agree by chance. Where they may be a
+noticeable part of the error, the answer is also compared with a run to the same tolerance whose
+start is moved by as much as the roundings of all steps add up to; that difference is a lower bound
+of the error that is reported.
 What roundings of the rates make of an answer is added up where all runs would share them.
 """
 
@@ -27,8 +27,6 @@ SAFETY = 2.0
 # Each tolerance aims at this part of the accuracy, for errors do not follow it to the letter and
 # one more pair of runs costs more than a finer one.
 AIM = 0.1
-# A motion goes by fits and starts if this part of its way lies between two of its samples.
-PEAK = 0.15
 # States that are no larger than so many roundings of the terms of their rates have no size of their
 # own.
 NOISE = 100.0
@@ -79,13 +77,12 @@ def verified(
         error = max(SAFETY * difference(problem, answer, reference), least)
         if error <= accuracy:
             error = max(error, SAFETY * rounding_of_rates(answer))
-        if error <= accuracy and roundings_matter(answer, amplified=best is not None):
-            other = run_without_rounding(answer, finer, perturbation, run)
-            runs.append(other)
-            second = max(SAFETY * difference(problem, answer, other), least)
-            # The first finer run has roundings of its own, one with more digits has none.
-            if second > error or other.engine.precision > engine.precision:
-                reference, error = other, second
+        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
+            moved = run(engine, tolerance, change_by_rounding(engine, answer.steps))
+            runs.append(moved)
+            second = difference(problem, answer, moved)
+            if second > error:
+                reference, error = moved, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
             best = Verified(answer, reference, error, ())
@@ -98,37 +95,22 @@ def verified(
     return best._replace(runs=tuple(runs))
 
 
-def roundings_matter(answer: Trajectory, *, amplified: bool) -> bool:
-    """Whether roundings may make more than AIM of the error of a run.
+def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
+    """Whether roundings may be a noticeable part of the error of a run.
 
-    The motion carries on what a step rounds as it carries on what a step leaves out, which is
-    about the tolerance: so both are compared step by step, the roundings as they add up at random.
-    A near miss multiplies roundings of the way to it.
-
-    amplified: whether an error was larger than what was asked of a tolerance, so that the motion
-        amplifies; then steps may leave out less than their tolerance where that counts.
+    The motion carries the rounding of a step to the end as it carries what the step omits, which is
+    about the tolerance. A step may omit less where it counts: therefore AIM twice.
     """
-    least = rounding(answer.engine, answer.steps)
-    part = AIM**2 if amplified else AIM
-    return least > part * answer.tolerance or busiest_time(answer) is not None
+    return rounding(engine, steps) > AIM**2 * tolerance
 
 
-def run_without_rounding(
-    answer: Trajectory,
-    finer: float,
-    perturbation: float,
-    run: Callable[[Engine, float, float], Trajectory],
-) -> Trajectory:
-    """A run whose own errors are negligible beside the roundings of an answer.
+def change_by_rounding(engine: Engine, steps: int) -> float:
+    """Relative change of the start that moves a motion as far as the roundings of its steps do.
 
-    Its difference from the answer is the error, which two runs that round alike would hide. Where
-    no engine has more digits, the run starts as far away as the roundings of the answer add up to.
+    They add up at random, as the square root of the number of steps. The next power of two keeps
+    the number of different starts small.
     """
-    # Engines of users need not have one with more digits.
-    sharper: Engine | None = getattr(answer.engine, "sharper", None)
-    if sharper is None:
-        return run(answer.engine, finer, perturbation * math.sqrt(max(answer.steps, 1)))
-    return run(sharper, finer, 0.0)
+    return 2.0 ** (1 - engine.precision) * 2.0 ** math.ceil(0.5 * math.log2(max(steps, 1)))
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
@@ -144,32 +126,6 @@ def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | 
     wanted = engine.rung(min(tolerance * missing * AIM, finer))
     # What cannot be compared with a finer run is no answer.
     return wanted if engine.finer(wanted) is not None else finer
-
-
-def busiest_time(one: Trajectory) -> float | None:
-    """The first sample at which most of a motion has just happened; None where it goes evenly.
-
-    Near an equilibrium, where motions linger, a small change of the state would change nothing.
-    """
-    best, found = PEAK, None
-    for segment in one.segments:
-        states = np.asarray(segment.states)
-        # Among fewer samples an even motion would take half of such steps.
-        if PEAK * (len(states) - 1) < 2:
-            continue
-        steps = np.abs(states[1:] - states[:-1]).astype(float)
-        tops, totals = np.maximum.reduce(steps).tolist(), np.add.reduce(steps).tolist()
-        for group in segment.stage.groups:
-            total = sum([totals[k] for k in group])
-            if sum([tops[k] for k in group]) <= best * total:
-                continue
-            changes = np.add.reduce(steps[:, list(group)], 1)
-            largest = float(changes.max())
-            if largest > best * total:
-                best = largest / total
-                found = float(segment.times[int((changes >= 0.5 * largest).argmax()) + 1])
-    last = one.reached
-    return None if found is None or found == last else found
 
 
 def rounding(engine: Engine, steps: int) -> float:

@@ -11,11 +11,12 @@ from geomtorsion.copies import only_fields
 from geomtorsion.ode.batch import BatchRun, run_batch
 from geomtorsion.ode.engines import Engine
 from geomtorsion.ode.engines.stacked import STACKED
-from geomtorsion.ode.error_estimate import AIM, rounding, rounding_on
+from geomtorsion.ode.error_estimate import rounding_on
 from geomtorsion.ode.numbers import PARTS, checked_times
 from geomtorsion.ode.passed_over import is_long, left_by_members, with_samples_before
 from geomtorsion.ode.system import Show, System
 from geomtorsion.ode.trajectory import Trajectory
+from geomtorsion.precision import GOLDEN
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +72,13 @@ class Members:
             varied={name: value[index] for name, value in self.varied.items()},
         )
 
-    def perturbed(self, part: float) -> Members:
-        """The same from starts that are changed by a relative part, up and down in turn."""
-        signs = np.where(np.arange(self.states.shape[1]) % 2, -part, part)
-        return replace(self, states=self.states * (1 + signs))
+    def perturbed(self, parts: np.ndarray) -> Members:
+        """Members whose starts are changed by a relative part each, shape (number,).
+
+        Up and down as in `numbers.perturbed`.
+        """
+        signs = np.where(np.arange(self.states.shape[1]) % 2, -GOLDEN, 1.0)
+        return replace(self, states=self.states * (1 + np.multiply.outer(parts, signs)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +99,21 @@ class BatchRows:
     """The same of members that stay together, by one tolerance.
 
     left: shape (number,), errors that a finer run shares: by roundings of the rates, and by what
-        steps passed over; infinite where they may have, and where roundings of steps may matter.
+        steps passed over; infinite where they may have.
+    steps: shape (number,), where they were counted.
     """
 
     states: np.ndarray
     finished: np.ndarray
     left: np.ndarray
+    steps: np.ndarray
     interrupted: bool = False
     compile_seconds: float = 0.0
+
+    def of(self, which: np.ndarray) -> BatchRows:
+        """Some of the members."""
+        rows = self.states[which], self.finished[which], self.left[which], self.steps[which]
+        return BatchRows(*rows, self.interrupted, self.compile_seconds)
 
 
 def run_members(
@@ -119,7 +130,8 @@ def run_members(
     """
     size, number = members.states.shape[1], len(members)
     states = np.full((number, len(grid), size), np.nan)
-    finished, left, compiling = np.ones(number, dtype=bool), np.zeros(number), 0.0
+    finished, compiling = np.ones(number, dtype=bool), 0.0
+    left, steps = np.zeros(number), np.zeros(number)
     end = float(grid[-1])
     sign = -1.0 if end < 0 else 1.0
     while True:
@@ -136,11 +148,12 @@ def run_members(
         compiling += run.compile_seconds
         finished &= run.finished
         left += run.left
+        steps += run.steps
         place = np.searchsorted(np.abs(times), np.abs(local))
         states[:, inside] = run.states[:, place]
         if run.interrupted or final or members.follow is None:
             states[~finished] = np.nan
-            return BatchRows(states, finished & final, left, run.interrupted, compiling)
+            return BatchRows(states, finished & final, left, steps, run.interrupted, compiling)
         members = members.follow(run.states[:, -1])
 
 
@@ -161,10 +174,7 @@ def _run_to_event(
     if accuracy is not None and not interrupted:
         errors, interrupted = _left(members, run, times, tolerance, engine, accuracy)
         left = errors + _rounding(members, run, times, engine)
-        # One by one they are compared with runs of more digits, see `roundings_matter`.
-        many = run.steps > (AIM * tolerance / rounding(engine, 1)) ** 2
-        left[run.finished & many] = np.inf
-    return BatchRows(run.states, run.finished, left, interrupted, run.compile_seconds)
+    return BatchRows(run.states, run.finished, left, run.steps, interrupted, run.compile_seconds)
 
 
 def _left(

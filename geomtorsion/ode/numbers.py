@@ -15,7 +15,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.codegen import exact_number, rational
 from geomtorsion.errors import AccuracyError, ShapeError, StartError, TimeError
-from geomtorsion.precision import working_precision
+from geomtorsion.precision import GOLDEN, working_precision
 
 # A finite real number as it came: a float, a fraction, an exact sympy number, a longer float.
 Real: TypeAlias = float | Fraction | sp.Expr | mpmath.mpf
@@ -103,7 +103,8 @@ def perturbed(
 ) -> list[Real]:
     """Numbers changed by a relative part; zeros stay.
 
-    Up and down in turn, or (for a part below zero) in pairs: another direction altogether.
+    Up by the part and down by its golden section in turn: up and down by the same would leave the
+    energy of a circular orbit as it is.
 
     all_of_them: False leaves alone what a float of this precision holds without rounding, and
         changes numbers of equal size alike, as rounding does: laws of conservation stay.
@@ -111,7 +112,7 @@ def perturbed(
     Examples
     --------
     >>> perturbed([1.0, 2.0], 2.0**-10, 53, all_of_them=True)
-    [1.0009765625, 1.998046875]
+    [1.0009765625, 1.998792902365723]
     """
     found: list[Real] = []
     sizes = [] if all_of_them else [abs(value) for value in values]
@@ -120,8 +121,7 @@ def perturbed(
             found.append(value)
             continue
         k = place if all_of_them else sizes.index(sizes[place])
-        down = k % 2 if part > 0 else k // 2 % 2
-        change = -abs(part) if down else abs(part)
+        change = -GOLDEN * part if k % 2 else part
         if precision == 53:
             found.append(float(value) * (1 + change))
             continue

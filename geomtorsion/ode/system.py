@@ -98,11 +98,6 @@ class System:
         """The same in long doubles, but for the numbers in the equations."""
         return self.rates.numpy(np.longdouble)
 
-    @cached_property
-    def long_scalar_function(self) -> Callable[..., tuple[np.longdouble, ...]]:
-        """f(*states, *parameters) on single long doubles; see `Graph.long_python`."""
-        return self.rates.long_python()
-
     def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
         """f(t, y) for one motion, on plain floats; not a number where there is no value."""
         inner = self.scalar_function

@@ -411,17 +411,3 @@ def test_statements_of_any_length(longest, monkeypatch):
     values = graph(["x", "y"], [term]).python()(0.7, 1.3)
     monkeypatch.setattr("geomtorsion.codegen.printers._LONGEST_PIECE", longest)
     assert graph(["x", "y"], [term]).python()(0.7, 1.3) == values
-
-
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long doubles are doubles here")
-def test_long_doubles_have_long_constants():
-    """A third, pi and roots of three to the digits of long doubles, and functions of scipy."""
-    x = sp.Symbol("x")
-    graphed = graph(["x"], [x / 3, sp.pi * x, x ** sp.Rational(1, 3), sp.sin(x), sp.erfi(x)])
-    with np.errstate(all="ignore"):
-        values = graphed.long_python()(np.longdouble(2))
-    with mpmath.workdps(30):
-        exact = [mpmath.mpf(2) / 3, 2 * mpmath.pi, mpmath.cbrt(2), mpmath.sin(2), mpmath.erfi(2)]
-        gaps = [abs(mpmath.mpf(str(y)) / z - 1) for y, z in zip(values, exact, strict=True)]
-    assert max(gaps[:4]) < 1e-18
-    assert gaps[4] < 1e-14

@@ -40,7 +40,7 @@ ROUNDED = {
     "bound": (BOUND["bound"], 600.0, 2500),
     "light": (OTHERS["light"], 40.0, 300),
     # Near the pole angles turn fast: what they are off is passed on to all others there, 500 to
-    # 7000 of them at orders from 18 to 22, as it happens, with optimised code and without.
+    # 7000 of them at orders from 18 to 22, as it happens.
     "near the pole": (OTHERS["near the pole"], 200.0, 8000),
     "falling": (OTHERS["falling"], 20.0, 300),
     "no angular momentum": (OTHERS["no angular momentum"], 8.0, 300),

@@ -4,7 +4,10 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+
+from geomtorsion.ode import ODE, Taylor
 
 pytest.importorskip("heyoka", reason="the store holds heyoka's integrators")
 
@@ -64,3 +67,13 @@ def test_little_is_kept_on_the_disk(before, after, tmp_path):
         capture_output=True, text=True, timeout=60, check=False, env=env | {"HOME": str(tmp_path)},
     )  # fmt: skip
     assert done.stdout.strip() == str(after), done.stderr
+
+
+def test_a_long_run_compiles_nothing_more():
+    """After a short run of equal equations a run of many more steps is by the same code."""
+    stage = ODE.of({"x": "v", "v": "-x - x**3/7"}, [1, 0]).first_stage(53, 0.0)
+    given = stage.system, stage.start, stage.parameters
+    short, long = (Taylor().run(*given, np.array([0.0, 1.0, t]), 1e-12) for t in (2.0, 4e3))
+    assert short.steps < 100 < 3000 < long.steps
+    assert short.compile_seconds > 0 == long.compile_seconds
+    assert short.states[1].tolist() == long.states[1].tolist()

@@ -11,7 +11,7 @@ from geomtorsion.errors import LimitError
 from geomtorsion.geometry import levi_civita
 from geomtorsion.ode import ODE, RungeKutta
 from geomtorsion.ode.engines.stepper import Steps
-from geomtorsion.ode.engines.stepwise import stepwise_run
+from geomtorsion.ode.engines.stepwise import Pace, stepwise_run, unlimited
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 
@@ -68,7 +68,7 @@ def test_how_fast_steps_grow_and_shrink(rate, start):
     law = ODE.of({"x": rate}, [start])
     system, begin = law.system, [start, 0.0]
     values = [float(x) for x in law.run_numbers({})]
-    ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], math.inf, MOST)
+    ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], unlimited, MOST)
     rates = system.scalar_rates(values)
     theirs = DOP853(rates, 0.0, np.array(begin), 10.0, rtol=1e-8, atol=1e-8)
     while ours.time != 10.0:
@@ -106,7 +106,8 @@ def test_errors_fall_with_the_eighth_power():
     system = ODE.of({"x": "y", "y": "-x"}, [1, 0]).system
     errors = []
     for count in (4, 8, 16):
-        walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], 8 / count, MOST)
+        even = Pace(np.linspace(0.0, 8.0, count + 1).tolist(), 1.0, 1.0)
+        walk = Steps(system, [], [1.0, 0.0], (0.0, 8.0), 10.0, [1.0, 1.0], even, MOST)
         while walk.time != 8.0:
             # Every step is as long as it may be.
             walk._size = 8 / count

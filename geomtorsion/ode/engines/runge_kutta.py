@@ -19,8 +19,6 @@ from geomtorsion.ode.system import Batch, Run, System, Watch
 # Each tolerance is this part of the last.
 RUNG = 0.01
 METHODS = ("Radau", "LSODA")
-# Whether NumPy's long double has the 64 bits of a PC; elsewhere it may be a double.
-HAS_LONG = np.finfo(np.longdouble).nmant == 63
 
 
 class _Ladder:
@@ -75,13 +73,7 @@ class RungeKutta(_Ladder):
 
     name = "RungeKutta"
     follows_rounding = True
-    # Below scipy's own floor of 2.3e-14 the steps are shortened instead.
     finest = 1e-17
-
-    @property
-    def sharper(self) -> _LongRungeKutta | None:
-        """With more digits, for a run to compare with; None where NumPy has no longer numbers."""
-        return _LongRungeKutta(self.max_evaluations) if HAS_LONG else None
 
     def first(self, accuracy: float) -> float:
         """See `Engine.first`: half a rung finer, as errors of steps add up to ten tolerances."""
@@ -107,37 +99,6 @@ class RungeKutta(_Ladder):
         """See `Engine`: all members as one system."""
         run_stacked(batch, tolerance, self.max_evaluations)
         return 0.0
-
-
-@dataclass(frozen=True)
-class _LongRungeKutta(_Ladder):
-    """RungeKutta in long doubles: a run to compare with, as its roundings are negligible."""
-
-    max_evaluations: int
-
-    name = "RungeKutta(64)"
-    precision = 64
-    follows_rounding = True
-    finest = 1e-17
-
-    def run(
-        self,
-        system: System,
-        start: Sequence[Real] | np.ndarray,
-        parameters: Sequence[Real] | np.ndarray,
-        times: np.ndarray,
-        tolerance: float,
-        *,
-        dense: bool = False,
-        watch: Watch | None = None,
-    ) -> Run:
-        """See `Engine.run`."""
-        most = self.max_evaluations
-        # Where there is no value, long doubles are not a number.
-        with np.errstate(all="ignore"):
-            return stepwise_run(
-                "long", most, system, start, parameters, times, tolerance, dense, watch
-            )
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.ode.engines.stepwise import FLOOR, counted, error_scales
+from geomtorsion.ode.engines.stepwise import (
+    FLOOR,
+    Pace,
+    counted,
+    error_scales,
+    paced_dop853,
+    unlimited,
+)
 from geomtorsion.ode.system import Batch, WorkLimitError
 
 # So many states make one system: larger ones leave the cache and set BLAS threads off. This decides
@@ -70,26 +78,19 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
         scales = error_scales(system, y0, numbers, first, duration)
         used = max(tolerance, FLOOR)
         options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
+        span, begin = (0.0, duration), y0.ravel()
+        longest: Callable[[float], float] = unlimited
         if tolerance < FLOOR:
-            # scipy takes no smaller tolerance: the steps are shortened instead.
             trial = scipy.integrate.solve_ivp(
-                counted(rates, most, abs(duration)),
-                (0.0, duration),
-                y0.ravel(),
-                "DOP853",
-                **options,
+                counted(rates, most, abs(duration)), span, begin, "DOP853", **options
             )
-            taken = max(len(trial.t) - 1, 1)
-            options["max_step"] = abs(duration) / taken * (tolerance / FLOOR) ** 0.125
+            if trial.status == 0:
+                longest = Pace(trial.t.tolist(), tolerance, FLOOR)
         found = scipy.integrate.solve_ivp(
-            counted(rates, most, abs(duration)),
-            (0.0, duration),
-            y0.ravel(),
-            "DOP853",
-            t_eval=times * top,
-            events=look,
+            counted(rates, most, abs(duration)), span, begin, paced_dop853(), t_eval=times * top,
+            events=look, longest=longest,
             **options,
-        )
+        )  # fmt: skip
     if found.status == 0 and np.isfinite(found.y).all():
         batch.result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)
     sizes = np.abs(np.diff(reached))

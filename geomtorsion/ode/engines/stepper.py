@@ -17,7 +17,6 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.codegen import Graph, compiled
-from geomtorsion.ode.engines.dop853 import STAGES
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
     NO_VALUE,
@@ -91,6 +90,7 @@ def too_many_evaluations(most: int, time: float) -> WorkLimitError:
 class Steps:
     """Steps from a start on, each accepted by its error.
 
+    longest: the longest step from a time on.
     time, state, rates: where it is; count, tried: steps accepted and tried; stuck: why it ended.
     """
 
@@ -102,10 +102,8 @@ class Steps:
         span: tuple[float, float],
         tolerance: float,
         scales: Sequence[float],
-        longest: float,
+        longest: Callable[[float], float],
         most: int,
-        *,
-        long: bool = False,
     ) -> None:
         self._system: System = system
         self.values: tuple[float, ...] = tuple(values)
@@ -117,10 +115,10 @@ class Steps:
         self.sign: float = 1.0 if self.end >= self.time else -1.0
         self.tolerance: float = tolerance
         self.floors: tuple[float, ...] = tuple(tolerance * x for x in scales)
-        self.longest: float = longest
+        self._longest: Callable[[float], float] = longest
         self.most: int = most
-        self._function: Any = system.long_scalar_function if long else system.scalar_function
-        self._step, self._rows = step_of(system, long=long), rows_of(system)
+        self._function: Any = system.scalar_function
+        self._step, self._rows = step_of(system), rows_of(system)
         self.rates: tuple[float, ...] = tuple(self._function(*self.state, *self.values))
         self.count: int = 0
         self.tried: int = 0
@@ -164,13 +162,13 @@ class Steps:
         second = (0.01 / largest) ** 0.125 if largest > 1e-15 else max(1e-6, guess * 1e-3)
         # A tiny state beside large ones makes the guess tiny: behind a switch it is tried anyhow.
         least = LEAST_ULPS * math.ulp(self.time) if self.time else 0.0
-        return max(min(100 * guess, second, self.duration, self.longest), least)
+        return max(min(100 * guess, second, self.duration, self._longest(self.time)), least)
 
     def advance(self) -> Polynomial | None:
         """One accepted step; None where none is: see `stuck`."""
         rejected = False
         while True:
-            size = min(self._size, self.longest)
+            size = min(self._size, self._longest(self.time))
             if size < LEAST_ULPS * math.ulp(self.time) or not size > 0:
                 self.stuck = "the steps became too small"
                 return self._last()
@@ -257,13 +255,12 @@ def stage_count() -> int:
 LONGEST_SOURCE = 4000
 
 
-def step_of(system: System, *, long: bool = False) -> Callable[..., Any]:
+def step_of(system: System) -> Callable[..., Any]:
     """The step of a system: `step(rates, h, rtol, floors, y, y', parameters)`, all spread out.
 
     It returns error measures of orders five and three, new states, new rates, all stages.
-    long: of states in long doubles.
     """
-    return _made("long step" if long else "step", system.size, system.rates)
+    return _made("step", system.size, system.rates)
 
 
 def rows_of(system: System) -> Callable[..., Any]:
@@ -277,25 +274,9 @@ def rows_of(system: System) -> Callable[..., Any]:
 @lru_cache(maxsize=KEPT)
 def _made(name: str, n: int, rates: Graph) -> Callable[..., Any]:
     """A function of the writer; equal rates give the same one."""
-    if name == "long step":
-        values = tuple(f"a{k}" for k in range(n, len(rates.arguments)))
-        writer = _Writer(n, values, tuple(range(n)), (), (), long=True)
-        code = "\n".join([*_LONG_CONSTANTS, "\n    ".join(writer.step())])
-        return compiled(code, "arrays", "step")
     writer = _writer(n, rates)
     code = "\n    ".join(writer.step() if name == "step" else writer.rows())
     return compiled(code, "floats", name)
-
-
-# Names of the coefficients of each stage in long doubles, and the lines that make them.
-_LONG_STAGES = [
-    [f"c{s}_{k}" if k in row else "" for k in range(s)] for s, row in enumerate(STAGES, 1)
-]
-_LONG_CONSTANTS = [
-    f"c{s}_{k} = longdouble('{digits}')"
-    for s, row in enumerate(STAGES, 1)
-    for k, digits in row.items()
-]
 
 
 def _writer(n: int, rates: Graph) -> _Writer:
@@ -319,7 +300,6 @@ class _Writer:
     n: number of states, which rates know as a0, a1, ...; values: names of the parameters.
     needed: the states that rates ask for; others need not be worked out on the way.
     body, results: the rates written out; where there are none, they are called.
-    long: whether states are long doubles.
     """
 
     n: int
@@ -327,7 +307,6 @@ class _Writer:
     needed: tuple[int, ...]
     body: tuple[str, ...]
     results: tuple[str, ...]
-    long: bool = False
 
     def _all(self, letter: str) -> str:
         return ", ".join(f"{letter}{i}" for i in range(self.n))
@@ -337,8 +316,6 @@ class _Writer:
 
     def _coefficients(self, s: int) -> Sequence[str]:
         """Of a stage, or (for the number after the last) of the new states."""
-        if self.long:
-            return _LONG_STAGES[s - 1]
         tables = scipy.integrate.DOP853
         return _written(tables.B if s == stage_count() else tables.A[s, :s])
 

@@ -6,13 +6,12 @@ import math
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.codegen.steps import ROUNDINGS
 from geomtorsion.ode.engines.stepper import (
     Polynomial,
     Steps,
@@ -20,7 +19,6 @@ from geomtorsion.ode.engines.stepper import (
     step_of,
     too_many_evaluations,
 )
-from geomtorsion.ode.engines.taylor import Taylor
 from geomtorsion.ode.numbers import Real, floats
 from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
@@ -33,17 +31,53 @@ from geomtorsion.ode.system import (
 )
 from geomtorsion.precision import EPS
 
-# Smaller differences than this are told from rounding by no step of generated code: below it steps
-# are shortened, by the order of the method, and wherever that begins they are as good.
+# A step of generated code cannot tell smaller differences from rounding, and scipy accepts no
+# smaller relative tolerance.
 LEAST = 1e-15
-# The same of long doubles, which have eleven bits more.
-LONG_LEAST = LEAST / 2**11
-# scipy accepts no smaller relative tolerance: it is its own rule.
 FLOOR = 100 * EPS
 
 # Implicit steps are to follow what has decayed to this part of its size, as far as doubles hold it:
 # others hang on it, as fast reactions on what feeds them.
 DECAYED = 1e-6
+
+
+class Pace:
+    """Longest step from a time on: a share of the step of a run to the least tolerance there.
+
+    Errors of steps below that tolerance cannot be measured; they shrink with the order of the
+    method. times: of the run, in order.
+    """
+
+    def __init__(self, times: Sequence[float], tolerance: float, least: float) -> None:
+        self._sign: float = 1.0 if times[-1] >= times[0] else -1.0
+        self._times: list[float] = [self._sign * time for time in times]
+        self._share: float = (tolerance / least) ** 0.125
+
+    def __call__(self, time: float) -> float:
+        """The longest step from a time on."""
+        k = min(bisect_right(self._times, self._sign * time), len(self._times) - 1)
+        return self._share * (self._times[k] - self._times[k - 1])
+
+
+def unlimited(_: float) -> float:
+    """Steps of any length."""
+    return math.inf
+
+
+@cache
+def paced_dop853() -> Any:
+    """scipy's DOP853 with longest steps that change on the way."""
+
+    class Paced(scipy.integrate.DOP853):
+        def __init__(self, *given: Any, longest: Callable[[float], float], **more: Any) -> None:
+            super().__init__(*given, max_step=longest(given[1]), **more)
+            self._longest = longest
+
+        def _step_impl(self) -> Any:
+            self.max_step = self._longest(self.t)
+            return super()._step_impl()
+
+    return Paced
 
 
 class Piece:
@@ -78,12 +112,14 @@ class ScipySteps:
         span: tuple[float, float],
         tolerance: float,
         scales: Sequence[float],
-        longest: float,
+        longest: Callable[[float], float],
         most: int,
     ) -> None:
         rates = counted(system.scalar_rates(values), most, abs(span[1] - span[0]))
         options: dict[str, Any] = {}
-        if method != "DOP853":
+        if method == "DOP853":
+            options["longest"] = longest
+        else:
             options["jac"] = lambda _, y: system.jacobian(y.tolist(), values)
         self.time: float
         self.time, end = span
@@ -96,10 +132,10 @@ class ScipySteps:
         self._solver: Any = None
         try:
             with np.errstate(all="ignore"):
-                self._solver = getattr(scipy.integrate, method)(
-                    rates, self.time, np.array(y0), end, rtol=tolerance, atol=floors,
-                    max_step=longest, **options,
-                )  # fmt: skip
+                solver = paced_dop853() if method == "DOP853" else getattr(scipy.integrate, method)
+                self._solver = solver(
+                    rates, self.time, np.array(y0), end, rtol=tolerance, atol=floors, **options
+                )
         except (ValueError, np.linalg.LinAlgError):
             self.stuck = NO_JACOBIAN
 
@@ -168,17 +204,15 @@ def stepwise_run(
     dense: bool,
     watch: Watch | None = None,
 ) -> Run:
-    """See `Engine.run`; method: steps of DOP853 that are "generated", or "long" ones in long
-    doubles; or "DOP853", "Radau", "LSODA".
-    """
+    """See `Engine.run`; method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
-    long, generated = method == "long", method in ("generated", "long")
+    generated = method == "generated"
     y0, values = floats(start), floats(parameters)
     times = np.asarray(times, dtype=float)
     first, last = float(times[0]), float(times[-1])
     first_rates = np.asarray(system.scalar_rates(values)(first, np.array(y0)), dtype=float)
     if generated:
-        step_of(system, long=long)
+        step_of(system)
     ready = time.perf_counter()
     if first == last or not np.isfinite(first_rates).all():
         outcome = "done" if first == last else "stuck"
@@ -191,37 +225,25 @@ def stepwise_run(
     if method in ("Radau", "LSODA"):
         span = _settling(system.jacobian(y0, values), span)
     scales = error_scales(system, np.array(y0), values, first_rates, span).tolist()
-    least = LONG_LEAST if long else LEAST if generated else FLOOR
-    real = np.longdouble if long else float
-    state, numbers = y0, values
-    if long:
-        state, numbers = (list(Taylor(64).array(x)) for x in (start, parameters))
+    least = LEAST if generated else FLOOR
+    longest: Callable[[float], float] = unlimited
 
-    def steps(longest: float) -> Steps | ScipySteps:
+    def steps(begin: float, state: Sequence[float], by: str) -> Steps | ScipySteps:
         used = max(tolerance, least)
-        if generated:
-            return Steps(
-                system, numbers, state, (first, last), used, scales, longest, most, long=long
-            )
-        return ScipySteps(method, system, values, y0, (first, last), used, scales, longest, most)
+        given = (system, values, state, (begin, last), used, scales, longest, most)
+        return Steps(*given) if generated else ScipySteps(by, *given)
 
-    def shorter_steps(after: Steps | ScipySteps) -> ScipySteps:
-        # Where rates end, LSODA takes no shorter step back; Radau comes to the very place.
-        rest, used = (after.time, last), max(tolerance, least)
-        return ScipySteps("Radau", system, values, after.state, rest, used, scales, math.inf, most)
-
-    longest = math.inf
-    if tolerance < least and (generated or method == "DOP853"):
-        # Dense output is of order 7: shorter steps help it where the tolerance no longer can.
-        trial = steps(math.inf)
+    if tolerance < least:
+        trial = steps(first, y0, method)
+        passed = [first]
         while trial.time != last and trial.advance() is not None:
-            pass
+            passed.append(trial.time)
         if not trial.stuck:
-            longest = abs(last - first) / (trial.count + 1) * (tolerance / least) ** 0.125
-    walk = steps(longest)
+            longest = Pace(passed, tolerance, least)
+    walk = steps(first, y0, method)
     guard = None if system.guard is None else partial(_guard, system, values)
-    samples = np.empty((len(times), len(y0)), dtype=real)
-    samples[0] = state
+    samples = np.empty((len(times), len(y0)))
+    samples[0] = y0
     order = (times * walk.sign).tolist()
     pieces: Pieces = []
     done, outcome, longest_step = 1, "done", 0.0
@@ -233,7 +255,8 @@ def stepwise_run(
         piece = walk.advance()
         if piece is None and method == "LSODA" and not count_before:
             count_before, evaluations_before = walk.count, walk.evaluations
-            walk = shorter_steps(walk)
+            # Where rates end, LSODA takes no shorter step back; Radau comes to the very place.
+            walk = steps(walk.time, walk.state, "Radau")
             piece = walk.advance()
         if piece is None:
             outcome, reached, where = "stuck", walk.time, np.array(walk.state)
@@ -337,8 +360,8 @@ def error_scales(
 ) -> np.ndarray:
     """The size of each state for absolute tolerances: that of its group, now or soon.
 
-    numbers: values of the parameters. Where terms of a rate cancel up to rounding they are the
-    scale: with what rounding leaves of them no step would be short enough.
+    numbers: values of the parameters. A state that starts at zero has the scale of the terms of its
+    rate: where they cancel, no step would be short enough for what is left of them.
     """
     scales = np.empty(y0.shape)
     for group in system.groups:
@@ -351,7 +374,6 @@ def error_scales(
             still = size <= EPS * soon * abs(duration)
             if np.any(still):
                 terms = np.abs(system.rates.sizes(*y0, *numbers)[index]).max(axis=0)
-                soon = np.where(soon > ROUNDINGS * EPS * terms, soon, terms) * abs(duration)
-                size = np.where(still, soon, size)
+                size = np.where(still, terms * abs(duration), size)
         scales[index] = np.where(np.isfinite(size) & (size > 0), size, 1.0)
     return scales

@@ -10,7 +10,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache, partial
 from importlib import import_module
@@ -154,26 +154,24 @@ def _compiled(
     order: int,
     precision: int,
     width: int,
-    optimised: bool,
     number: Callable[[Any], Any],
     backward: bool = False,
 ) -> tuple[_Shared, float]:
     """A compiled integrator, kept or made now, and the seconds that it took.
 
     width: motions side by side in one batch; 0: one motion.
-    optimised: this takes longer, and the code runs faster.
     number: makes numbers of the precision.
     backward: whether times run down, which changes what falls.
     """
     began = time.perf_counter()
     backward = backward and system.guard is not None
-    key = (system.key, order, precision, width, optimised, backward)
+    key = (system.key, order, precision, width, backward)
     with _kept_lock:
         found = _kept.get(key)
         if found is not None:
             _kept.move_to_end(key)
             return found, 0.0
-    integrator = _integrator(system, order, precision, width, optimised, number, backward)
+    integrator = _integrator(system, order, precision, width, number, backward)
     made = _Shared(integrator)
     with _kept_lock:
         _kept[key] = made
@@ -202,7 +200,6 @@ def _integrator(
     order: int,
     precision: int,
     width: int,
-    optimised: bool,
     number: Callable[[Any], Any],
     backward: bool,
 ) -> Any:
@@ -226,7 +223,9 @@ def _integrator(
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
-        "opt_level": (3 if width else 1) if optimised and precision <= 64 else 0,
+        # Optimised code of one motion would run in 0.5 to 0.7 of the time; compiling it takes as
+        # long as some hundred thousand steps.
+        "opt_level": 3 if width else 0,
     }
     guards = []
     if system.guard is not None:
@@ -301,12 +300,6 @@ class Taylor:
         return "Taylor" if self.precision == 53 else f"Taylor({self.precision})"
 
     @property
-    def sharper(self) -> Taylor | None:
-        """With more digits, for a run to compare with; None where heyoka has no longer numbers."""
-        bits = {53: 64, 64: 113}.get(self.precision, 2 * self.precision)
-        return replace(self, precision=bits) if bits <= EXACT_BITS else None
-
-    @property
     def finest(self) -> float:
         """A tolerance at which only rounding is left, two orders beyond where that begins."""
         return 2.0 ** -(self.precision + 9)
@@ -357,15 +350,12 @@ class Taylor:
         tolerance: float,
         *,
         width: int = 0,
-        optimised: bool = True,
         backward: bool = False,
     ) -> tuple[Compiled, float]:
         """The compiled integrator of a system, kept or made now; the seconds that it took."""
         order, bits = order_of(tolerance), self.precision
         hoisted = system.hoisted
-        shared, seconds = _compiled(
-            hoisted.system, order, bits, width, optimised, self.number, backward
-        )
+        shared, seconds = _compiled(hoisted.system, order, bits, width, self.number, backward)
         return Compiled(self, hoisted, shared), seconds
 
     def run(
@@ -381,15 +371,8 @@ class Taylor:
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
-        found, compiling = None, 0.0
-        # Only a long run is worth optimised code.
-        for optimised in (False, True) if self.precision <= 64 else (True,):
-            kept, seconds = self.compiled(system, tolerance, optimised=optimised, backward=backward)
-            compiling += seconds
-            found = self._run(kept, optimised, system, start, parameters, times, dense, watch)
-            if found is not None:
-                break
-        assert found is not None
+        kept, compiling = self.compiled(system, tolerance, backward=backward)
+        found = self._run(kept, system, start, parameters, times, dense, watch)
         found.compile_seconds = compiling
         return found
 
@@ -405,15 +388,14 @@ class Taylor:
     def _run(
         self,
         kept: Compiled,
-        optimised: bool,
         system: System,
         start: Sequence[Real] | np.ndarray,
         parameters: Sequence[Real] | np.ndarray,
         times: np.ndarray,
         dense: bool,
         watch: Watch | None,
-    ) -> Run | None:
-        """The run by one integrator; None where it is long and the code is not optimised."""
+    ) -> Run:
+        """The run by one integrator."""
         began = time.perf_counter()
         with kept.ready(parameters) as ready:
             integrator, record = ready.integrator, None
@@ -431,10 +413,9 @@ class Taylor:
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
 
-            propagated = self._propagated(integrator, grid, optimised, watch, room, refuse)
-            if propagated is None:
-                return None
-            states, outcome, steps, longest, reason = propagated
+            states, outcome, steps, longest, reason = self._propagated(
+                integrator, grid, watch, room, refuse
+            )
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
                 if room is not None:
@@ -470,14 +451,13 @@ class Taylor:
         self,
         integrator: Any,
         grid: np.ndarray,
-        optimised: bool,
         watch: Watch | None,
         room: Callable[[], float] | None,
         refuse: Callable[[float, float], None] = lambda _pace, _reached: None,
-    ) -> tuple[np.ndarray, str, int, float, str] | None:
+    ) -> tuple[np.ndarray, str, int, float, str]:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
-        A run that gets nowhere is ended. None where a run is long and the code is not optimised.
+        A run that gets nowhere is ended.
         room: the guard, where it may have no series within a step, so that its fall is not seen.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
         """
@@ -506,8 +486,6 @@ class Taylor:
                     keep = len(states) if good.all() else int(np.argmin(good))
                     return states[:keep], "stuck", steps, longest, NO_VALUE
                 return states, "edge", steps, longest, ""
-            if not optimised:
-                return None
             if room is not None and room() < 0:
                 return np.concatenate(rows), "beyond", steps, longest, ""
             moved = abs(float(integrator.time - before))
