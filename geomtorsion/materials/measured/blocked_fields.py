@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shutil import rmtree
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import CheckpointError, GridError
-from geomtorsion.files import written
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields import BlockMap, blocked_map
-from geomtorsion.materials.fields.blocked_map import Parts, estimated_sigma, run_in
-from geomtorsion.materials.fields.large_arrays import LargeArray, opened
+from geomtorsion.materials.fields.blocked_map import Parts, run_in
+from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigma, opened
 from geomtorsion.materials.measured.fields import SampledField, layer_names
 from geomtorsion.materials.measured.opening import is_array, open_measured
 from geomtorsion.materials.measured.results import Survey, noise_level, summary
@@ -170,12 +168,10 @@ def map_in_blocks(
                 f"{path}: it holds a map that was stopped. Give --resume to complete it, or "
                 "--overwrite to begin anew."
             )
-        with written(path, is_folder=True):
-            rmtree(path)
     kept = there.get("block", field.block) if resume and there else field.block
     result = blocked_map(
         field.given, path, field.steps, kept if block is None else block, size, plane,
-        field.order, periodic=field.periodic, sigma=field.sigma,
+        field.order, periodic=field.periodic, sigma=field.sigma, overwrite=not resume,
     )  # fmt: skip
     return BlockedSurvey(field, result)
 
