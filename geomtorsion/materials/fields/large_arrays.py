@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 from math import prod
+from operator import lt
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,7 @@ HARMLESS = frozenset(
 # Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
 # field: the median over so many has an error of half a per cent.
 SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
+_CHUNK = re.compile(r"(c[/.])?[0-9]{1,18}([/.][0-9]{1,18})*")
 # What the array of a field is called in a Zarr group.
 INNER = "coframe"
 
@@ -202,17 +205,23 @@ def _check_chunks(path: Path, array: Any) -> None:
     fill = array.fill_value
     if isinstance(fill, float | np.floating) and np.isnan(fill):
         return
-    needed = prod(-(-n // m) for n, m in zip(array.shape, sizes, strict=True))
-    files = sum(1 for one in path.rglob("*") if one.is_file())
-    # Counting goes through all chunks that are declared, which may be more than ever end.
-    there = files if files < needed else array.nchunks_initialized * prod(array.chunks)
-    there = there if files < needed else there // prod(sizes)
+    counts = [-(-n // m) for n, m in zip(array.shape, sizes, strict=True)]
+    needed = prod(counts)
+    there = sum(_is_chunk(one.relative_to(path).as_posix(), counts) for one in path.rglob("*"))
     if there < needed:
         raise FileFormatError(
-            f"{path}: expected {needed:,} chunks, got at most {there:,}; the others would be read "
+            f"{path}: expected {needed:,} chunks, got {there:,}; the others would be read "
             f"as {fill}. Copy the whole array, or write it again with the fill value NaN (which "
             "is a hole), or with write_empty_chunks=True."
         )
+
+
+def _is_chunk(key: str, counts: Sequence[int]) -> bool:
+    """Whether the name of a file is the key of a chunk: c/0/1 or, of format 2, 0.1 or 0/1."""
+    if not _CHUNK.fullmatch(key):
+        return False
+    numbers = [int(word) for word in re.findall("[0-9]+", key)]
+    return len(numbers) == len(counts) and all(map(lt, numbers, counts))
 
 
 def estimated_sigma(source: LargeArray) -> np.ndarray:
