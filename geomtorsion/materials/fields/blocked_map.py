@@ -121,12 +121,12 @@ class BlockMap:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the array: `Parts` at all places."""
+        """Shape of the array: `Parts` at all places."""
         return (2 * self.source.shape[0] + 1, *self.places)
 
     @property
     def chunks(self) -> tuple[int, ...]:
-        """Of the array: one for each block."""
+        """Shape of the chunks of the array, one for each block."""
         return (self.shape[0], *self.block)
 
     def file(self, number: Sequence[int]) -> Path:
@@ -134,7 +134,7 @@ class BlockMap:
         return Path(self.path, "c", "0", *map(str, number))
 
     def is_done(self, number: Sequence[int]) -> bool:
-        """Whether the chunk of a block is there as a whole: it is not packed, at the edges too."""
+        """Whether the chunk of a block is complete: all chunks have one size, at edges also."""
         file = self.file(number)
         return file.is_file() and file.stat().st_size == 8 * prod(self.chunks)
 
@@ -166,7 +166,7 @@ class BlockMap:
             array[self._region(number)] = found[(slice(None), *inner)]
 
     def _region(self, number: Sequence[int]) -> tuple[slice, ...]:
-        """Where a block is in the array."""
+        """Slices of a block in the array."""
         return (slice(None), *(slice(*ends) for ends in self.span(number)))
 
     def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
@@ -254,14 +254,14 @@ class BlockMap:
 
     @property
     def _digest(self) -> str:
-        """Of what the first, the middle and the last block are computed from."""
+        """SHA-256 of the nodes from which the first, the middle and the last block are computed."""
         numbers = self.numbers
         chosen = sorted({0, len(numbers) // 2, len(numbers) - 1})
         return digest_of_arrays(self._read(numbers[k], beside_holes=False)[1] for k in chosen)
 
     @property
     def described(self) -> dict[str, Any]:
-        """What a run must have in common with the one that it resumes, as JSON has it."""
+        """Description of the run, as JSON has it: a run resumes only a map with the same one."""
         names = ("steps", "block", "size", "plane", "order", "periodic", "stride")
         return {
             "digest": self.source.digest or self._digest,
@@ -292,8 +292,8 @@ def blocked_map(
     """Burgers vectors of circuits at every place of a field larger than memory, block by block.
 
     Blocks are tasks of dask, on threads of this machine, or wherever dask is set to run them:
-    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. Each takes the memory
-    of a block with its halo some ten times.
+    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. A task takes about ten
+    times the memory of its block and halo.
 
     Parameters
     ----------
@@ -401,7 +401,7 @@ def run_in(path: Path) -> dict[str, Any] | None:
 
 
 def _open(made: BlockMap, overwrite: bool) -> None:
-    """Make the array of a map, or look whether the one that is there is of the same run."""
+    """Make the array of a map, or check that the array at its path belongs to the same run."""
     path, described = Path(made.path), made.described
     there = run_in(path)
     if there is not None and overwrite:
@@ -414,10 +414,10 @@ def _open(made: BlockMap, overwrite: bool) -> None:
         if differ or (array.shape, array.chunks) != (made.shape, made.chunks):
             raise CheckpointError(
                 f"{path}: expected the map of this run, got one of another run: "
-                f"{', '.join(differ) or 'its shape'} differ. Name another path, or give the same "
-                "arguments."
+                f"{', '.join(differ) or 'its shape'} differ. Name another path, give the same "
+                "arguments, or overwrite the map."
             )
-        # What a killed process was writing.
+        # A killed process leaves the chunk that it was writing.
         for part in path.rglob("*.partial"):
             part.unlink()
     elif path.exists() and not (path.is_dir() and not any(path.iterdir())):
@@ -434,7 +434,7 @@ def _open(made: BlockMap, overwrite: bool) -> None:
         )
     if there is None:
         with _writing(path):
-            # A chunk of nothing but the fill value is not written: NaN would be one of holes.
+            # Zarr omits a chunk that equals the fill value, and a block in a hole is all NaN.
             module("zarr", path).create_array(
                 made.path, shape=made.shape, chunks=made.chunks, dtype="float64", fill_value=inf,
                 compressors=None, zarr_format=3, attributes={RUN: described},
@@ -443,7 +443,7 @@ def _open(made: BlockMap, overwrite: bool) -> None:
 
 @contextmanager
 def _writing(path: Path) -> Iterator[None]:
-    """Failures of the system while a part of a Zarr array is written."""
+    """Turn failures of the system while a Zarr array is written into an error of ours."""
     try:
         yield
     except OSError as error:

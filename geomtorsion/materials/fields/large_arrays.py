@@ -90,7 +90,7 @@ class LargeArray:
         return values
 
     def _part(self, array: Any, index: tuple[slice, ...], shape: tuple[int, ...]) -> np.ndarray:
-        """The values of a slice. A task of dask may give another shape or type than it declares."""
+        """The values of a slice, checked: dask may give another shape or type than it declares."""
         if isinstance(self.given, str):
             # A damaged chunk is known only when it is unpacked.
             part = guarded(Path(self.given), lambda: np.asarray(array[index]))

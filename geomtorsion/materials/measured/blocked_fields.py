@@ -147,14 +147,14 @@ def map_in_blocks(
 ) -> BlockedSurvey:
     """Compute the map of a field in the Zarr array at a path, or the blocks that it lacks.
 
-    block: places along the side of a block; None for that of the run that is resumed, or as many
-    as fit. A map that is complete is replaced unless it is resumed.
+    block: places along the side of a block; None: as in the run that is resumed, or some ten
+    megabytes. A complete map is replaced unless it is resumed.
 
     Raises
     ------
     CheckpointError
-        A run was stopped there, and nobody says what to do with it; or none, or another one, to
-        resume.
+        The path holds a run that was stopped, and neither resume nor overwrite is set; or it holds
+        no run to resume, or another one.
     """
     there = run_in(path)
     if resume and overwrite:
