@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from geomtorsion.checks import cut, shown
+from geomtorsion.checks import count, cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode, stopped
 from geomtorsion.cli.measured import (
@@ -45,7 +45,8 @@ from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
-from geomtorsion.materials.fields.blocked_map import on_threads, run_in
+from geomtorsion.materials.fields.blocked_map import run_in
+from geomtorsion.materials.fields.contents import module
 from geomtorsion.materials.measured import is_array
 from geomtorsion.materials.measured.blocked_fields import (
     BlockedSurvey,
@@ -205,7 +206,10 @@ def _in_blocks(
             field = open_in_blocks(
                 path, steps=steps, unit=wanted.unit, sigma=sigma, order=reading.order
             )
-        with on_threads(wanted.workers):
+        # One worker is this thread itself.
+        number = count(wanted.workers, "workers", GridError, 1)
+        kind = "threads" if number > 1 else "synchronous"
+        with module("dask", path).config.set(scheduler=kind, num_workers=number):
             found = map_in_blocks(
                 field, place, wanted.block, size, _plane(plane, field.names),
                 resume=wanted.resume, overwrite=wanted.overwrite,

@@ -15,7 +15,7 @@ from functools import cached_property
 from itertools import count, product
 from math import inf, prod
 from pathlib import Path
-from shutil import disk_usage
+from shutil import disk_usage, rmtree
 from typing import Any
 
 import numpy as np
@@ -23,29 +23,26 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.files import read_json_text, read_text, written
-from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.burgers import independent_significances
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import (
-    Grid,
     check_length,
     check_order,
     other_order,
     periodic_axes,
 )
-from geomtorsion.materials.fields.large_arrays import LargeArray, digest_of_arrays, opened
-from geomtorsion.materials.fields.noise import (
-    SMOOTH,
-    Noise,
-    estimated_from_parts,
+from geomtorsion.materials.fields.large_arrays import (
+    LargeArray,
+    check_finite,
+    digest_of_arrays,
+    grid_of,
+    opened,
 )
+from geomtorsion.materials.fields.noise import Noise
 from geomtorsion.progress import PATIENCE, bar
 
-# Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
-# field: the median over so many has an error of half a per cent.
-SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
 # Tasks of one graph of dask, which takes some kilobytes for each.
 MOST_BLOCKS = 100_000
 # The attribute of the array that describes its run.
@@ -103,15 +100,10 @@ class BlockMap:
     reference: np.ndarray
     stride: tuple[int, ...]
 
-    @property
-    def grid_shape(self) -> tuple[int, ...]:
-        """Nodes along each axis."""
-        return self.source.shape[2:]
-
     @cached_property
     def places(self) -> tuple[int, ...]:
         """Places of the map along each axis."""
-        every = zip(self.grid_shape, self.periodic, self.stride, strict=True)
+        every = zip(self.source.shape[2:], self.periodic, self.stride, strict=True)
         return tuple(
             -(-(n if wraps else n - self._sides.get(k, 0)) // stride)
             for k, (n, wraps, stride) in enumerate(every)
@@ -130,12 +122,12 @@ class BlockMap:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the array: `Parts` at all places."""
+        """Shape of the array: `Parts` at all places."""
         return (2 * self.source.shape[0] + 1, *self.places)
 
     @property
     def chunks(self) -> tuple[int, ...]:
-        """Of the array: one for each block."""
+        """Shape of the chunks of the array, one for each block."""
         return (self.shape[0], *self.block)
 
     def file(self, number: Sequence[int]) -> Path:
@@ -143,7 +135,7 @@ class BlockMap:
         return Path(self.path, "c", "0", *map(str, number))
 
     def is_done(self, number: Sequence[int]) -> bool:
-        """Whether the chunk of a block is there as a whole: it is not packed, at the edges too."""
+        """Whether the chunk of a block is complete: all chunks have one size, at edges also."""
         file = self.file(number)
         return file.is_file() and file.stat().st_size == 8 * prod(self.chunks)
 
@@ -162,7 +154,7 @@ class BlockMap:
         low, values = self._read(number, beside_holes=False)
         if np.isnan(values).any():
             low, values = self._read(number, beside_holes=True)
-        _check_finite(values, low)
+        check_finite(values, low)
         found = self._of(self._field(values))
         inner = [
             slice(first * stride - begin, (last - 1) * stride + 1 - begin, stride)
@@ -175,7 +167,7 @@ class BlockMap:
             array[self._region(number)] = found[(slice(None), *inner)]
 
     def _region(self, number: Sequence[int]) -> tuple[slice, ...]:
-        """Where a block is in the array."""
+        """Slices of a block in the array."""
         return (slice(None), *(slice(*ends) for ends in self.span(number)))
 
     def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
@@ -188,7 +180,7 @@ class BlockMap:
         ]
         low = [begin for begin, _ in ends]
         values = self.source.read(low, [end for _, end in ends])
-        return low, values[:, : len(self.grid_shape)]
+        return low, values[:, : len(self.source.shape[2:])]
 
     def _reach(self, axis: int, first: int, last: int, beside_holes: bool) -> tuple[int, int]:
         """The first node, and the first one behind, that places from first to last need.
@@ -196,12 +188,12 @@ class BlockMap:
         The halo of centred stencils: order / 2 - 1 nodes for circuits, order / 2 for torsion, none
         across the plane. At an end of the grid and beside holes they lie on one side.
         """
-        n, slopes = self.grid_shape[axis], self.size == (0, 0)
+        n, slopes = self.source.shape[2:][axis], self.size == (0, 0)
         if axis not in self.plane:
             return first, last + 1
         if not slopes:
             last += self._sides[axis] - 1
-        nodes = max(self.order, self._other) + slopes
+        nodes = max(self.order, other_order(self.order)) + slopes
         if beside_holes:
             begin, end = first - nodes + 2 - slopes, last + nodes
             return (begin, end) if self.periodic[axis] else (max(begin, 0), min(end, n))
@@ -210,20 +202,15 @@ class BlockMap:
             begin, end = (min(max(k, 0), n - nodes) for k in (begin, end))
         return begin, end + nodes
 
-    @property
-    def _other(self) -> int:
-        """The order against which errors are measured."""
-        return other_order(self.order)
-
     def _field(self, values: np.ndarray) -> Field:
         """A block with its halo as a field of its own, less what is subtracted everywhere."""
-        grid = _grid_of(values, self.steps)
+        grid = grid_of(values, self.steps)
         bent = values - self.reference.reshape(*self.reference.shape, *(1,) * len(self.steps))
         bent[:, :, grid.holes] = 0
         noise = None
         if self.sigma.any():
             noise = Noise.of_sigma(self.sigma.reshape(*self.sigma.shape, *(1,) * len(self.steps)))
-        return Field(grid, bent, self.reference, noise, self.order, self._other, 0.0)
+        return Field(grid, bent, self.reference, noise, self.order, other_order(self.order), 0.0)
 
     def _of(self, field: Field) -> np.ndarray:
         """The map of a field: `Parts` as one array."""
@@ -268,14 +255,14 @@ class BlockMap:
 
     @property
     def _digest(self) -> str:
-        """Of what the first, the middle and the last block are computed from."""
+        """SHA-256 of the nodes from which the first, the middle and the last block are computed."""
         numbers = self.numbers
         chosen = sorted({0, len(numbers) // 2, len(numbers) - 1})
         return digest_of_arrays(self._read(numbers[k], beside_holes=False)[1] for k in chosen)
 
     @property
     def described(self) -> dict[str, Any]:
-        """What a run must have in common with the one that it resumes, as JSON has it."""
+        """Description of the run, as JSON has it: a run resumes only a map with the same one."""
         names = ("steps", "block", "size", "plane", "order", "periodic", "stride")
         return {
             "digest": self.source.digest or self._digest,
@@ -301,12 +288,13 @@ def blocked_map(
     periodic: Any = (),
     sigma: float | np.ndarray = 0.0,
     stride: int | Sequence[int] = 1,
+    overwrite: bool = False,
 ) -> BlockMap:
     """Burgers vectors of circuits at every place of a field larger than memory, block by block.
 
     Blocks are tasks of dask, on threads of this machine, or wherever dask is set to run them:
-    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. Each takes the memory
-    of a block with its halo some ten times.
+    `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. A task takes about ten
+    times the memory of its block and halo.
 
     Parameters
     ----------
@@ -328,6 +316,8 @@ def blocked_map(
     stride
         Nodes from one place to the next, one number or one for each axis: the size, for circuits
         that lie side by side.
+    overwrite
+        Replace the map that is there, instead of computing the blocks that it lacks.
 
     Raises
     ------
@@ -392,7 +382,7 @@ def blocked_map(
         (pair[0], pair[1]), order, wraps, np.broadcast_to(noise, components), reference,
         _several(stride, d, "stride", 1),
     )  # fmt: skip
-    _open(made)
+    _open(made, overwrite)
     left = [number for number in made.numbers if not made.is_done(number)]
     for number in left:
         made.file(number).unlink(missing_ok=True)
@@ -411,20 +401,24 @@ def run_in(path: Path) -> dict[str, Any] | None:
     return described if isinstance(described, dict) else None
 
 
-def _open(made: BlockMap) -> None:
-    """Make the array of a map, or look whether the one that is there is of the same run."""
+def _open(made: BlockMap, overwrite: bool) -> None:
+    """Make the array of a map, or check that the array at its path belongs to the same run."""
     path, described = Path(made.path), made.described
     there = run_in(path)
-    if there is not None:
+    if there is not None and overwrite:
+        with _writing(path):
+            rmtree(path)
+        there = None
+    elif there is not None:
         differ = [key for key, value in described.items() if there.get(key) != value]
         array = opened(made.path, again=True)
         if differ or (array.shape, array.chunks) != (made.shape, made.chunks):
             raise CheckpointError(
                 f"{path}: expected the map of this run, got one of another run: "
-                f"{', '.join(differ) or 'its shape'} differ. Name another path, or give the same "
-                "arguments."
+                f"{', '.join(differ) or 'its shape'} differ. Name another path, give the same "
+                "arguments, or overwrite the map."
             )
-        # What a killed process was writing.
+        # A killed process leaves the chunk that it was writing.
         for part in path.rglob("*.partial"):
             part.unlink()
     elif path.exists() and not (path.is_dir() and not any(path.iterdir())):
@@ -441,7 +435,7 @@ def _open(made: BlockMap) -> None:
         )
     if there is None:
         with _writing(path):
-            # A chunk of nothing but the fill value is not written: NaN would be one of holes.
+            # Zarr omits a chunk that equals the fill value, and a block in a hole is all NaN.
             module("zarr", path).create_array(
                 made.path, shape=made.shape, chunks=made.chunks, dtype="float64", fill_value=inf,
                 compressors=None, zarr_format=3, attributes={RUN: described},
@@ -449,17 +443,8 @@ def _open(made: BlockMap) -> None:
 
 
 @contextmanager
-def on_threads(number: int) -> Iterator[None]:
-    """Let dask compute blocks on so many threads of this process; one is this thread itself."""
-    checks.count(number, "workers", GridError, 1)
-    dask = module("dask", Path("dask"))
-    with dask.config.set(scheduler="threads" if number > 1 else "synchronous", num_workers=number):
-        yield
-
-
-@contextmanager
 def _writing(path: Path) -> Iterator[None]:
-    """Failures of the system while a part of a Zarr array is written."""
+    """Turn failures of the system while a Zarr array is written into an error of ours."""
     try:
         yield
     except OSError as error:
@@ -492,51 +477,6 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
                 "workers or smaller blocks; the same call resumes the run. A script that uses "
                 'processes needs `if __name__ == "__main__":` around its calls.'
             ) from None
-
-
-def estimated_sigma(source: LargeArray) -> np.ndarray:
-    """Noise of each component, shape (rows, columns along the grid), from a sample of the field.
-
-    The estimate is that of `SampledFrame(sigma="estimate")`, from all nodes of a small field, and
-    from windows spread evenly over a large one.
-    """
-    shape = source.shape[2:]
-    d = len(shape)
-    windows = [[(0, n)] for n in shape]
-    if prod(shape) > SAMPLE:
-        # Windows as wide as sixth differences need, or wider.
-        side = max(SMOOTH + 1, round(WINDOW ** (1 / d)))
-        count = max(2, round((SAMPLE / WINDOW) ** (1 / d)))
-        sides = [min(n, side) for n in shape]
-        windows = [
-            [(int(k), int(k) + m) for k in np.unique(np.linspace(0, n - m, count).astype(int))]
-            for n, m in zip(shape, sides, strict=True)
-        ]
-    parts = []
-    for window in product(*windows):
-        low, high = zip(*window, strict=True)
-        values = source.read(low, high)[:, :d]
-        _check_finite(values, low)
-        parts.append((values, _grid_of(values, (1.0,) * d)))
-    return estimated_from_parts(parts).reshape(source.shape[0], d)
-
-
-def _grid_of(values: np.ndarray, steps: tuple[float, ...]) -> Grid:
-    """The grid of a block with its holes."""
-    shape = values.shape[2:]
-    holes = np.asarray(np.isnan(values).any(axis=(0, 1)))
-    axes = tuple(np.arange(float(n)) for n in shape)
-    return Grid(axes, tuple("xyzuvw"[: len(shape)]), (False,) * len(shape), holes, steps)
-
-
-def _check_finite(values: np.ndarray, low: Sequence[int]) -> None:
-    """Refuse infinite values in a block whose first node is low."""
-    if np.isinf(values).any():
-        place = np.argwhere(np.isinf(values))[0, 2:] + low
-        raise GridError(
-            f"source: finite values were needed, but one is infinite at node "
-            f"{tuple(place.tolist())}. Write NaN where nothing is known."
-        )
 
 
 def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:

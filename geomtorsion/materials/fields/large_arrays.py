@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
+from math import prod
+from operator import lt
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,10 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GridError, LimitError
 from geomtorsion.files import digest_of, read_json_text, read_text
+from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields.contents import guarded, module
+from geomtorsion.materials.fields.grid import Grid
+from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
 from geomtorsion.npz import LARGEST_ARRAYS
 
 # Packings of Zarr that only pack: any other one might run what it finds.
@@ -23,6 +28,10 @@ HARMLESS = frozenset(
     "blosc zstd gzip zlib lz4 bz2 lzma bytes crc32c transpose sharding_indexed endian".split()
 )
 
+# Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
+# field: the median over so many has an error of half a per cent.
+SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
+_CHUNK = re.compile(r"(c[/.])?[0-9]{1,18}([/.][0-9]{1,18})*")
 # What the array of a field is called in a Zarr group.
 INNER = "coframe"
 
@@ -65,10 +74,10 @@ class LargeArray:
     def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
         """The values of nodes from low to high; beyond the ends of an axis it begins again."""
         shape = (*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True)))
-        if 8 * math.prod(shape) > LARGEST_ARRAYS:
+        if 8 * prod(shape) > LARGEST_ARRAYS:
             raise LimitError(
                 f"source: expected parts of at most {LARGEST_ARRAYS:,} bytes, got "
-                f"{8 * math.prod(shape):,} bytes for {shape}. Give smaller blocks."
+                f"{8 * prod(shape):,} bytes for {shape}. Give smaller blocks."
             )
         pieces = [_pieces(a, b, n) for a, b, n in zip(low, high, self.shape[2:], strict=True)]
         values = np.empty(shape)
@@ -81,7 +90,7 @@ class LargeArray:
         return values
 
     def _part(self, array: Any, index: tuple[slice, ...], shape: tuple[int, ...]) -> np.ndarray:
-        """The values of a slice. A task of dask may give another shape or type than it declares."""
+        """The values of a slice, checked: dask may give another shape or type than it declares."""
         if isinstance(self.given, str):
             # A damaged chunk is known only when it is unpacked.
             part = guarded(Path(self.given), lambda: np.asarray(array[index]))
@@ -187,7 +196,7 @@ def _check_chunks(path: Path, array: Any) -> None:
             f"{path}: expected lengths of 1 or more, got the shape {tuple(array.shape)} in chunks "
             f"of {tuple(sizes)}. Write the array again."
         )
-    largest = math.prod(array.chunks) * array.dtype.itemsize
+    largest = prod(array.chunks) * array.dtype.itemsize
     if largest > LARGEST_ARRAYS:
         raise LimitError(
             f"{path}: expected chunks of at most {LARGEST_ARRAYS:,} bytes, got {largest:,} bytes "
@@ -196,14 +205,65 @@ def _check_chunks(path: Path, array: Any) -> None:
     fill = array.fill_value
     if isinstance(fill, float | np.floating) and np.isnan(fill):
         return
-    needed = math.prod(-(-n // m) for n, m in zip(array.shape, sizes, strict=True))
-    files = sum(1 for one in path.rglob("*") if one.is_file())
-    # Counting goes through all chunks that are declared, which may be more than ever end.
-    there = files if files < needed else array.nchunks_initialized * math.prod(array.chunks)
-    there = there if files < needed else there // math.prod(sizes)
+    counts = [-(-n // m) for n, m in zip(array.shape, sizes, strict=True)]
+    needed = prod(counts)
+    there = sum(_is_chunk(one.relative_to(path).as_posix(), counts) for one in path.rglob("*"))
     if there < needed:
         raise FileFormatError(
-            f"{path}: expected {needed:,} chunks, got at most {there:,}; the others would be read "
+            f"{path}: expected {needed:,} chunks, got {there:,}; the others would be read "
             f"as {fill}. Copy the whole array, or write it again with the fill value NaN (which "
             "is a hole), or with write_empty_chunks=True."
+        )
+
+
+def _is_chunk(key: str, counts: Sequence[int]) -> bool:
+    """Whether the name of a file is the key of a chunk: c/0/1 or, of format 2, 0.1 or 0/1."""
+    if not _CHUNK.fullmatch(key):
+        return False
+    numbers = [int(word) for word in re.findall("[0-9]+", key)]
+    return len(numbers) == len(counts) and all(map(lt, numbers, counts))
+
+
+def estimated_sigma(source: LargeArray) -> np.ndarray:
+    """Noise of each component, shape (rows, columns along the grid), from a sample of the field.
+
+    The estimate is that of `SampledFrame(sigma="estimate")`, from all nodes of a small field, and
+    from windows spread evenly over a large one.
+    """
+    shape = source.shape[2:]
+    d = len(shape)
+    windows = [[(0, n)] for n in shape]
+    if prod(shape) > SAMPLE:
+        # Windows as wide as sixth differences need, or wider.
+        side = max(SMOOTH + 1, round(WINDOW ** (1 / d)))
+        count = max(2, round((SAMPLE / WINDOW) ** (1 / d)))
+        sides = [min(n, side) for n in shape]
+        windows = [
+            [(int(k), int(k) + m) for k in np.unique(np.linspace(0, n - m, count).astype(int))]
+            for n, m in zip(shape, sides, strict=True)
+        ]
+    parts = []
+    for window in product(*windows):
+        low, high = zip(*window, strict=True)
+        values = source.read(low, high)[:, :d]
+        check_finite(values, low)
+        parts.append((values, grid_of(values, (1.0,) * d)))
+    return estimated_from_parts(parts).reshape(source.shape[0], d)
+
+
+def grid_of(values: np.ndarray, steps: tuple[float, ...]) -> Grid:
+    """The grid of a block with its holes."""
+    shape = values.shape[2:]
+    holes = np.asarray(np.isnan(values).any(axis=(0, 1)))
+    axes = tuple(np.arange(float(n)) for n in shape)
+    return Grid(axes, tuple("xyzuvw"[: len(shape)]), (False,) * len(shape), holes, steps)
+
+
+def check_finite(values: np.ndarray, low: Sequence[int]) -> None:
+    """Refuse infinite values in a block whose first node is low."""
+    if np.isinf(values).any():
+        place = np.argwhere(np.isinf(values))[0, 2:] + low
+        raise GridError(
+            f"source: finite values were needed, but one is infinite at node "
+            f"{tuple(place.tolist())}. Write NaN where nothing is known."
         )

@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shutil import rmtree
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import CheckpointError, GridError
-from geomtorsion.files import written
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.burgers import noise_level
 from geomtorsion.materials.fields import BlockMap, blocked_map
-from geomtorsion.materials.fields.blocked_map import Parts, estimated_sigma, run_in
-from geomtorsion.materials.fields.large_arrays import LargeArray, opened
+from geomtorsion.materials.fields.blocked_map import Parts, run_in
+from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigma, opened
 from geomtorsion.materials.measured.fields import SampledField, layer_names
 from geomtorsion.materials.measured.opening import is_array, open_measured
 from geomtorsion.materials.measured.results import Survey, summary
@@ -150,14 +148,14 @@ def map_in_blocks(
 ) -> BlockedSurvey:
     """Compute the map of a field in the Zarr array at a path, or the blocks that it lacks.
 
-    block: places along the side of a block; None for that of the run that is resumed, or as many
-    as fit. A map that is complete is replaced unless it is resumed.
+    block: places along the side of a block; None: as in the run that is resumed, or some ten
+    megabytes. A complete map is replaced unless it is resumed.
 
     Raises
     ------
     CheckpointError
-        A run was stopped there, and nobody says what to do with it; or none, or another one, to
-        resume.
+        The path holds a run that was stopped, and neither resume nor overwrite is set; or it holds
+        no run to resume, or another one.
     """
     there = run_in(path)
     if resume and overwrite:
@@ -171,12 +169,10 @@ def map_in_blocks(
                 f"{path}: it holds a map that was stopped. Give --resume to complete it, or "
                 "--overwrite to begin anew."
             )
-        with written(path, is_folder=True):
-            rmtree(path)
     kept = there.get("block", field.block) if resume and there else field.block
     result = blocked_map(
         field.given, path, field.steps, kept if block is None else block, size, plane,
-        field.order, periodic=field.periodic, sigma=field.sigma,
+        field.order, periodic=field.periodic, sigma=field.sigma, overwrite=not resume,
     )  # fmt: skip
     return BlockedSurvey(field, result)
 

@@ -265,3 +265,15 @@ def test_a_grain_is_a_crystal_of_its_own():
         grains.wall(0, 0)
     with pytest.raises(CrystalError, match="number"):
         crystal.grain(2)
+
+
+def test_a_small_grain_is_found():
+    """A turned cylinder in a periodic sheet, less than a quarter of its atoms."""
+    places, cell = block("fcc", (16, 8, 4))
+    inside = np.hypot(*(places - cell / 2)[:, :2].T) < 2.9
+    middle = (places - cell / 2) @ turned(37, [0, 0, 1]).T + cell / 2
+    both = np.concatenate([places[~inside], middle[inside]])
+    assert inside.mean() < 0.25
+    grains = Crystal(both, cell, (True, True, False)).grains
+    assert [len(grains), len(grains.walls)] == [2, 1]
+    assert grains.walls[0].degrees == pytest.approx(37, abs=0.5)

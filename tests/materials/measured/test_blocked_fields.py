@@ -6,12 +6,12 @@ import sys
 import time
 from pathlib import Path
 
+import dask
 import numpy as np
 import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
 from geomtorsion.materials.fields import BlockMap, SampledFrame
-from geomtorsion.materials.fields.blocked_map import on_threads
 from geomtorsion.materials.fields.large_arrays import opened
 from geomtorsion.materials.measured import is_array, is_measured, open_measured
 from geomtorsion.materials.measured.blocked_fields import (
@@ -193,7 +193,7 @@ def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
         compute(self, number)
 
     monkeypatch.setattr(BlockMap, "compute", stopping)
-    with pytest.raises(KeyboardInterrupt), on_threads(1):
+    with pytest.raises(KeyboardInterrupt), dask.config.set(scheduler="synchronous"):
         run(path, out, 5)
     monkeypatch.undo()
     kept = chunks(out)
@@ -212,7 +212,10 @@ def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
     found = run(path, out, None, resume=True)
     assert found.result.block == (5, 5)
     assert [file.stat().st_mtime_ns for file in kept] == times
-    # What is complete is replaced, as all files of results are.
+    # What is complete stays where the next map is refused, and is replaced by one that is not.
+    with pytest.raises(GridError, match="size"):
+        run(path, out, 5, size=400)
+    assert [file.stat().st_mtime_ns for file in kept] == times
     assert run(path, out, 7).result.block == (7, 7)
 
 
