@@ -74,6 +74,7 @@ LONG: dict[str, str] = {
     "exact/arguments.py": "angles and exponents, over one kind of basis",
     "exact/reading.py": "what may be read, and how it is",
     "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",
+    "exact/tower.py": "the arithmetic of a field: generators, sums, denominators, factors",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
     "ode/engines/taylor.py": "the engine and the integrators that are compiled for it",
     "ode/solution.py": "a solution with its cost, and the outline of what can be solved",

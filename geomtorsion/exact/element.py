@@ -82,6 +82,7 @@ class Element(ABC):
 
     __slots__ = ("_bits", "_diffs", "_field", "_form", "_hash", "_images", "_sympy")
 
+    _field: Tower
     # Whether the element is kept as it was built.
     is_kept: ClassVar[bool]
     # Numerator and denominator; a lazy element is multiplied out for them.
@@ -90,16 +91,15 @@ class Element(ABC):
     # The number of generators over which the numerator is written; -1 for a lazy element.
     _level: int
 
-    def __init__(self, field: Tower) -> None:
-        self._field = field
-        self._bits: int | None = None
-        self._diffs: dict[sympy.Symbol, Element] | None = None
-        # What form.py made of it; its type would close a ring of imports.
-        self._form: Any = None
-        self._hash: int | None = None
-        # Its values at points of the field, see `modular`: kind of point -> (place, value).
-        self._images: dict[object, tuple[object, Any]] | None = None
-        self._sympy: sympy.Expr | None = None
+    # What is filled in on first use.
+    _bits: int | None
+    _diffs: dict[sympy.Symbol, Element] | None
+    # What form.py made of it; its type would close a ring of imports.
+    _form: Any
+    _hash: int | None
+    # Its values at points of the field, see `modular`: kind of point -> (place, value).
+    _images: dict[object, tuple[object, Any]] | None
+    _sympy: sympy.Expr | None
 
     @property
     def field(self) -> Tower:
@@ -367,10 +367,11 @@ class Canonical(Element):
     is_kept = False
 
     def __init__(self, field: Tower, num: fmpq_mpoly, den: Denominator, level: int) -> None:
-        super().__init__(field)
+        self._field = field
         self._num = num
         self._den = den
         self._level = level
+        self._bits = self._diffs = self._form = self._hash = self._images = self._sympy = None
 
     @property
     def is_zero(self) -> bool | None:
@@ -428,11 +429,12 @@ class Lazy(Element):
     _level = -1
 
     def __init__(self, field: Tower, recipe: Recipe) -> None:
-        super().__init__(field)
+        self._field = field
         self._recipe = recipe
         # What it is multiplied out, once that was tried.
         self._whole: Whole | None = None
         self._is_zero: bool | None = None
+        self._bits = self._diffs = self._form = self._hash = self._images = self._sympy = None
 
     @property
     def _num(self) -> fmpq_mpoly:  # pyright: ignore[reportIncompatibleVariableOverride]

@@ -9,7 +9,6 @@ angles in use and with the coordinates themselves.
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import cached_property
 from itertools import repeat
 from operator import truediv
 from typing import TYPE_CHECKING
@@ -21,7 +20,6 @@ from mpmath.libmp import to_rational
 
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact.arguments import express
-from geomtorsion.exact.constant_logarithms import ConstantLogarithms
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.limits import LARGEST_MULTIPLE
 from geomtorsion.exact.polynomials import prime_factors
@@ -68,11 +66,6 @@ class Primitives:
         self._arguments = arguments
         self._known: list[tuple[Element, tuple[Element, ...]]] = []
         self._by_argument: dict[tuple[str, tuple[Element, ...]], Element] = {}
-
-    @cached_property
-    def _numbers(self) -> ConstantLogarithms:
-        """Logarithms and arcs of numbers, which few fields have."""
-        return ConstantLogarithms(self._field)
 
     def log(self, element: Element) -> Element:
         """The logarithm, as a sum over the factors of its argument.
@@ -145,12 +138,8 @@ class Primitives:
         for generator in field.generators:
             if generator.kind == "constant" and generator.shown == shown:
                 return field.generator_element(generator)
-
-        def new() -> Element:
-            return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
-
-        number = field.rational(prime)
-        return self._numbers.placed("log", number, (number,), new)
+        # Whole numbers have one factorization: logarithms of primes are independent.
+        return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
 
     def _log_of_factor(self, base: Element) -> Element:
         """The logarithm of one factor; that of an exponential or a root needs no generator."""
@@ -210,10 +199,7 @@ class Primitives:
             depends |= argument.symbols
         # A constant: its derivatives say nothing about dependence.
         if not any(slope._num for slope in slopes):
-            inner = data[0] if isinstance(data, tuple) else data
-            return self._numbers.placed(
-                name, inner, arguments, lambda: self._constant_function(name, shown, data)
-            )
+            return self._constant_function(name, shown, data)
         value = self._number(name, arguments)
         combination = self._combination(slopes)
         sure = True

@@ -307,15 +307,26 @@ class Tower(ABC):
         It is kept as it is where multiplying it out would be dear (see `kept`).
         """
         # Making the terms may add generators; only then is the ring fixed.
-        zero = id(self.zero)
-        terms = [term for term in terms if zero not in map(id, term)]
-        if len(terms) == 1:
-            coefficient, *others, last = terms[0]
+        zero, key = self.zero, id(self.zero)
+        # The middle and the last entry are all factors of a product of two.
+        left: list[tuple[Any, ...]] = [
+            term
+            for term in terms
+            if term[-1] is not zero
+            and term[len(term) // 2] is not zero
+            and (len(term) < 4 or key not in map(id, term))
+        ]
+        if not left:
+            return zero
+        if len(left) == 1:
+            coefficient, *factors = left[0]
             # One element needs no new common denominator, nor does 1 of eta times one.
-            if coefficient == 1 and (not others or (len(others) == 1 and others[0].is_one)):
-                return last
-        found = self.added(terms, limits.MOST_AT_ONCE)
-        return kept(self, terms) if found is None else found
+            if len(factors) == 2 and factors[0].is_one:
+                factors.pop(0)
+            if coefficient == 1 and len(factors) == 1:
+                return factors[0]
+        found = self.added(left, limits.MOST_AT_ONCE)
+        return kept(self, left) if found is None else found
 
     def added(self, terms: list[tuple[Any, ...]], largest: int) -> Element | None:
         """The sum multiplied out; None if a product of more pairs of terms would be needed."""

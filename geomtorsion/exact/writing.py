@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import starmap
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any
 
 import sympy
 from flint import fmpq
@@ -31,26 +31,35 @@ from geomtorsion.exact.limits import check_parts, check_written
 from geomtorsion.exact.polynomials import as_fmpq
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from geomtorsion.exact.element import Element
 
 
-# Generators that sympy never merges with others in a product, as it does exp(x)*exp(y).
-_PLAIN = frozenset(("symbol", "cos", "sin", "cosh", "sinh", "log", "jet"))
 _ORDER = cmp_to_key(sympy.Basic.compare)
 _SHOWN = attrgetter("shown")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Part:
-    """A factor as sympy writes it; as an object of its own it is found without sympy's hash."""
+    """A factor as sympy writes it; as an object of its own it is found without sympy's hash.
+
+    base: what sympy merges it by, as it does sqrt(x)*x or exp(x)*exp(y); None if it may merge with
+        anything, as roots of numbers and products do.
+    """
 
     shown: sympy.Expr
+    base: sympy.Expr | None
+
+    @classmethod
+    def of(cls, shown: sympy.Expr) -> Part:
+        """The part of an expression."""
+        base = shown if shown is sympy.I else shown.as_base_exp()[0]
+        return cls(shown, None if base.is_Number or shown.is_Mul else base)
 
 
 # Stands for all products where parts of different kinds are put in order.
-_A_PRODUCT = Part(sympy.Mul(2, sympy.Symbol("x")))
+_A_PRODUCT = Part.of(sympy.Mul(2, sympy.Symbol("x")))
 
 
 class Parts:
@@ -66,6 +75,7 @@ class Parts:
         # Kept elements that are written, by their identity, with the elements.
         self.built: dict[int, tuple[Element, sympy.Expr]] = {}
         self._powers: dict[tuple[Generator | Sum, int], Part] = {}
+        self._exponentials: dict[tuple[tuple[Generator, int], ...], Part] = {}
         self._sizes: dict[Generator | Sum, int] = {}
         self._numbers: dict[fmpq, Part] = {}
         self._places: dict[Part, int] = {_A_PRODUCT: 0}
@@ -104,8 +114,16 @@ class Parts:
         found = self._powers.get((base, exponent))
         if found is None:
             plain = self._root(base) if isinstance(base, Generator) else _sum(self, base)
-            found = Part(plain if exponent == 1 else plain**exponent)
+            found = Part.of(plain if exponent == 1 else plain**exponent)
             self._powers[base, exponent] = found
+        return found
+
+    def exponential(self, powers: tuple[tuple[Generator, int], ...]) -> Part:
+        """The product of powers of exponentials, joined in one."""
+        found = self._exponentials.get(powers)
+        if found is None:
+            exponents = (exponent * base.shown.args[0] for base, exponent in powers)
+            found = self._exponentials[powers] = Part.of(sympy.exp(sympy.Add(*exponents)))
         return found
 
     def _root(self, base: Generator) -> sympy.Expr:
@@ -118,7 +136,7 @@ class Parts:
         """A coefficient."""
         found = self._numbers.get(value)
         if found is None:
-            found = self._numbers[value] = Part(_number(value))
+            found = self._numbers[value] = Part.of(_number(value))
         return found
 
     def order(self, parts: Iterable[Part]) -> dict[Part, int]:
@@ -190,11 +208,7 @@ def _of_form(known: Parts, written: Form) -> sympy.Expr:
     """What a form stands for."""
     if known.has_names:
         return _with_names(known, written)
-    factors = _factors(known, written.powers)
-    sums = sum(isinstance(base, Sum) for base, _ in written.powers)
-    plain = all(isinstance(base, Sum) or base.kind in _PLAIN for base, _ in written.powers)
-    # sympy distributes a number over a lone sum; then its own product is taken.
-    return _product(known, written.coefficient, factors, plain and (len(factors) > 1 or not sums))
+    return _product(known, written.coefficient, _factors(known, written.powers))
 
 
 def _with_names(known: Parts, written: Form) -> sympy.Expr:
@@ -339,30 +353,38 @@ def _number(value: fmpq) -> sympy.Expr:
     return sympy.Rational(int(value.p), int(value.q)) if value.q != 1 else sympy.Integer(int(value))
 
 
-def _product(known: Parts, value: fmpq, factors: list[Part], plain: bool) -> sympy.Expr:
-    """value * factors; plain ones are put together without sympy's search for like bases."""
+def _stay_apart(factors: list[Part]) -> bool:
+    """Whether sympy merges none of the factors of a product."""
+    bases = {factor.base for factor in factors}
+    return len(bases) == len(factors) and not any(base is None for base in bases)
+
+
+def _product(known: Parts, value: fmpq, factors: list[Part]) -> sympy.Expr:
+    """value * factors; where none merge, without sympy's search for like bases."""
     if not factors:
         return _number(value)
     if value == 1 and len(factors) == 1:
         return factors[0].shown
     number = known.number(value)
-    if not plain:
+    # sympy distributes a number over a lone sum; then its own product is taken.
+    if not _stay_apart(factors) or (len(factors) == 1 and factors[0].shown.is_Add):
         return sympy.Mul(number.shown, *[factor.shown for factor in factors])
     return _in_order(number, sorted(factors, key=known.order(factors).__getitem__))
 
 
-def _factors(known: Parts, powers: Iterable[tuple[Generator | Sum, int]]) -> list[Part]:
+def _factors(known: Parts, powers: Sequence[tuple[Generator | Sum, int]]) -> list[Part]:
     """base**exponent of each; exponentials of numbers and functions are joined in one."""
-    exponents = [exponent * base.shown.args[0] for base, exponent in powers if _is_exp(base)]
-    if len(exponents) < 2:
+    exponentials: list[tuple[Generator, int]] = []
+    others: list[tuple[Generator | Sum, int]] = []
+    for base, exponent in powers:
+        # The number e is a generator of this kind, but not an exp.
+        if isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp):
+            exponentials.append((base, exponent))
+        else:
+            others.append((base, exponent))
+    if len(exponentials) < 2:
         return list(starmap(known.power, powers))
-    rest = starmap(known.power, (power for power in powers if not _is_exp(power[0])))
-    return [*rest, Part(sympy.exp(sympy.Add(*exponents)))]
-
-
-def _is_exp(base: Generator | Sum) -> TypeGuard[Generator]:
-    """Whether a base is exp of something, which the number e is not."""
-    return isinstance(base, Generator) and base.kind == "exp" and isinstance(base.shown, sympy.exp)
+    return [*starmap(known.power, others), known.exponential(tuple(exponentials))]
 
 
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
@@ -371,13 +393,12 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
         found = sympy.Add(*(_of_form(known, one) for one in forms))
         # A sum over numbers that it shared with others may share one with its own terms, then.
         return _shared_number_out(found) if known.has_names else found
-    if not all(generator.kind in _PLAIN for _, powers in base.terms for generator, _ in powers):
-        plain = [all(g.kind in _PLAIN for g, _ in powers) for _, powers in base.terms]
-        terms = zip(base.terms, plain, strict=True)
-        return sympy.Add(
-            *(_product(known, x, _factors(known, powers), flag) for (x, powers), flag in terms)
-        )
-    split = [(known.number(x), list(starmap(known.power, ps))) for x, ps in base.terms]
+    split = list[tuple[Part, list[Part]]]()
+    for x, powers in base.terms:
+        split.append((known.number(x), _factors(known, powers)))
+    if not all(_stay_apart(factors) for _, factors in split):
+        products = zip(base.terms, split, strict=True)
+        return sympy.Add(*(_product(known, x, factors) for (x, _), (_, factors) in products))
     # sympy's order of all that occurs gives that of every product, and that of the products.
     place = known.order(part for number, factors in split for part in (number, *factors))
     terms = [_plain_product(number, factors, place) for number, factors in split]
@@ -396,7 +417,7 @@ def _shared_number_out(shown: sympy.Expr) -> sympy.Expr:
 def _plain_product(
     number: Part, factors: list[Part], place: dict[Part, int]
 ) -> tuple[tuple[int, ...], sympy.Expr]:
-    """A product of plain factors, and what sympy orders it by: numbers first, then by its parts."""
+    """A product whose factors stay apart, and what sympy orders it by: numbers first."""
     if not factors:
         return (-1,), number.shown
     if number.shown is sympy.S.One and len(factors) == 1:
