@@ -26,7 +26,6 @@ from geomtorsion.ode.system import (
     STEPS_AT_ONCE,
     Dense,
     Run,
-    ScalarRates,
     System,
     Watch,
     WorkLimitError,
