@@ -9,6 +9,8 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
+from geomtorsion.outgoing import latex_formula
+
 
 class PrintedOnce(Printer):
     """A printer that writes each part once, however often it stands in what it prints.
@@ -49,3 +51,7 @@ class TexPrinter(PrintedOnce, LatexPrinter):
     >>> TexPrinter().doprint(x**2 * sp.sin(x * y))
     'x^{2} \\sin{\\left(x y \\right)}'
     """
+
+    def doprint(self, expr: sp.Basic) -> str:
+        """The formula, in which no name is obeyed."""
+        return latex_formula(super().doprint(expr))

@@ -18,6 +18,7 @@ from geomtorsion.checks import expression as expression_of
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.conventions import burgers
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
     AllowanceError,
     ExpressionError,
@@ -236,7 +237,7 @@ class ExactBurgersVector:
         return f"ExactBurgersVector([{', '.join(map(str, self.vector))}])"
 
     def _repr_latex_(self) -> str:
-        return f"$b = {sp.latex(sp.Matrix(self.vector))}$"
+        return f"$b = {latex_of(sp.Matrix(self.vector))}$"
 
 
 def exact_burgers_vector(

@@ -7,10 +7,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from html import escape
 from pathlib import Path
 
 from geomtorsion.errors import ExpressionError
+from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import GREEK
 
@@ -308,7 +308,7 @@ def _listed(node: Node) -> tuple[Node, ...]:
 
 def _letter(node: Node) -> str:
     upright = ' mathvariant="normal"' if "Α" <= node.text <= "Ω" else ""
-    return f"<mi{upright}>{escape(node.text)}</mi>"
+    return f"<mi{upright}>{html_text(node.text)}</mi>"
 
 
 def _sign(node: Node) -> str:
@@ -318,15 +318,15 @@ def _sign(node: Node) -> str:
     sign = "−" if node.text == "-" else node.text
     still = ' stretchy="false"' if sign in _FENCES else ""
     tight = ' lspace="0" rspace="0"' if sign[:1] in "/′" else ""
-    return f"<mo{still}{tight}>{escape(sign)}</mo>"
+    return f"<mo{still}{tight}>{html_text(sign)}</mo>"
 
 
 def _word(node: Node) -> str:
     if " " in node.text:
         # Markup would swallow blanks at the ends.
-        return f"<mtext>{escape(node.text).replace(' ', chr(0xA0))}</mtext>"
+        return f"<mtext>{html_text(node.text).replace(' ', chr(0xA0))}</mtext>"
     upright = ' mathvariant="normal"' if len(node.text) == 1 else ""
-    return f"<mi{upright}>{escape(node.text)}</mi>"
+    return f"<mi{upright}>{html_text(node.text)}</mi>"
 
 
 def _fraction(node: Node) -> str:
@@ -360,7 +360,7 @@ def _accent(node: Node) -> str:
 
 
 def _fence(node: Node) -> str:
-    left, right = (escape(x) if x != "." else "" for x in node.text)
+    left, right = (html_text(x) if x != "." else "" for x in node.text)
     inner = "".join(map(_written, node.parts))
     # Browsers set more space beside a bracket that may grow, even where it does not.
     mark = "<mo>" if any(tall in inner for tall in _TALL) else '<mo stretchy="false">'
