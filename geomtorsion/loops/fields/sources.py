@@ -16,6 +16,7 @@ from geomtorsion.blocks import digest_of, digest_of_arrays
 from geomtorsion.errors import FileFormatError, GridError, LimitError
 from geomtorsion.files import read_json_text, read_text
 from geomtorsion.loops.fields.contents import guarded, module
+from geomtorsion.loops.fields.packed_chunks import check_packed
 from geomtorsion.npz import LARGEST_ARRAYS
 
 # Packings of Zarr that only pack: any other one might run what it finds.
@@ -174,6 +175,10 @@ def _zarr(path: Path, called: str, again: bool) -> ZarrArray:
                     array = module("zarr", path).open_array(str(inner), mode="r")
                     if not again:
                         _check_chunks(inner, array)
+                        shard = getattr(array, "shards", None) or array.chunks
+                        count = math.prod(shard) // math.prod(array.chunks)
+                        size = math.prod(array.chunks) * array.dtype.itemsize
+                        check_packed(inner, said, size, count)
                     return ZarrArray(inner, array)
     raise FileFormatError(
         f"{path}: neither an .npy file nor a Zarr array, nor one called {called}."
