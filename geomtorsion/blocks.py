@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import CheckpointError, FileFormatError, LimitError
 from geomtorsion.files import read_json_text, read_text, write_text, written
 from geomtorsion.progress import PATIENCE, bar, ignore_interrupts
@@ -142,6 +143,7 @@ def run_blocks(
     """
     with bar(f"{len(left)} {what}", len(left), patience=PATIENCE) as show:
         for done, _ in enumerate(_run(compute, left, workers, client), 1):
+            check_limits()
             if show is not None:
                 show(done)
 

@@ -27,6 +27,7 @@ from flint import (
     fq_default_poly_ctx,
 )
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.degrees import degree
 from geomtorsion.exact.element import in_order
@@ -145,6 +146,7 @@ class ModularPoint:
             return None
         value, prime = self.image(element), self._number_of_prime
         while True:
+            check_limits()
             self._settle(moved=moved)
             if self._number_of_prime != prime:
                 value, prime = self.image(element), self._number_of_prime
@@ -161,6 +163,7 @@ class ModularPoint:
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""
         while True:
+            check_limits()
             try:
                 value = found()
             except _PrimeError:

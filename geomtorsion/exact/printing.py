@@ -9,6 +9,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.outgoing import latex_formula
 
 
@@ -27,6 +28,7 @@ class PrintedOnce(Printer):
         if kwargs or not isinstance(expr, sp.Basic) or not expr.args:
             return super()._print(expr, **kwargs)
         if expr not in self._texts:
+            check_limits()
             self._texts[expr] = super()._print(expr)
         return self._texts[expr]
 

@@ -34,6 +34,7 @@ from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
+from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
@@ -57,8 +58,7 @@ def definite(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr |
             result = method(f, t)
             if result is not None:
                 return turns * result
-    result = sp.integrate(f, (t, low, high))
-    return None if result.has(sp.Integral, sp.nan, sp.zoo) else result
+    return integrated(f, t, low, high)
 
 
 def tidy(f: sp.Expr, t: sp.Symbol) -> sp.Expr:

@@ -23,10 +23,6 @@ _COUNTED = {
 }
 # Packings that write the size at the beginning.
 _WRITTEN = ("blosc", "zstd", "lz4")
-# Bytes of the beginning in which they do.
-_HEAD = 18
-# An inner chunk that a shard does not hold.
-_NONE = 2**64 - 1
 
 
 def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> None:
@@ -99,7 +95,8 @@ def _parts(
     stream.seek(0 if at_start else max(0, length - size - checked))
     index = stream.read(size)
     for start, count in struct.iter_unpack("<QQ", index[: len(index) // 16 * 16]):
-        if start < length and count != _NONE:
+        # Of a chunk that a shard does not hold, both numbers are 2**64 - 1.
+        if start < length:
             yield start, min(count, length - start)
 
 
@@ -110,7 +107,8 @@ def _unpacked(stream: BinaryIO, packing: str, count: int, most: int) -> int:
         if packing in ("gzip", "zlib") and count * DENSEST <= BOUNDS.unpacked:
             return 0
         return unpacked_size(_COUNTED[packing](), stream.read(count), most)
-    head = stream.read(min(count, _HEAD))
+    # The longest head, that of Zstandard, has 18 bytes.
+    head = stream.read(min(count, 18))
     if packing == "zstd":
         return _of_zstd(head, most)
     place = 4 if packing == "blosc" else 0
