@@ -1,4 +1,4 @@
-"""Allowance: time and memory that exact work may take, watched by a thread of its own.
+"""Allowance: time and memory that exact work may take, looked at in its loops.
 
 A limit either raises or does nothing: no result depends on it.  What was finished before stays
 where it is, in frames, tensors and fields, and the next call goes on from there.
@@ -6,41 +6,41 @@ where it is, in frames, tensors and fields, and the next call goes on from there
 
 from __future__ import annotations
 
-import ctypes
 import os
 import sys
-import threading
 import time
+from contextvars import ContextVar
 from pathlib import Path
 from traceback import clear_frames, walk_tb
 from typing import TYPE_CHECKING
-
-import flint
-import mpmath
 
 from geomtorsion import checks
 from geomtorsion.errors import AllowanceError, ArgumentError, LimitError
 
 if TYPE_CHECKING:
-    from types import CodeType, TracebackType
+    from types import TracebackType
+
+_BLOCKS: ContextVar[tuple[Limits, ...]] = ContextVar("blocks", default=())
 
 
 class _Met(BaseException):
-    """A limit was met; no BaseException of this kind leaves the block that set the limit."""
+    """A limit was met; no BaseException of this kind leaves the block that set the limit.
 
-
-class _Entry:
-    """One time that a block is entered: nothing of it is left when it is entered again.
-
-    running: held as long as the block is; over: it has ended; inside: it has begun; what: the limit
-    that was met. Locks alone: what arrives inside an Event would leave it taken for ever.
+    It is no error of this package, so that nobody tries another way.
     """
 
-    def __init__(self) -> None:
-        self.lock, self.running = threading.Lock(), threading.Lock()
-        self.running.acquire()
-        self.over = self.inside = False
-        self.what = ""
+    def __init__(self, block: Limits, what: str) -> None:
+        super().__init__(what)
+        self.block, self.what = block, what
+
+
+def check_limits() -> None:
+    """Raise if a limit of a block around this call is met: for the loops of exact work."""
+    blocks = _BLOCKS.get()
+    if blocks:
+        now = time.monotonic()
+        for block in blocks:
+            block.check(now)
 
 
 class Limits:
@@ -49,33 +49,33 @@ class Limits:
     def __init__(self, seconds: float | None, megabytes: float | None) -> None:
         self.seconds = seconds
         self.megabytes = megabytes
-        # A kind of its own tells the limits of one block from those of a block around it.
-        self._kind = type("_Met", (_Met,), {})
-        self._entry = _Entry()
-        self._precision = mpmath.mp.prec, flint.ctx.prec
+        self._end = self._next = float("inf")
+        self._before = 0
 
     def __enter__(self) -> Limits:
-        """Start to watch."""
-        began, before = time.monotonic(), resident()
-        self._precision = mpmath.mp.prec, flint.ctx.prec
+        """Start to count."""
+        now, before = time.monotonic(), resident()
         if self.megabytes is not None and before is None:
             raise LimitError(
                 "megabytes: this system does not tell how much memory a process has. "
                 "Give seconds alone"
             )
-        self._entry = entry = _Entry()
-        given = (threading.get_ident(), entry, began, before or 0)
-        watch = threading.Thread(target=self._watch, args=given, daemon=True)
-        try:
-            watch.start()
-        except RuntimeError as error:
-            raise LimitError(
-                "limits of time and memory need a thread that watches, and this system starts "
-                "none. Work without gt.limits here"
-            ) from error
-        # Nothing is sent before: what arrived in here, nobody would catch.
-        entry.inside = True
+        self._before = before or 0
+        self._end = float("inf") if self.seconds is None else now + self.seconds
+        self._next = float("inf") if self.megabytes is None else now
+        _BLOCKS.set((*_BLOCKS.get(), self))
         return self
+
+    def check(self, now: float) -> None:
+        """Raise if a limit is met at a time of the clock."""
+        if now >= self._end:
+            raise _Met(self, f"{self.seconds:g} s")
+        if self.megabytes is not None and now >= self._next:
+            taken = (resident() or 0) - self._before
+            # Looks at the memory take a hundredth of the time.
+            self._next = now + 100 * (time.monotonic() - now)
+            if taken > self.megabytes * 10**6:
+                raise _Met(self, f"{self.megabytes:g} MB")
 
     def __exit__(
         self,
@@ -83,64 +83,31 @@ class Limits:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """End watching; say which quantity met which limit."""
-        try:
-            self._end()
-        # Met in the last moment, when the work was done; or this is that of a block around.
-        except _Met as met:
-            self._end()
-            if not isinstance(met, self._kind):
-                raise
-        if kind is not None and issubclass(kind, self._kind):
+        """Stop counting; say which quantity met which limit."""
+        _BLOCKS.set(_BLOCKS.get()[:-1])
+        if isinstance(error, _Met) and error.block is self:
             quantity, place = _where(trace)
-            # Who sets a precision may have been stopped from setting it back, or would do so late,
-            # when what it was entering is collected.
+            # Generators that were not finished end now, and set precisions back.
             clear_frames(trace)
-            mpmath.mp.prec, flint.ctx.prec = self._precision
             at = f"; it was at {place}" if place else ""
             raise AllowanceError(
-                f"{quantity} takes more than {self._entry.what}{at}. What was finished is kept: "
+                f"{quantity} takes more than {error.what}{at}. What was finished is kept: "
                 "ask again with larger limits, for less, or for numbers with .at(point)",
                 quantity,
             ) from None
-
-    def _end(self) -> None:
-        entry = self._entry
-        with entry.lock:
-            entry.over = True
-            if entry.running.locked():
-                entry.running.release()
-            # What was sent and has not arrived is called back.
-            _send(threading.get_ident(), None)
-
-    def _watch(self, thread: int, entry: _Entry, began: float, before: int) -> None:
-        """Send the error to the thread that works when a limit is met."""
-        end = float("inf") if self.seconds is None else began + self.seconds
-        # Memory is looked at twenty times a second.
-        while not entry.running.acquire(timeout=max(0.0, min(0.05, end - time.monotonic()))):
-            if time.monotonic() >= end:
-                entry.what = f"{self.seconds:g} s"
-            elif self.megabytes is not None:
-                taken = (resident() or 0) - before
-                if taken > self.megabytes * 10**6:
-                    entry.what = f"{self.megabytes:g} MB"
-            if entry.what and entry.inside:
-                with entry.lock:
-                    # At its very first step the end of a block cannot catch it yet.
-                    ends = _works_at(thread) is Limits.__exit__.__code__
-                    if not (ends or entry.over):
-                        _send(thread, self._kind)
-                # Once more where it was swallowed.
-                if entry.running.acquire(timeout=0.05 if ends else 1.0):
-                    return
 
 
 def limits(*, seconds: float | None = None, megabytes: float | None = None) -> Limits:
     """A block in which work ends with an error when it has taken so much time or memory.
 
-    For geometry, printing, actions, reading: all exact work of the thread that enters the block.
-    A limit raises or does nothing; answers never depend on it. What was finished is kept, so that
-    the same call with larger limits goes on from there.
+    For geometry, printing, actions, reading and proofs: all exact work of the thread that enters
+    the block. A limit raises or does nothing; answers never depend on it. What was finished is
+    kept, so that the same call with larger limits continues from there.
+
+    The limits are looked at between the operations of exact work. A single call of python-flint or
+    sympy ends before they are: products are bounded beforehand (`geomtorsion.exact.limits`), long
+    factorings run in a process of their own, which is ended in time. Work outside this package is
+    not limited.
 
     Parameters
     ----------
@@ -174,18 +141,6 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
         None if seconds is None else checks.positive(seconds, "seconds", ArgumentError),
         None if megabytes is None else checks.positive(megabytes, "megabytes", ArgumentError),
     )
-
-
-def _send(thread: int, kind: type[BaseException] | None) -> None:
-    """Have a thread raise an error at its next step of Python; None calls it back."""
-    target = None if kind is None else ctypes.py_object(kind)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), target)
-
-
-def _works_at(thread: int) -> CodeType | None:
-    """What a thread is executing, which is where it meets what is sent; None if it is gone."""
-    frame = sys._current_frames().get(thread)
-    return None if frame is None else frame.f_code
 
 
 def resident() -> int | None:

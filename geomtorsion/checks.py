@@ -599,6 +599,20 @@ def entries(
     return list(found)
 
 
+def is_list(value: object) -> bool:
+    """Whether a value has entries in an order: no text, no table, no array without axes.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> is_list([1]), is_list(np.array(1.0)), is_list("12"), is_list({1: 2})
+    (True, False, False, False)
+    """
+    if isinstance(value, str | bytes | Mapping | Set) or getattr(value, "shape", None) == ():
+        return False
+    return hasattr(value, "__len__")
+
+
 def rows(values: object) -> Any:
     """An array or a matrix as nested lists; all else as it came."""
     given: Any = values

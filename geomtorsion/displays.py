@@ -6,6 +6,10 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
+import sympy as sp
+
+from geomtorsion.outgoing import latex_formula
+
 
 def drawn_by(module: str, function: str) -> Callable[[Any], str]:
     """A method that gives a value as HTML or SVG: a function of a module of pictures.
@@ -25,3 +29,14 @@ def drawn_by(module: str, function: str) -> Callable[[Any], str]:
 
     drawn.__doc__ = "What a notebook shows."
     return drawn
+
+
+def latex_of(value: object) -> str:
+    r"""An expression, a matrix or a symbol in LaTeX, in which no name is obeyed.
+
+    Examples
+    --------
+    >>> latex_of(sp.Symbol("phi") / 2), latex_of(sp.Symbol("\\input{b}"))
+    ('\\frac{\\phi}{2}', '\\backslash{}input{b}')
+    """
+    return latex_formula(sp.latex(value))

@@ -1,6 +1,6 @@
 """Outgoing: text that came from outside, made harmless for the place where it is written.
 
-One function for each target. HTML is escaped by `html.escape`, and JSON by `json.dumps`.
+One function for each target. JSON is escaped by `json.dumps`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import sys
 import unicodedata
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from html import escape
 from typing import TextIO
 
 # Characters that a terminal obeys or hides: controls, and marks that turn the direction of writing.
@@ -76,6 +77,53 @@ def latex_letters(text: str) -> str:
     ('mass', 'a\\backslash{}input\\{b\\}')
     """
     return "".join(_LATEX.get(sign, sign) for sign in one_line(text))
+
+
+# Commands of LaTeX, and of MathJax in notebooks, that read, write, define or lead away.
+_ACTING = re.compile(
+    r"\\(?=(?:input|include\w*|import|open\w*|read\w*|write\w*|immediate|special|[egx]?def|let"
+    r"|catcode|csname|(?:re)?newcommand|require\w*|usepackage|verb\w*|lstinputlisting|url|href|html\w+"
+    r"|class|style|cssId|unicode|bbox|loop|end(?:input|csname))(?![a-zA-Z]))"
+)
+
+
+def latex_formula(text: str) -> str:
+    r"""A formula in LaTeX, without its dollar signs, whose names came from outside.
+
+    Commands that show something stay, such as those of a symbol called "\\bar{x}".
+
+    Examples
+    --------
+    >>> latex_formula("\\bar{x} + \\input{b}$")
+    '\\bar{x} + \\backslash{}input{b}\\$'
+    """
+    text = re.sub(r"(?<!\\)\$", r"\\$", _UNSEEN.sub(" ", text))
+    # HTML around a formula takes < and a letter for a tag.
+    text = re.sub("<(?=[A-Za-z/!?])", "< ", text)
+    return _ACTING.sub(lambda _: r"\backslash{}", text)
+
+
+def markdown_text(text: str) -> str:
+    r"""Text in Markdown: no markup, HTML, link or formula.
+
+    Examples
+    --------
+    >>> print(markdown_text("a *b* [c](d) <i> $x$"))
+    a \*b\* \[c\]\(d\) &lt;i&gt; \$x\$
+    """
+    marked = re.sub(r"([\\`*_{}\[\]()#+!|$~-])", r"\\\1", one_line(text))
+    return escape(marked, quote=False)
+
+
+def html_text(text: str) -> str:
+    r"""Text in HTML, and between the quotes of an attribute.
+
+    Examples
+    --------
+    >>> html_text('<b title="c">'), html_text("a\x1b[2J")
+    ('&lt;b title=&quot;c&quot;&gt;', 'a\\x1b[2J')
+    """
+    return escape(terminal_text(text, styled=False))
 
 
 def mathematica_comment(text: str) -> str:

@@ -2,7 +2,6 @@
 
 import decimal
 import gc
-import sys
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -95,12 +94,3 @@ def nothing_stays_set() -> Iterator[None]:
     after = global_settings()
     changed = {name: (before[name], after[name]) for name in before if before[name] != after[name]}
     assert not changed, f"this test leaves global settings changed: {changed}"
-
-
-@pytest.fixture
-def callbacks_end_quietly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A callback of hypothesis at each collection of garbage may be what an interruption hits.
-
-    It is not written down: the limit may be met again meanwhile.
-    """
-    monkeypatch.setattr(sys, "unraisablehook", lambda _: None)

@@ -10,13 +10,16 @@ import unicodedata
 from pathlib import Path
 
 import pytest
+import sympy as sp
 from typer.testing import CliRunner
 
+import geomtorsion as gt
 from geomtorsion.cli.app import app
 from geomtorsion.files import finite_number
 from geomtorsion.outgoing import csv_cell
 from geomtorsion.pictures.latex import latex_name
 from geomtorsion.scenes.result import write_csv
+from geomtorsion.spaces.files import read_file
 
 # Each breaks out of one target: comments of Mathematica and of LaTeX, docstrings, HTML, terminals
 # (titles, colours, concealed text, the eight-bit form, text that runs backwards), spreadsheets,
@@ -154,3 +157,55 @@ def test_tables_hold_no_formulas(tmp_path: Path):
     assert rows[0] == ["'=1+1", "'@b"]
     assert rows[1] == ["-0.5", "'=cmd|' /C calc'!A0"]
     assert rows[2] == ["1e-300", "'-x"]
+
+
+NOTEBOOK = ("_repr_html_", "_repr_latex_", "_repr_markdown_", "_repr_svg_")
+# A tag or an escape of terminals; a command of LaTeX that is not shown but obeyed.
+TAGS = re.compile("<(?:script|img)|\x1b")
+COMMANDS_OF_LATEX = re.compile(r"(?<!\\)\\(?:input|immediate|write18)")
+SYMBOL = "q\\input{b}<img src=x onerror=alert(1)>"
+
+
+def shown(folder: Path) -> dict[str, object]:
+    """What a notebook shows, with names that would be obeyed."""
+    name = "".join(NAMES)
+    space = read_file(written(folder, name, TETRAD, KEYS))
+    q, y = sp.Symbol(SYMBOL, real=True), sp.Symbol("y", real=True)
+    frame = gt.Frame([q, y], [[1, sp.Function(SYMBOL)(y)], [0, q + 2]], name=name)
+    plain = gt.Frame([q, y], [[1, 0], [0, q + 2]], name=name)
+    connection, motion = gt.levi_civita(frame), gt.geodesic(plain, [1, 0.1], [0.1, 0.1])
+    loop = gt.Loop.circle([1, 1], radius=1, name=name)
+    return {
+        "space": space,
+        "frame": frame,
+        "connection": connection,
+        "curvature": connection.curvature,
+        "tensor": connection.coefficients,
+        "torsion": gt.cartan(frame).torsion,
+        "identities": gt.identities(plain),
+        "curve": motion,
+        "solution": gt.solve(motion, 0.1, 1e-6),
+        "equations": gt.ODE.of({"x": "-x"}, [1], name=name),
+        "burgers": gt.burgers_vector(plain, loop),
+        "exact": gt.exact_burgers_vector(plain, loop),
+    }
+
+
+def test_notebooks(tmp_path: Path):
+    """No name is obeyed by HTML, LaTeX or Markdown."""
+    count = 0
+    for what, value in shown(tmp_path).items():
+        for method in NOTEBOOK:
+            if hasattr(value, method):
+                text = getattr(value, method)()
+                assert not TAGS.search(text), (what, method)
+                if method in ("_repr_latex_", "_repr_markdown_"):
+                    assert not COMMANDS_OF_LATEX.search(text), (what, method)
+                count += 1
+    assert count > 15
+
+
+def test_symbols_with_commands_that_show_something():
+    """Such as a bar or a Greek letter stay as they are."""
+    x = sp.Symbol(r"\bar{x}", real=True)
+    assert r"\bar{x}" in gt.Frame([x], [[sp.exp(x)]])._repr_latex_()

@@ -13,6 +13,7 @@ from geomtorsion.action import validation
 from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
+from geomtorsion.displays import latex_of
 from geomtorsion.geometry import Tensor
 
 if TYPE_CHECKING:
@@ -163,9 +164,9 @@ class Variation:
         }
         lines = []
         for symbol, image, change in self._rows():
-            shown = sp.latex(change.xreplace(named)) if change != 0 else ""
+            shown = latex_of(change.xreplace(named)) if change != 0 else ""
             rest = shown if shown.startswith("-") or not shown else f"+ {shown}"
-            head = f"\\bar\\delta {sp.latex(symbol)} &= \\frac{{d}}{{dt}} {named[image].name}"
+            head = f"\\bar\\delta {latex_of(symbol)} &= \\frac{{d}}{{dt}} {named[image].name}"
             lines.append(f"{head} {rest}".rstrip())
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.displays import latex_of
+
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
 
@@ -71,7 +73,7 @@ def rate_latex(rates: Mapping[str, sp.Expr]) -> str:
     \\dot{\\phi}_{1} &= u_{1}
     \\end{aligned}
     """
-    lines = [f"{dotted(name)} &= {sp.latex(value)}" for name, value in rates.items()]
+    lines = [f"{dotted(name)} &= {latex_of(value)}" for name, value in rates.items()]
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
 
@@ -83,5 +85,5 @@ def dotted(name: str, dots: int = 1) -> str:
     >>> dotted("theta"), dotted("u1", 2)
     ('\\\\dot{\\\\theta}', '\\\\ddot{u}_{1}')
     """
-    letter, *rest = sp.latex(sp.Symbol(name)).split("_", 1)
+    letter, *rest = latex_of(sp.Symbol(name)).split("_", 1)
     return f"\\{'d' * dots}ot{{{letter}}}" + "".join(f"_{part}" for part in rest)

@@ -21,6 +21,7 @@ from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.transported import Carried, carrying
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
     AccuracyError,
     BranchError,
@@ -215,9 +216,9 @@ class CurveProblem:
         lines = []
         for name, rate in zip(equations.states, equations.rates, strict=True):
             total = sp.Add(*(sp.Mul(c.sympy, *(sp.Symbol(n) for n in names)) for c, names in rate))
-            lines.append(f"\\dot{{{sp.latex(sp.Symbol(name))}}} &= {sp.latex(total)}")
+            lines.append(f"\\dot{{{latex_of(sp.Symbol(name))}}} &= {latex_of(total)}")
         if not equations.moves:
-            lines += [f"\\dot{{{sp.latex(sp.Symbol(n))}}} &= 0" for n in equations.velocities]
+            lines += [f"\\dot{{{latex_of(sp.Symbol(n))}}} &= 0" for n in equations.velocities]
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
     def _repr_latex_(self) -> str:

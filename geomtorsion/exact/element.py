@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import flint
 from flint import fmpq
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import UndecidedError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.limits import LARGEST_PRODUCT, check_power, product_too_large
@@ -512,6 +513,7 @@ def inside_out(
     """The whole and its parts as far as they are not done, each after its own; no recursion."""
     waiting = [] if is_done(whole) else [(whole, iter(parts(whole)))]
     while waiting:
+        check_limits()
         one, left = waiting[-1]
         for part in left:
             if not is_done(part):

@@ -28,6 +28,7 @@ from flint import (
     fq_default_poly_ctx,
 )
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.exact.algebraic_constants import is_algebraic_constant, part_of_turn
 from geomtorsion.exact.degrees import degree
 from geomtorsion.exact.element import in_order
@@ -153,6 +154,7 @@ class ModularPoint:
         if prod(oldest[k].degree for k in moved if oldest[k].kind == "root") > BITS:
             return None
         while True:
+            check_limits()
             value, point = self.image(element), self._moved_point(symbol, moved)
             if point._number_of_prime == self._number_of_prime:
                 with suppress(_MovedError):
@@ -179,6 +181,7 @@ class ModularPoint:
     def _somewhere(self, found: Callable[[], T]) -> T:
         """What is found at the present place, or at the next at which all it needs has a value."""
         while True:
+            check_limits()
             try:
                 value = found()
             except _PrimeError:

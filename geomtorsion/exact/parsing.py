@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 import sympy
 
 from geomtorsion import checks
+from geomtorsion.allowance import check_limits
 from geomtorsion.checks import exponent_too_large, near_names, too_large
 from geomtorsion.errors import ArgumentError, ExpressionError
 from geomtorsion.exact.names import (
@@ -123,6 +124,7 @@ class _Reader:
     denominator: int = field(default=1)
 
     def read(self, node: Node) -> sympy.Expr:
+        check_limits()
         if node.kind == "number":
             number = Fraction(node.text)
             return sympy.Rational(number.numerator, number.denominator)

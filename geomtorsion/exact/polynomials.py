@@ -7,15 +7,8 @@ answer is the same.
 
 from __future__ import annotations
 
-import atexit
-import contextlib
 import json
-import os
-import queue
 import random
-import subprocess
-import sys
-import threading
 from fractions import Fraction
 from functools import partial
 from itertools import compress
@@ -27,8 +20,10 @@ from typing import TYPE_CHECKING, SupportsInt, TypeVar
 from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import LimitError
 from geomtorsion.exact import factoring_process
+from geomtorsion.exact.other_process import OtherProcess
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -85,8 +80,11 @@ def product(one: fmpq_mpoly, two: fmpq_mpoly, pairs: int) -> fmpq_mpoly:
         return one * two
     long, short = (one, two) if len(one) > len(two) else (two, one)
     terms, size = list(short.to_dict().items()), max(1, pairs // len(long))
-    pieces = (terms[k : k + size] for k in range(0, len(terms), size))
-    return added([long * long.context().from_dict(dict(piece)) for piece in pieces])
+    products = []
+    for k in range(0, len(terms), size):
+        check_limits()
+        products.append(long * long.context().from_dict(dict(terms[k : k + size])))
+    return added(products)
 
 
 def added(polys: list[fmpq_mpoly]) -> fmpq_mpoly:
@@ -142,7 +140,7 @@ def factored(poly: fmpq_mpoly, largest: int) -> Factors:
     if single or (len(poly) > 2 * poly.total_degree() and is_irreducible_on_a_line(poly)):
         return _irreducible(poly)
     if len(poly) * sum(degrees) > largest:
-        found = _OTHER.factored(poly)
+        found = factored_apart(poly, _OTHER)
         if found is not None:
             return found
     if slope is not None:
@@ -214,83 +212,15 @@ def known_taken_out(
     return common.leading_coefficient() * leading, powers, rest / leading
 
 
-class OtherProcess:
-    """The process that factors; it is started when it is first needed."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._process: subprocess.Popen[str] | None = None
-        self._replies: queue.Queue[str] = queue.Queue()
-        self._owner = 0
-
-    def factored(self, poly: fmpq_mpoly) -> Factors | None:
-        """The factors, from the other process; None where there is none."""
-        ctx = poly.context()
-        # One request at a time; whoever interrupts ends the process.
-        with self._lock:
-            try:
-                line = self._answer(json.dumps([ctx.nvars(), factoring_process.terms_of(poly)]))
-            except (OSError, ValueError):
-                line = ""
-            except BaseException:
-                self.end()
-                raise
-            if not line:
-                self.end()
-                return None
-        p, q, factors = json.loads(line)
-        found = [(factoring_process.polynomial(ctx, terms), e) for terms, e in factors]
-        return fmpq(fmpz(int(p)), fmpz(int(q))), found
-
-    def _answer(self, request: str) -> str:
-        process = self._process
-        # A fork of this process has the pipes of its parent.
-        if process is None or process.poll() is not None or self._owner != os.getpid():
-            process = self._start()
-        assert process.stdin is not None
-        process.stdin.write(request + "\n")
-        process.stdin.flush()
-        while True:
-            # In short waits: an error that another thread sends arrives between them.
-            with contextlib.suppress(queue.Empty):
-                return self._replies.get(timeout=0.05)
-
-    def _start(self) -> subprocess.Popen[str]:
-        self._process = process = subprocess.Popen(
-            [sys.executable, "-P", str(Path(factoring_process.__file__))],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-            # Ctrl-C is for the one who asked.
-            start_new_session=True,
-        )
-        self._owner, self._replies = os.getpid(), queue.Queue()
-        threading.Thread(target=_listen, args=(process, self._replies), daemon=True).start()
-        return process
-
-    def end(self) -> None:
-        """End the process, at once; the next one who asks starts another."""
-        process, self._process = self._process, None
-        if process is None or self._owner != os.getpid():
-            return
-        process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout):
-            if stream is not None:
-                # What was still to be written has no reader any more.
-                with contextlib.suppress(OSError, ValueError):
-                    stream.close()
+def factored_apart(poly: fmpq_mpoly, other: OtherProcess) -> Factors | None:
+    """The factors, from another process; None where there is none."""
+    ctx = poly.context()
+    line = other.ask(json.dumps([ctx.nvars(), factoring_process.terms_of(poly)]))
+    if not line:
+        return None
+    p, q, factors = json.loads(line)
+    found = [(factoring_process.polynomial(ctx, terms), e) for terms, e in factors]
+    return fmpq(fmpz(int(p)), fmpz(int(q))), found
 
 
-def _listen(process: subprocess.Popen[str], replies: queue.Queue[str]) -> None:
-    """Pass on the lines of a process, and one that is empty at its end."""
-    assert process.stdout is not None
-    with contextlib.suppress(ValueError, OSError):
-        for line in process.stdout:
-            replies.put(line)
-    replies.put("")
-
-
-_OTHER = OtherProcess()
-atexit.register(_OTHER.end)
+_OTHER = OtherProcess(str(Path(factoring_process.__file__)))

@@ -9,6 +9,9 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
+from geomtorsion.allowance import check_limits
+from geomtorsion.outgoing import latex_formula
+
 
 class PrintedOnce(Printer):
     """A printer that writes each part once, however often it stands in what it prints.
@@ -25,6 +28,7 @@ class PrintedOnce(Printer):
         if kwargs or not isinstance(expr, sp.Basic) or not expr.args:
             return super()._print(expr, **kwargs)
         if expr not in self._texts:
+            check_limits()
             self._texts[expr] = super()._print(expr)
         return self._texts[expr]
 
@@ -49,3 +53,7 @@ class TexPrinter(PrintedOnce, LatexPrinter):
     >>> TexPrinter().doprint(x**2 * sp.sin(x * y))
     'x^{2} \\sin{\\left(x y \\right)}'
     """
+
+    def doprint(self, expr: sp.Basic) -> str:
+        """The formula, in which no name is obeyed."""
+        return latex_formula(super().doprint(expr))

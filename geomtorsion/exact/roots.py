@@ -17,6 +17,7 @@ import sympy
 from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Branch, Generator
@@ -652,6 +653,7 @@ def _expanded(
     largest: int,
 ) -> fmpq_mpoly | None:
     """A determinant expanded along its first row; None where a product would be too large."""
+    check_limits()
     total = field.ctx.constant(0)
     for place, entry in enumerate(row):
         if entry:
@@ -739,6 +741,7 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
     for whole in (True, False):
         for conjugates, powers in norms(field).table:
             while part := _shared(den, powers, whole):
+                check_limits()
                 found = _divided(field, num, conjugates, part)
                 if found is None:
                     break

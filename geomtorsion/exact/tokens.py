@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NoReturn
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.checks import LARGEST_ARGUMENT, LargestArgument
 from geomtorsion.errors import ExpressionError, LimitError
 
@@ -116,6 +117,7 @@ def tokens_of(
     found: list[Token] = []
     position = 0
     while position < len(text):
+        check_limits()
         match = _PATTERN.match(text, position)
         if match is None:
             _refuse(source, text[position], position, position + 1)

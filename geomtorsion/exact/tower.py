@@ -16,6 +16,7 @@ import sympy
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from flint.utils.flint_exceptions import DomainError
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ExpressionError
 from geomtorsion.exact import limits, polynomials
 from geomtorsion.exact.element import Canonical, Denominator, Element, occurring
@@ -330,6 +331,7 @@ class Tower(ABC):
 
     def added(self, terms: list[tuple[Any, ...]], largest: int) -> Element | None:
         """The sum multiplied out; None if a product of more pairs of terms would be needed."""
+        check_limits()
         level = self.level
         groups: dict[Denominator, list[fmpq_mpoly]] = {}
         for coefficient, *elements in terms:
@@ -412,6 +414,7 @@ class Tower(ABC):
         changed = False
         for position, degree, relation in self._algebraic:
             if degrees[position] >= degree or (changed and poly.degrees()[position] >= degree):
+                check_limits()
                 # With a lexicographic order the remainder is the normal form for this relation.
                 _, poly = divmod(poly, relation)
                 changed = True
@@ -477,6 +480,7 @@ class Tower(ABC):
 
     def factored(self, poly: fmpq_mpoly) -> Factors:
         """(content, [(factor, exponent)]) of a polynomial of the present ring that is not zero."""
+        check_limits()
         content, factors, rest = known_taken_out(poly, self.factors)
         if not rest.is_constant():
             # Many numerators of one tensor differ by a number and by known factors.

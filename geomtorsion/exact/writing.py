@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from flint import fmpq
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import AllowanceError, LimitError
 from geomtorsion.exact.collecting import Collector
 from geomtorsion.exact.element import in_order
@@ -145,6 +146,7 @@ class Parts:
         if new:
             ordered = list(self._places)
             for part in new:
+                check_limits()
                 insort(ordered, part, key=_compared)
             self._places = {part: k for k, part in enumerate(ordered)}
         return self._places

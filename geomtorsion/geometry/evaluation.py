@@ -175,7 +175,7 @@ def _generator_repeats(
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
-    given = checks.table(point, "point")
+    given = {key: _single(number) for key, number in checks.table(point, "point").items()}
     for key, number in given.items():
         found = checks.plain(number)
         # Neither nan nor infinity ends an evaluation to many digits.
@@ -197,6 +197,11 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
                 raise
         values[symbol] = number
     return values
+
+
+def _single(number: Number) -> Number:
+    """A number, also where it stands in an array without axes; what is masked is not known."""
+    return checks.plain(number) if getattr(number, "shape", None) == () else number
 
 
 def _number(

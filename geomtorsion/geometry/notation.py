@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -14,9 +13,10 @@ import sympy as sp
 from sympy.printing.pretty.stringpict import prettyForm
 
 from geomtorsion import checks
-from geomtorsion.displays import drawn_by
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter
+from geomtorsion.outgoing import html_text
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
@@ -73,11 +73,11 @@ def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], below: str
     """A table for notebooks, with a line below it."""
 
     def line(cells: Sequence[object], tag: str) -> str:
-        written = "".join(f"<{tag}>{escape(str(cell))}</{tag}>" for cell in cells)
+        written = "".join(f"<{tag}>{html_text(str(cell))}</{tag}>" for cell in cells)
         return f"<tr>{written}</tr>"
 
     body = "".join(line(row, "td") for row in rows)
-    ending = f"<p>{escape(below)}</p>" if below else ""
+    ending = f"<p>{html_text(below)}</p>" if below else ""
     return f"<table><thead>{line(head, 'th')}</thead><tbody>{body}</tbody></table>{ending}"
 
 
@@ -191,7 +191,7 @@ def _marks(tensor: Tensor, index: tuple[int, ...]) -> list[str]:
         if slot in "DU":
             marks.append(rf"\hat{{{k}}}")
         else:
-            marks.append(sp.latex(tensor.frame.coordinates[k]) + " ")
+            marks.append(latex_of(tensor.frame.coordinates[k]) + " ")
     return marks
 
 
@@ -199,7 +199,7 @@ def _symbol_latex(symbol: str) -> str:
     """A symbol in LaTeX: long names upright."""
     if symbol.startswith("\\") or len(symbol) == 1:
         return symbol
-    return sp.latex(sp.Symbol(symbol))
+    return latex_of(sp.Symbol(symbol))
 
 
 def latex(tensor: Tensor) -> str:
@@ -263,7 +263,7 @@ def frame_text(frame: Frame) -> str:
 def frame_latex(frame: Frame) -> str:
     """The one-forms of a coframe in LaTeX."""
     lines = [
-        rf"e^{{\hat{{{i}}}}} &= {_one_form(frame, i, sp.latex, chr(92) + ', ')}"
+        rf"e^{{\hat{{{i}}}}} &= {_one_form(frame, i, latex_of, chr(92) + ', ')}"
         for i in range(frame.dimension)
     ]
     body = r" \\ ".join(lines)
@@ -272,7 +272,7 @@ def frame_latex(frame: Frame) -> str:
 
 def _one_form(frame: Frame, i: int, write: Callable[[sp.Expr], str], gap: str) -> str:
     """Row i of the coframe as a sum of coordinate differentials."""
-    d = r"\mathrm{d}" if write is sp.latex else "d"
+    d = r"\mathrm{d}" if write is latex_of else "d"
     parts = []
     for mu, symbol in enumerate(frame.coordinates):
         factor = short(frame.coframe, (i, mu)) if frame.names else frame.coframe[i, mu]

@@ -58,13 +58,13 @@ def parametric(
         parameter if isinstance(parameter, sp.Symbol) else sp.Symbol(_name(parameter), real=True)
     )
     names = {**(symbols or {}), str(symbol): symbol}
-    if isinstance(expressions, str) or not hasattr(expressions, "__len__") or len(expressions) < 2:
+    if not checks.is_list(expressions) or len(expressions) < 2:
         raise LoopError(
             "curve: at least two expressions were needed, one per coordinate, but "
             f"{checks.shown(expressions)} came."
         )
     read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(expressions))
-    if not hasattr(interval, "__len__") or isinstance(interval, str) or len(interval) != 2:
+    if not checks.is_list(interval) or len(interval) != 2:
         raise LoopError(f"interval: two bounds were needed, but {checks.shown(interval)} came.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
     known = (symbol, *(symbols or {}).values())
@@ -286,7 +286,7 @@ def circle(centre: Point, radius: Number, plane: Plane) -> Part:
 
 def ellipse(centre: Point, axes: Sequence[Number], plane: Plane) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
-    if not hasattr(axes, "__len__") or isinstance(axes, str) or len(axes) != 2:
+    if not checks.is_list(axes) or len(axes) != 2:
         raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
     if validation.is_symbolic(centre, axes):
         return symbolic_ellipse(centre, axes, plane, validation.exact_rows)
@@ -333,7 +333,7 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     """Parallelogram from a corner; see Loop.plaquette."""
     place = validation.vector(corner, "corner")
     first, second = validation.rows(plane, len(place))
-    if not hasattr(steps, "__len__") or isinstance(steps, str) or len(steps) != 2:
+    if not checks.is_list(steps) or len(steps) != 2:
         raise LoopError(f"steps: two steps were needed, but {steps!r} came.")
     a, b = (validation.number(step, f"steps[{k}]") for k, step in enumerate(steps))
     if not (a and b):
@@ -401,11 +401,11 @@ def _offsets(
     points: Sequence[Point] | np.ndarray, centre: Point | None, size: Number, where: str, what: str
 ) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Number, ...], Number] | None]:
     """Centre, size and offsets of points, closed and without neighbours that coincide."""
-    if isinstance(points, str) or not hasattr(points, "__len__"):
+    if not checks.is_list(points):
         raise LoopError(f"{where}: a list of points was needed, but {points!r} came.")
     if len(points) == 0:
         raise LoopError(f"{where}: at least three points were needed, but none came.")
-    dimension = len(points[0]) if hasattr(points[0], "__len__") else None
+    dimension = len(points[0]) if checks.is_list(points[0]) else None
     rows = np.array(
         [validation.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
     )

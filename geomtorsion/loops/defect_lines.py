@@ -294,7 +294,7 @@ def dispiration(alpha: Number | str, b: Number | str) -> Frame:
 
 def _exact(row: Exact, length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
-    if isinstance(row, str) or not hasattr(row, "__len__") or len(row) != length:
+    if not checks.is_list(row) or len(row) != length:
         raise ShapeError(f"{where}: {length} numbers were needed, but {checks.shown(row)} came.")
     return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(row))
 

@@ -18,6 +18,7 @@ from geomtorsion.checks import expression as expression_of
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.conventions import burgers
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
     AllowanceError,
     ExpressionError,
@@ -33,6 +34,7 @@ from geomtorsion.loops.arcs import Arc, Curve, Ellipse, Parameters, Part, exact_
 from geomtorsion.loops.defects import find_defects
 from geomtorsion.loops.forms import forms
 from geomtorsion.loops.integrals import refuse_other_periods
+from geomtorsion.loops.integration_process import integrated
 from geomtorsion.loops.loop import Loop, check_loop
 from geomtorsion.loops.poles import refuse_poles
 from geomtorsion.loops.values import with_values
@@ -56,8 +58,7 @@ def definite(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr |
             result = method(f, t)
             if result is not None:
                 return turns * result
-    result = sp.integrate(f, (t, low, high))
-    return None if result.has(sp.Integral, sp.nan, sp.zoo) else result
+    return integrated(f, t, low, high)
 
 
 def tidy(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
@@ -236,7 +237,7 @@ class ExactBurgersVector:
         return f"ExactBurgersVector([{', '.join(map(str, self.vector))}])"
 
     def _repr_latex_(self) -> str:
-        return f"$b = {sp.latex(sp.Matrix(self.vector))}$"
+        return f"$b = {latex_of(sp.Matrix(self.vector))}$"
 
 
 def exact_burgers_vector(

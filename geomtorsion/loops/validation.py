@@ -43,7 +43,7 @@ def length(value: Number, where: str) -> float:
 
 def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float, ...]:
     """A tuple of finite floats, of a given length."""
-    if isinstance(values, str) or not hasattr(values, "__len__"):
+    if not checks.is_list(values):
         raise LoopError(
             f"{where}: a list of coordinates was needed, but {checks.shown(values)} came."
         )
@@ -81,7 +81,7 @@ def is_symbolic(*values: Any) -> bool:
 
 def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
-    if isinstance(plane, str) or not hasattr(plane, "__len__") or len(plane) != 2:
+    if not checks.is_list(plane) or len(plane) != 2:
         raise LoopError(
             "plane: two coordinates such as (0, 1) or two vectors were needed, but "
             f"{checks.shown(plane)} came."
@@ -105,7 +105,7 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
                 f"plane: there is no coordinate {number}; there are {dimension}, counted from 0."
             )
         return tuple(float(k == number) for k in range(dimension))
-    if isinstance(side, str) or not hasattr(side, "__len__"):
+    if not checks.is_list(side):
         came = checks.shown(side)
         raise LoopError(f"plane: coordinate numbers or vectors were needed, but {came} came.")
     return vector(side, "plane", dimension)
@@ -125,7 +125,7 @@ def exact_rows(
     """The two directions of a plane as exact vectors; read: what a number is taken for."""
     first, second = (
         [read(x) for x in checks.rows(side)]
-        if hasattr(side, "__len__")
+        if checks.is_list(side)
         else [sp.Integer(k == checks.whole(side)) for k in range(dimension)]
         for side in plane
     )

@@ -15,6 +15,7 @@ import sympy as sp
 
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
+from geomtorsion.displays import latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
@@ -228,7 +229,7 @@ class ODE:
     def latex(self) -> str:
         """The equations in LaTeX."""
         lines = [
-            f"\\dot{{{sp.latex(sp.Symbol(name))}}} &= {sp.latex(rate)}"
+            f"\\dot{{{latex_of(sp.Symbol(name))}}} &= {latex_of(rate)}"
             for name, rate in self.rates.expressions.items()
         ]
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

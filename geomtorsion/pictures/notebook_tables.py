@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from html import escape
 from typing import TYPE_CHECKING
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
+from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import latex_label, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.style import STYLE
@@ -66,7 +66,7 @@ def table_html(table: ComponentTable) -> str:
         beyond = len(rows) - STYLE.listed
         left = f"<p>{beyond} more: print(tensor.table())</p>" if beyond > 0 else ""
         shown += f"<details><summary>{count} more components</summary>{rest}{left}</details>"
-    ending = f"<p>{escape(table.ending)}</p>" if table.ending else ""
+    ending = f"<p>{html_text(table.ending)}</p>" if table.ending else ""
     return f"{_OPEN}<summary>{heading}</summary>{shown}{ending}</details>"
 
 
@@ -95,7 +95,7 @@ def connection_html(connection: Connection) -> str:
         rows = _rows(table, table.indices)
         parts.append(f"<details{opened}><summary>{label}: {count}</summary>{rows}</details>")
     label = _math(latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots))
-    return f"<div>{escape(connection.name)} {label}: {whole.count}{''.join(parts)}</div>"
+    return f"<div>{html_text(connection.name)} {label}: {whole.count}{''.join(parts)}</div>"
 
 
 def frame_html(frame: Frame) -> str:
@@ -116,8 +116,8 @@ def frame_html(frame: Frame) -> str:
         ]
         rows.append((_math(rf"e^{{\hat{{{i}}}}}"), f"= {_one_form(form)}"))
     table = _table((), rows)
-    branches = "".join(f"<p>{escape(str(branch))}</p>" for branch in frame.branches)
-    name = escape(frame.name or "frame")
+    branches = "".join(f"<p>{html_text(str(branch))}</p>" for branch in frame.branches)
+    name = html_text(frame.name or "frame")
     return f"<div><b>{name}</b> (coordinates {names}; {_signature(frame)}){table}{branches}</div>"
 
 
@@ -140,10 +140,12 @@ def space_html(space: Space) -> str:
     >>> space_html(load("so3"))[:11]
     '<div><b>so3'
     """
-    source = f"<p>Source: {escape(space.source)}</p>" if space.source else ""
-    notes = f"<p><i>{escape(space.notes)}</i></p>" if space.notes else ""
-    title = f"<b>{escape(space.name)}</b>: {escape(space.title)}"
-    return f"<div>{title}<p>{escape(space.story)}</p>{source}{notes}</div>{frame_html(space.frame)}"
+    source = f"<p>Source: {html_text(space.source)}</p>" if space.source else ""
+    notes = f"<p><i>{html_text(space.notes)}</i></p>" if space.notes else ""
+    title = f"<b>{html_text(space.name)}</b>: {html_text(space.title)}"
+    return (
+        f"<div>{title}<p>{html_text(space.story)}</p>{source}{notes}</div>{frame_html(space.frame)}"
+    )
 
 
 def _one_form(form: Sequence[tuple[sympy.Expr, str]]) -> str:
@@ -166,7 +168,7 @@ def _heading(table: ComponentTable) -> str:
     """What a tensor is called and how many components it has."""
     tensor = table.tensor
     label = latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots)
-    words = f"{escape(tensor.name or 'tensor')} {_math(label)}"
+    words = f"{html_text(tensor.name or 'tensor')} {_math(label)}"
     if table.count:
         return f"{words}: {table.count}"
     return f"{words} = {_value(table, ())}"
@@ -184,7 +186,7 @@ def _rows(table: ComponentTable, indices: Iterable[tuple[int, ...]]) -> str:
             for slot, mark in zip(tensor.slots, table.marks(index), strict=True)
         ]
         label = latex_label(_symbol(tensor), marks, tensor.slots)
-        rows.append((_math(label), escape(str(list(index))), _value(table, index)))
+        rows.append((_math(label), html_text(str(list(index))), _value(table, index)))
     return _table(("component", "index", "value"), rows)
 
 
@@ -199,7 +201,7 @@ def _value(table: ComponentTable, index: tuple[int, ...]) -> str:
     try:
         return _math(latex_text(short(table.tensor, index))) + open_mark(table.tensor, index)
     except LimitError as error:
-        return f"<i>{escape(str(error))}</i>"
+        return f"<i>{html_text(str(error))}</i>"
 
 
 def _math(latex: str) -> str:
@@ -207,7 +209,7 @@ def _math(latex: str) -> str:
     try:
         return mathml(latex, tall=True)
     except ExpressionError:
-        return f"<code>{escape(latex)}</code>"
+        return f"<code>{html_text(latex)}</code>"
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -7,7 +7,6 @@ import re
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from html import escape
 from itertools import combinations
 from os import PathLike
 from pathlib import Path
@@ -21,6 +20,7 @@ from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.files import write_text, written
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
+from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.formula import FONT_SOURCE, expression_mathml, font_face, mathml
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
@@ -76,7 +76,7 @@ def page(
         # The page promises to load nothing; the browser holds it to that.
         '<meta http-equiv="Content-Security-Policy" '
         f"content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; {FONT_SOURCE}\">"
-        f"<title>{escape(space.name)}: {escape(space.title)}</title>"
+        f"<title>{html_text(space.name)}: {html_text(space.title)}</title>"
         f"<style>{stylesheet()}</style></head>\n<body>{''.join(body)}</body></html>\n"
     )
 
@@ -89,16 +89,16 @@ def _header(space: Space, sections: Sequence[str]) -> str:
         ("Domain", _domain(frame.domain)),
         ("Names", _names(frame.names)),
         ("Frame metric", _frame_metric(space)),
-        ("Source", escape(space.source)),
+        ("Source", html_text(space.source)),
         ("Note", _prose(space.notes)),
     ]
     rows = "".join(f"<dt>{name}</dt><dd>{value}</dd>" for name, value in facts if value)
     links = "".join(
         f'<a href="#{_anchor(section)}">{section}</a>' for section in (*sections, "Checks")
     )
-    title = escape(space.title[:1].upper() + space.title[1:])
+    title = html_text(space.title[:1].upper() + space.title[1:])
     return (
-        f'<header><p class="name">{escape(space.name)}</p><h1>{title}</h1>'
+        f'<header><p class="name">{html_text(space.name)}</p><h1>{title}</h1>'
         f'<p class="story">{_prose(space.story)}</p><dl class="facts">{rows}</dl>'
         f"<nav>{links}</nav></header>"
     )
@@ -153,7 +153,7 @@ def _checks(verdicts: Mapping[str, Sequence[Verdict]]) -> str:
     tables = []
     for title, found in verdicts.items():
         rows = "".join(_check(verdict) for verdict in found)
-        table = f"<table><caption>{escape(title)}</caption>{rows}</table>"
+        table = f"<table><caption>{html_text(title)}</caption>{rows}</table>"
         tables.append(f'<section class="card scroll">{table}</section>')
     return f'<h2 id="about-checks">Checks</h2>{"".join(tables)}'
 
@@ -166,12 +166,12 @@ def _check(verdict: Verdict) -> str:
     }[verdict.holds]
     if not verdict.required and verdict.holds is False:
         sign, look = "–", "unsure"
-    detail = escape(verdict.detail)
+    detail = html_text(verdict.detail)
     if verdict.equation:
         detail = f"{mathml(equation_latex(verdict.equation))} <small>{detail}</small>"
     return (
         f'<tr><td class="{look}" title="{word}" aria-label="{word}">{sign}</td>'
-        f"<td>{escape(verdict.name)}</td><td>{detail}</td></tr>"
+        f"<td>{html_text(verdict.name)}</td><td>{detail}</td></tr>"
     )
 
 
@@ -182,7 +182,7 @@ def _branches(space: Space) -> str:
         return ""
     items = "".join(
         f"<p>{expression_mathml(branch.radical)} is read as {expression_mathml(branch.read_as)}"
-        f", right where {escape(greek_words(branch.condition))}.</p>"
+        f", right where {html_text(greek_words(branch.condition))}.</p>"
         for branch in branches
     )
     return f'<h2 id="about-roots">Branches of roots</h2><section class="card">{items}</section>'
@@ -191,7 +191,7 @@ def _branches(space: Space) -> str:
 def _prose(text: str) -> str:
     """A sentence as HTML, with Greek letters for their names and indices and powers in place."""
     # Escaped first: what is put in afterwards is our own markup.
-    lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", escape(greek_words(text)))
+    lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", html_text(greek_words(text)))
     return re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", lowered)
 
 
@@ -227,8 +227,8 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
         pair = solve_pair(space, engine=RungeKutta())
         pictures = [_img(draw(pair), says) for draw, says in _chosen(pair)] if can_draw() else []
     except GeomtorsionError as error:
-        return f'<section class="card"><p>No motions: {escape(str(error))}</p></section>'
-    facts = "".join(f"<p>{escape(sentence)}</p>" for sentence in _sentences(pair))
+        return f'<section class="card"><p>No motions: {html_text(str(error))}</p></section>'
+    facts = "".join(f"<p>{html_text(sentence)}</p>" for sentence in _sentences(pair))
     return f'<section class="card">{facts}{"".join(pictures) or NO_PICTURES}</section>'
 
 
@@ -257,13 +257,13 @@ def loop_card(space: Space, progress: Callable[[str], object] = lambda _: None) 
         b = widest_gap(space)
         picture = _img(draw_closure(b), "A loop and its image in the frame.") if can_draw() else ""
     except GeomtorsionError as error:
-        return f'<section class="card"><p>No loop: {escape(str(error))}</p></section>'
+        return f'<section class="card"><p>No loop: {html_text(str(error))}</p></section>'
     # What is no more than its error is shown as zero.
     components = ", ".join(f"{x if abs(x) > 3 * b.error else 0:.6g}" for x in b.vector)
     text = f"A {b.loop.name} fails to close by b = ({components}), error below {b.error:.0e}."
     if b.magnitude <= 3 * b.error:
         text = "Circles close: there is no torsion, or none that a small circle sees here."
-    return f'<section class="card"><p>{escape(text)}</p>{picture or NO_PICTURES}</section>'
+    return f'<section class="card"><p>{html_text(text)}</p>{picture or NO_PICTURES}</section>'
 
 
 def widest_gap(space: Space) -> BurgersVector:
@@ -295,7 +295,7 @@ def _img(figure: Figure, says: str) -> str:
     coded = b64encode(svg_text(figure).encode()).decode("ascii")
     width = STYLE.rem * figure.get_size_inches()[0]
     return (
-        f'<img class="figure" alt="{escape(says)}" style="width: {width:.1f}rem" '
+        f'<img class="figure" alt="{html_text(says)}" style="width: {width:.1f}rem" '
         f'src="data:image/svg+xml;base64,{coded}">'
     )
 

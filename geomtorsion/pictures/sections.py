@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from html import escape
 from typing import TYPE_CHECKING
 
 import sympy
 
 from geomtorsion.exact import TexPrinter
 from geomtorsion.geometry.notation import OPEN
+from geomtorsion.outgoing import html_text
 from geomtorsion.pictures.formula import mathml
 from geomtorsion.pictures.latex import (
     equation_latex,
@@ -30,7 +30,7 @@ def section(quantity: Quantity) -> str:
     """A quantity with its heading, its definition and its nonzero components, as HTML."""
     entry = quantity.entry
     head = (
-        f'<div class="head"><h3>{escape(entry.title)}</h3>'
+        f'<div class="head"><h3>{html_text(entry.title)}</h3>'
         f"{mathml(equation_latex(entry.equation))}</div>"
     )
     return f'<section class="card" id="{entry.name}">{head}{_body(quantity)}</section>'

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from importlib.util import find_spec
 from io import StringIO
 from os import PathLike
@@ -17,7 +16,7 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import FileFormatError, GeomtorsionError, MissingExtraError
 from geomtorsion.files import written
-from geomtorsion.outgoing import figure_text, terminal_text
+from geomtorsion.outgoing import figure_text, html_text, terminal_text
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.precision import EPS, PRINTED
 
@@ -230,8 +229,8 @@ def pictured(text: str, draw: Callable[[], Figure]) -> str:
         # Inside of a page there is no head of a file.
         picture = f"<div>{svg[svg.index('<svg') :]}</div>"
     except GeomtorsionError as error:
-        picture = f"<p>{escape(str(error))}</p>"
-    return f"<div><pre>{escape(text)}</pre>{picture}</div>"
+        picture = f"<p>{html_text(str(error))}</p>"
+    return f"<div><pre>{html_text(text)}</pre>{picture}</div>"
 
 
 def mathematics(name: str) -> str:

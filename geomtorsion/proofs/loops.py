@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from flint import acb, arb, arb_mat
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.errors import MissingValueError, ProofError
@@ -218,6 +219,7 @@ def _integrand(row: _Row, arc: BallArc, values: Sequence[arb]) -> Callable[[acb,
     function, numbers, path = row.code.complex_function(), row.code.numbers(), arc.path
 
     def integrand(s: acb, analytic: bool) -> acb:
+        check_limits()
         point = path(s, analytic)
         entries = function([*point[:n], *values], numbers, analytic)
         return sum((entries[k] * point[n + mu] for k, mu in moving), acb(0))
@@ -234,6 +236,7 @@ def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int)
     functions = [(code.real_function(), code.numbers()) for code in codes]
     waiting = [(arb(0), arb(1), 0)]
     while waiting:
+        check_limits()
         low, high, depth = waiting.pop()
         places = arc.places(low.union(high))
         arguments = [*places, *values]

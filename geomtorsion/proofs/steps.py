@@ -16,6 +16,7 @@ from functools import cached_property
 
 from flint import acb, arb, arb_mat, ctx, fmpq
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ProofError
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, variation
@@ -336,4 +337,5 @@ def prove_step(
 
     radius: that of the disk of the step before.
     """
+    check_limits()
     return Stepper(system, whole, method, ctx.prec).step(radius, most)

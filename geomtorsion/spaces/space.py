@@ -14,6 +14,7 @@ from sympy.combinatorics.permutations import Permutation
 from geomtorsion.checks import expression
 from geomtorsion.displays import drawn_by
 from geomtorsion.geometry import Connection, Frame
+from geomtorsion.outgoing import markdown_text
 
 if TYPE_CHECKING:
     from geomtorsion.curves.atlas import Atlas
@@ -145,12 +146,12 @@ class Space:
     _repr_html_ = drawn_by("notebook_tables", "space_html")
 
     def _repr_markdown_(self) -> str:
-        notes = f"\n\n*{self.notes}*" if self.notes else ""
-        source = f"\n\nSource: {self.source}" if self.source else ""
-        return (
-            f"**{self.name}**: {self.title}\n\n{self.story}{source}{notes}\n\n"
-            f"{self.frame._repr_latex_()}"
+        name, title, story, source, notes = map(
+            markdown_text, (self.name, self.title, self.story, self.source, self.notes)
         )
+        notes = f"\n\n*{notes}*" if notes else ""
+        source = f"\n\nSource: {source}" if source else ""
+        return f"**{name}**: {title}\n\n{story}{source}{notes}\n\n{self.frame._repr_latex_()}"
 
 
 def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:

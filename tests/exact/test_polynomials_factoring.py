@@ -13,11 +13,12 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 import geomtorsion as gt
 from geomtorsion.errors import AllowanceError
-from geomtorsion.exact import Field, parse_expression
+from geomtorsion.exact import Field, factoring_process, parse_expression
 from geomtorsion.exact.limits import FACTORED_HERE
+from geomtorsion.exact.other_process import OtherProcess
 from geomtorsion.exact.polynomials import (
-    OtherProcess,
     factored,
+    factored_apart,
     is_irreducible_on_a_line,
     known_taken_out,
 )
@@ -76,9 +77,9 @@ def test_what_is_linear_in_a_variable_has_the_factors_that_flint_finds(text):
 
 def test_a_process_that_ended_is_replaced():
     """It may be ended at any time."""
-    other, poly = OtherProcess(), sparse(6, 12, 1) * sparse(6, 12, 2)
+    other, poly = OtherProcess(str(factoring_process.__file__)), sparse(6, 12, 1) * sparse(6, 12, 2)
     for _ in range(2):
-        found = other.factored(poly)
+        found = factored_apart(poly, other)
         assert found is not None
         assert found[1] == [(factor, int(exponent)) for factor, exponent in poly.factor()[1]]
         other.end()
@@ -100,7 +101,6 @@ SLOW = sp.Mul(
 )
 
 
-@pytest.mark.usefixtures("callbacks_end_quietly")
 def test_limits_end_it():
     """The root of a product needs its factors; the field is as good as before."""
     field = Field([x, y])

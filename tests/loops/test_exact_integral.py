@@ -148,7 +148,6 @@ def test_numbers_from_a_closed_form() -> None:
     assert "b = " in found._repr_latex_()
 
 
-@pytest.mark.usefixtures("callbacks_end_quietly")
 def test_the_time_ends_in_threads_too() -> None:
     """Where no signal arrives."""
     x, y = sp.symbols("x y", real=True)

@@ -21,6 +21,7 @@ from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.fields.contents import guarded, module
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
+from geomtorsion.materials.fields.packed_chunks import check_packed
 from geomtorsion.npz import LARGEST_ARRAYS
 
 # Packings of Zarr that only pack: any other one might run what it finds.
@@ -164,6 +165,9 @@ def _zarr(path: Path, again: bool) -> Any:
                     array = module("zarr", path).open_array(str(inner), mode="r")
                     if not again:
                         _check_chunks(inner, array)
+                        shard = getattr(array, "shards", None) or array.chunks
+                        size = prod(array.chunks) * array.dtype.itemsize
+                        check_packed(inner, said, size, prod(shard) // prod(array.chunks))
                     return array
     raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called {INNER}.")
 

@@ -290,7 +290,7 @@ class SampledFrame(Samples):
 
     def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
         """Two different axes."""
-        pair = tuple(plane) if hasattr(plane, "__len__") else ()
+        pair = tuple(plane) if checks.is_list(plane) else ()
         if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
             raise GridError(
                 f"plane: two different axes from 0 to {self.dimension - 1} were needed, but "

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (
@@ -229,6 +230,7 @@ class Steps:
 
     def _stalls(self) -> bool:
         """Whether time stands still; too many steps are an error."""
+        check_limits()
         if self.tried * stage_count() > self.most:
             raise too_many_evaluations(self.most, self.time)
         pace, left = abs(self.time - self._mark) / STEPS_AT_ONCE, abs(self.end - self.time)

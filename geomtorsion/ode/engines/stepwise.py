@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.allowance import check_limits
 from geomtorsion.ode.engines.stepper import (
     Polynomial,
     Steps,
@@ -181,6 +182,7 @@ def counted(function: Callable[[float, np.ndarray], Any], most: int, duration: f
         nonlocal calls, mark, stalled
         calls += 1
         if calls % looks == 0:
+            check_limits()
             stalled = stalled or abs(t - mark) < 1e-6 * duration
             mark = t
             if calls > most:

@@ -22,6 +22,7 @@ import mpmath
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.allowance import check_limits
 from geomtorsion.errors import ArgumentError, MissingExtraError
 from geomtorsion.ode.engines.registers import FEW, run_in_registers
 from geomtorsion.ode.numbers import Real, floats, mpf
@@ -468,6 +469,7 @@ class Taylor:
         done, steps, longest, before = 0, 0, 0.0, grid[0]
         rest = grid
         while True:
+            check_limits()
             out = integrator.propagate_grid(rest, max_steps=at_once)
             code = str(getattr(out[0], "name", "event"))
             steps += out[3]

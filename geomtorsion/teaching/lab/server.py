@@ -65,8 +65,9 @@ class AccessControl:
     """An ASGI application before another: hosts, origins, sizes and the number of sessions.
 
     hosts: names by which the page may be called; empty: any. A page of another site that is open
-    in the same browser has another origin, and is refused. sessions: open at once; each: of one
-    client, which is an address on the network. ending: awaited before the server ends.
+    in the same browser has another origin, and is refused. sessions: open at once; reserve:
+    places at the end for clients with fewer sessions, a client being an address on the network.
+    ending: awaited before the server ends.
     """
 
     def __init__(
@@ -75,13 +76,14 @@ class AccessControl:
         hosts: Iterable[str] = LOOPBACK,
         sessions: int = PAGE.sessions,
         ending: Callable[[], Awaitable[None]] | None = None,
-        each: int = PAGE.each,
+        reserve: int = PAGE.reserve,
     ) -> None:
         self.app = app
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
-        self.each = each
+        # Of few places a quarter is kept, so that somebody alone gets nearly all of them.
+        self.reserve = min(reserve, sessions // 4)
         # Client -> sessions that it has open.
         self.open: Counter[str] = Counter()
         self._opening = asyncio.Lock()
@@ -158,10 +160,10 @@ class AccessControl:
 
     def _full(self, scope: Scope) -> int:
         """How many pages are open, of all clients or of this one, if there may be no more."""
-        client = _client(scope)
-        if self.open.total() >= self.sessions:
+        own, left = self.open[_client(scope)], self.sessions - self.open.total()
+        if left <= 0:
             return self.sessions
-        return self.each if self.open[client] >= self.each else 0
+        return own if left <= self.reserve <= own else 0
 
     async def _session(
         self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None

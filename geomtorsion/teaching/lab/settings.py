@@ -9,8 +9,10 @@ class Settings:
 
     Limits of what comes in
     -----------------------
-    sessions: open at once. each: of them of one address on the network, so that four of these fill
-    the lab and one does not. body: bytes of one request; a whole tetrad is a hundredth of that.
+    sessions: open at once. reserve: places that only those get who have fewer than these places
+    open, so that one address on the network, which may be a whole class behind one router, fills
+    the lab up to there and never all of it. body: bytes of one request; a whole tetrad is a
+    hundredth of that.
     upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
     sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
     nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
@@ -45,7 +47,7 @@ class Settings:
     """
 
     sessions: int = 64
-    each: int = 16
+    reserve: int = 8
     body: int = 262_144
     upload: int = 4_000_000
     unpacked: int = 64_000_000

@@ -99,10 +99,10 @@ def test_sessions_of_pages_without_a_name(origin: bytes, message: str):
 
 
 def test_one_client_cannot_fill_the_lab():
-    """Its sessions are refused from the limit on; another client, and it again later, come in."""
+    """The last places are for others, who have fewer; one that leaves makes room again."""
 
     async def filled() -> list[str]:
-        control = AccessControl(page, sessions=8, each=3)
+        control = AccessControl(page, sessions=8, reserve=2)
         sessions = []
 
         async def come(client: str) -> str:
@@ -112,18 +112,39 @@ def test_one_client_cannot_fill_the_lab():
             await asyncio.wait((sessions[-1],), timeout=0.1)
             return one.got[0]
 
-        first = [await come("10.0.0.1") for _ in range(4)]
+        first = [await come("10.0.0.1") for _ in range(7)]
         other = await come("10.0.0.2")
         sessions[0].cancel()
         await asyncio.gather(sessions[0], return_exceptions=True)
-        again = await come("10.0.0.1")
+        again = [await come(f"10.0.0.{client}") for client in (1, 2, 2, 3, 4)]
         for session in sessions:
             session.cancel()
         await asyncio.gather(*sessions, return_exceptions=True)
-        return [*first, other, again]
+        return [*first, other, *again]
 
     accept, close = "websocket.accept", "websocket.close"
-    assert run(filled()) == [accept, accept, accept, close, accept, accept]
+    expected = [accept] * 6 + [close, accept, close, accept, close, accept, close]
+    assert run(filled()) == expected
+
+
+@pytest.mark.parametrize(("sessions", "alone"), [(1, 1), (2, 2), (40, 32), (64, 56)])
+def test_a_class_behind_one_router(sessions: int, alone: int):
+    """One address on the network gets all places but a few."""
+
+    async def filled() -> int:
+        control, tasks, count = AccessControl(page, sessions=sessions), [], 0
+        for _ in range(sessions):
+            one = Client()
+            scope = scope_of("websocket", "/ws", "10.0.0.1")
+            tasks.append(asyncio.create_task(control(scope, one.receive, one.send)))
+            await asyncio.sleep(0.01)
+            count += one.got[:1] == ["websocket.accept"]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        return count
+
+    assert run(filled()) == alone
 
 
 def unread(host: str, port: int, request: bytes) -> socket.socket:
