@@ -203,13 +203,13 @@ def too_large(
     Examples
     --------
     >>> too_large("exp", [sp.exp(99)]), too_large("exp", [sp.Integer(99)])
-    ('exp of a number above 18,446,744,073,709,551,616', '')
+    ('exp of a number above 18,446,744,073,709,551,616, the limit', '')
     """
     if name in _SHRINKING:
         return ""
     most = largest.elementary if name in _ELEMENTARY else largest.special
     if any(_is_above(argument, most) for argument in arguments):
-        return f"{name[:20]} of a number above {most:,.0f}"
+        return f"{name[:20]} of a number above {most:,.0f}, the limit"
     return ""
 
 
@@ -217,7 +217,7 @@ def exponent_too_large(exponent: sp.Basic, largest: LargestArgument = LARGEST_AR
     """Why a power with this exponent is refused, or nothing; whole numbers are not looked at."""
     if exponent.is_Integer or not _is_above(exponent, largest.power):
         return ""
-    return f"a power above {largest.power:,.0f} that is no whole number"
+    return f"a power above {largest.power:,.0f}, the limit, that is no whole number"
 
 
 def _is_above(value: sp.Basic, most: float) -> bool:
@@ -249,7 +249,7 @@ def check_constant(value: sp.Expr) -> None:
     >>> check_constant(sp.exp(sp.exp(sp.exp(99))))
     Traceback (most recent call last):
     geomtorsion.errors.LimitError: exp(exp(exp(99))): expected functions of smaller numbers, got \
-exp of a number above 18,446,744,073,709,551,616. Write the number shorter.
+exp of a number above 18,446,744,073,709,551,616, the limit. Write the number shorter.
     """
     for part in sp.postorder_traversal(value):
         reason = ""

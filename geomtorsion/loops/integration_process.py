@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import IO, Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact import parse_expression
@@ -37,6 +38,8 @@ def integrated(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr
     None also for an expression that is no text of ours, such as one with unknown functions.
     """
     given = (f, low, high)
+    if any(x.has(AppliedUndef) for x in given):
+        return None
     # Letters of any kind are names of symbols, and not all are read back.
     symbols = sorted(set().union(*(x.free_symbols for x in given)) | {t}, key=str)
     renamed = {x: sp.Symbol(f"v{k}", **x.assumptions0) for k, x in enumerate(symbols)}
