@@ -99,8 +99,8 @@ def holonomy(
     >>> s = sp.Symbol("s")
     >>> sphere = levi_civita(load("s2").frame)
     >>> circle = [sp.pi / 3, 2 * sp.pi * s]
-    >>> holonomy(sphere, circle, parameters={"R": 1}).round(6).tolist()
-    [[-1.0, 0.0], [-0.0, -1.0]]
+    >>> (holonomy(sphere, circle, parameters={"R": 1}).round(6) + 0).tolist()
+    [[-1.0, 0.0], [0.0, -1.0]]
     """
     n = checks.instance(connection, Connection, "connection").frame.dimension
     end = checks.number(t, "t", TimeError)

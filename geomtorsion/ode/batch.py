@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -14,8 +15,8 @@ from geomtorsion.ode.engines.stepwise import (
     FLOOR,
     Pace,
     error_scales,
+    limited,
     paced_dop853,
-    unlimited,
 )
 from geomtorsion.ode.engines.taylor import Ready, heyoka
 from geomtorsion.ode.system import STANDSTILL, System, member_units, scaled_system
@@ -62,6 +63,7 @@ def run_batch(
     show: Show = None,
     *,
     counted: bool = False,
+    longest: float = math.inf,
 ) -> BatchRun:
     """All members through times that begin at 0.
 
@@ -76,6 +78,8 @@ def run_batch(
         an instruction wait for the slowest.
     counted
         whether the steps are counted, which takes a microsecond a member.
+    longest
+        the longest step, in units of the times.
     """
     number, size = states.shape
     own = member_units(system, states, parameters, units * (times[-1] - times[0]))
@@ -84,7 +88,7 @@ def run_batch(
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
         found = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
-            tolerance, show, counted=counted,
+            tolerance, show, counted=counted, longest=longest,
         )  # fmt: skip
         return replace(found, states=found.states * sizes[:, None, :])
     result = np.full((number, len(times), size), np.nan)
@@ -101,13 +105,14 @@ def run_batch(
                 calls = _calls(states, units, pace, times, width)
                 watched = crossed if system.guard is not None else None
                 noted = steps if counted else None
-                _by_heyoka(ready, calls, result, finished, watched, noted, show)
+                limits = longest * units if longest < math.inf else None
+                _by_heyoka(ready, calls, result, finished, watched, noted, show, limits)
         else:
             share = max(1, STACKED // size)
             for first in range(0, number, share):
                 part = slice(first, min(first + share, number))
                 numbers = (states, parameters, units, times, tolerance)
-                _stacked(system, *numbers, part, result, crossed, steps)
+                _stacked(system, *numbers, part, result, crossed, steps, longest)
                 finished[part] = np.isfinite(result[part]).all(axis=(1, 2))
                 if show is not None:
                     show(part.stop)
@@ -166,6 +171,7 @@ def _by_heyoka(
     crossed: np.ndarray | None,
     steps: np.ndarray | None,
     show: Show,
+    limits: np.ndarray | None,
 ) -> None:
     """Fill in states of members that come to the end, which those are, and their steps."""
     index, (count, size, width) = calls.index, calls.states.shape
@@ -184,15 +190,16 @@ def _by_heyoka(
         for k in range(count):
             own[:] = calls.states[k]
             ready.choose(chosen[k])
+            step = {} if limits is None else {"max_delta_t": limits[chosen[k]].tolist()}
             integrator.set_time(0.0)
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
-                rows = integrator.propagate_grid(block, max_steps=most)[1]
+                rows = integrator.propagate_grid(block, max_steps=most, **step)[1]
                 found[k, : len(rows)] = rows
             else:
-                until(ends[k], max_steps=most)
+                until(ends[k], max_steps=most, **step)
                 if crossed is not None and (integrator.time != ends[k]).any():
-                    _go_on(integrator, ends[k], hits, most)
+                    _go_on(integrator, ends[k], hits, most, step)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.
             if steps is not None:
@@ -226,10 +233,16 @@ def _by_heyoka(
             result[index[good], -1] = rows[good, 0]
 
 
-def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
+def _go_on(
+    integrator: Any,
+    ends: np.ndarray,
+    crossed: list[set[int]],
+    most: int,
+    step: Mapping[str, object],
+) -> None:
     """Go on until all members have arrived, have met the guard or get no further.
 
-    most: steps between two looks.
+    most: steps between two looks; step: heyoka's option for the longest step.
     """
     moved = np.full(len(ends), True)
     while True:
@@ -242,7 +255,7 @@ def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int
         if not moved[waiting].any():
             return
         before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=most)
+        integrator.propagate_until(ends, max_steps=most, **step)
         moved = np.abs(integrator.time - before) > STANDSTILL * np.abs(ends)
 
 
@@ -257,6 +270,7 @@ def _stacked(
     result: np.ndarray,
     crossed: np.ndarray,
     steps: np.ndarray,
+    longest: float,
 ) -> None:
     """Some members as one system of scipy's DOP853; time in units of the fastest."""
     y0 = states[part].T
@@ -289,13 +303,13 @@ def _stacked(
         used = max(tolerance, FLOOR)
         options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
         span, begin = (0.0, duration), y0.ravel()
-        longest: Callable[[float], float] = unlimited
+        pace = limited(longest * top)
         if tolerance < FLOOR:
             trial = scipy.integrate.solve_ivp(rates, span, begin, "DOP853", **options)
             if trial.status == 0:
-                longest = Pace(trial.t.tolist(), tolerance, FLOOR)
+                pace = Pace(trial.t.tolist(), tolerance, FLOOR, longest * top)
         found = scipy.integrate.solve_ivp(
-            rates, span, begin, paced_dop853(), t_eval=times * top, events=look, longest=longest,
+            rates, span, begin, paced_dop853(), t_eval=times * top, events=look, longest=pace,
             **options,
         )  # fmt: skip
     if found.status == 0 and np.isfinite(found.y).all():

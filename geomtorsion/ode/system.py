@@ -91,11 +91,6 @@ class System:
         """f(*states, *parameters) on arrays, shape (size, ...)."""
         return self.rates.numpy()
 
-    @cached_property
-    def long_function(self) -> Callable[..., np.ndarray]:
-        """The same in long doubles, but for the numbers in the equations."""
-        return self.rates.numpy(np.longdouble)
-
     def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
         """f(t, y) for one motion, on plain floats; not a number where there is no value."""
         inner = self.scalar_function
@@ -363,11 +358,6 @@ class Engine(Protocol):
         """Whether it sees a guard that falls and rises again within one step."""
         ...
 
-    @property
-    def follows_rounding(self) -> bool:
-        """Whether its steps are short enough to follow what rounding makes of rates."""
-        ...
-
     def first(self, accuracy: float) -> float:
         """The tolerance with which to try for an accuracy of the result."""
         ...
@@ -390,12 +380,14 @@ class Engine(Protocol):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """Integrate from times[0] through all times (monotone); watching changes no bit of it.
 
         The run has a state at each time that it reached, the first and the last of them included.
         It ends where `system.guard_at` falls through zero (outcome "edge"), and gives `dense`
-        where that is asked for. Times and states are in the units of the call.
+        where that is asked for. No step is longer than `longest`, in time. Times and states are in
+        the units of the call.
         """
         ...
 
@@ -424,6 +416,7 @@ def scaled_run(
     extents: Extents | None = None,
     dense: bool = False,
     watch: Watch | None = None,
+    longest: float = math.inf,
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one.
 
@@ -431,7 +424,9 @@ def scaled_run(
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
-        return engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+        return engine.run(
+            system, start, parameters, times, tolerance, dense=dense, watch=watch, longest=longest
+        )
     unit = units.time
     sizes = units.sizes.tolist()
     try:
@@ -443,6 +438,7 @@ def scaled_run(
             tolerance,
             dense=dense,
             watch=None if watch is None else lambda t: watch(t * unit),
+            longest=longest / unit,
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None

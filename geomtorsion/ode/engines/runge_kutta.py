@@ -71,7 +71,6 @@ class RungeKutta(_Ladder):
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
     name = "RungeKutta"
-    follows_rounding = True
     finest = 1e-17
 
     def first(self, accuracy: float) -> float:
@@ -88,11 +87,14 @@ class RungeKutta(_Ladder):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         method = "generated" if system.size <= LARGEST else "DOP853"
-        return stepwise_run(method, most, system, start, parameters, times, tolerance, dense, watch)
+        return stepwise_run(
+            method, most, system, start, parameters, times, tolerance, dense, watch, longest
+        )
 
 
 @dataclass(frozen=True)
@@ -121,8 +123,6 @@ class Stiff(_Ladder):
         checks.choice(self.method, METHODS, "method", ArgumentError)
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
-    # Implicit steps are long against what they damp, roundings of rates among that.
-    follows_rounding = False
     finest = 3e-13
 
     @property
@@ -140,9 +140,10 @@ class Stiff(_Ladder):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         return stepwise_run(
-            self.method, most, system, start, parameters, times, tolerance, dense, watch
+            self.method, most, system, start, parameters, times, tolerance, dense, watch, longest
         )
