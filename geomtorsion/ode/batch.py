@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -48,6 +49,7 @@ def run_batch(
     show: Show = None,
     *,
     counted: bool = False,
+    longest: float = math.inf,
 ) -> BatchRun:
     """All members through times that begin at 0.
 
@@ -62,6 +64,8 @@ def run_batch(
         an instruction wait for the slowest.
     counted
         whether the steps are counted, which takes a microsecond a member.
+    longest
+        the longest step, in units of the times.
     """
     number, size = states.shape
     own = member_units(system, states, parameters, units * (times[-1] - times[0]))
@@ -70,7 +74,7 @@ def run_batch(
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
         found = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
-            tolerance, show, counted=counted,
+            tolerance, show, counted=counted, longest=longest,
         )  # fmt: skip
         return replace(found, states=found.states * sizes[:, None, :])
     run = batch_method(engine)
@@ -78,8 +82,8 @@ def run_batch(
     result = np.full((number, len(times), size), np.nan)
     finished, crossed = np.zeros((2, number), dtype=bool)
     batch = Batch(
-        system, states, parameters, units, pace, times, show, counted, result, finished, crossed,
-        np.zeros((2, number)),
+        system, states, parameters, units, pace, times, show, counted, longest, result, finished,
+        crossed, np.zeros((2, number)),
     )  # fmt: skip
     compiling, interrupted = 0.0, False
     try:
@@ -92,5 +96,5 @@ def run_batch(
         crossed |= finished & (np.broadcast_to(guard, result.shape[:2]) < 0).any(axis=1)
     finished &= ~crossed
     result[~finished] = np.nan
-    taken, longest = batch.steps
-    return BatchRun(result, finished, taken, longest, interrupted, compiling)
+    taken, longest_taken = batch.steps
+    return BatchRun(result, finished, taken, longest_taken, interrupted, compiling)

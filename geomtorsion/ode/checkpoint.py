@@ -17,7 +17,6 @@ from geomtorsion.errors import CheckpointError, FileFormatError
 from geomtorsion.files import written
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode.engines.taylor import Taylor, is_available
-from geomtorsion.ode.numbers import PARTS
 from geomtorsion.ode.system import Engine, Run
 from geomtorsion.ode.trajectory import Runner, Stage, run_stage
 
@@ -148,17 +147,16 @@ class Checkpoint:
         self._written = time.perf_counter()
         self._took = self._written - began
 
-    def runner(self, engine: Engine, tolerance: float, perturbation: float, cuts: int) -> Runner:
-        """What makes the parts of one run, cut at so many times, or takes them from the file."""
+    def runner(
+        self, engine: Engine, tolerance: float, perturbation: float, longest: float
+    ) -> Runner:
+        """What makes the parts of one run, or takes them from the file."""
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
             name = part_name(engine, tolerance, perturbation, k)
-            if cuts >= PARTS:
-                # The same part of another run, which is cut at more times.
-                name += f"/{cuts}"
             found = self.known(name, engine, stage, times)
             if found is None:
-                found = run_stage(stage, times, tolerance, engine)
+                found = run_stage(stage, times, tolerance, engine, longest=longest)
                 self.keep(name, found)
             return found
 

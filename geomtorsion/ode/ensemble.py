@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from geomtorsion.ode.error_estimate import (
 )
 from geomtorsion.ode.members import BatchRows, Members, Rows, run_members
 from geomtorsion.ode.numbers import (
+    PARTS,
     check_memory,
     checked_accuracy,
     checked_times,
@@ -36,6 +38,7 @@ from geomtorsion.ode.solution import Problem
 from geomtorsion.ode.solve import alone
 from geomtorsion.ode.system import Show, checked_engine
 from geomtorsion.ode.trajectory import Trajectory
+from geomtorsion.precision import GOLDEN
 from geomtorsion.progress import PATIENCE, bar
 
 
@@ -190,8 +193,8 @@ def solve_many(
     progress
         show a bar; None: on a terminal, for long work.
 
-    Members that leave their chart, and those whose steps may have passed over something or may
-    round too much, are solved one by one, as by `solve`. Ctrl-C returns what is finished.
+    Members that leave their chart, and those with long steps whose finer run differs altogether,
+    are solved one by one, as by `solve`. Ctrl-C returns what is finished.
 
     Raises
     ------
@@ -326,31 +329,36 @@ class _Job:
     def _verify(self, pending: np.ndarray, show: Show) -> None:
         """Members with their errors: those that stay in the batch, then the others one by one."""
         grain = SAFETY * 2.0 ** (1 - self.engine.precision)
-        apart, best = pending[:0], 0.0
+        limit = GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
+        apart, long, best = pending[:0], np.zeros(len(pending), dtype=bool), 0.0
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
+        first = tolerance
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
             self.tolerance = tolerance
-            answer = self._batch("run_seconds", pending, tolerance, show, look=True)
+            answer = self._batch("run_seconds", pending, tolerance, show, counted=True)
             reference = self._batch(
-                "check_seconds", pending, finer, None, np.full(len(pending), grain)
+                "check_seconds", pending, finer, None, np.full(len(pending), grain), limit
             )
             found = self._errors(answer, reference)
-            self._add_roundings(pending, answer, tolerance, found)
+            failed = tolerance != first
+            self._add_roundings(pending, answer, tolerance, found, failed=failed)
             if self.interrupted:
-                self._keep(pending, answer, answer.finished & np.isfinite(answer.left), found)
+                self._keep(pending, answer, answer.finished, found)
                 return
-            both = answer.finished & reference.finished & np.isfinite(answer.left)
+            both = answer.finished & reference.finished
             done = both & (found <= self.accuracy)
             self._keep(pending, answer, done, found)
             apart = np.concatenate((apart, pending[~both]))
-            pending, found = pending[both & ~done], found[both & ~done]
+            left = both & ~done
+            pending, found, long = pending[left], found[left], answer.longest[left] > limit
             # Only of those that are still too far off, for the message.
             best = float(found.max(initial=0.0))
             if not len(pending):
                 break
             tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
-        self.lacking, self.best = pending.tolist(), best
-        self._one_by_one(apart)
+        # A long step may not have seen what the finer run saw: `alone` cuts such a motion.
+        self.lacking, self.best = pending[~long].tolist(), best
+        self._one_by_one(np.concatenate((apart, pending[long])))
 
     def _batch(
         self,
@@ -359,16 +367,18 @@ class _Job:
         tolerance: float,
         show: Show,
         parts: np.ndarray | None = None,
+        longest: float = math.inf,
         *,
-        look: bool = False,
+        counted: bool = False,
     ) -> BatchRows:
         """Some members at one tolerance, from starts that are changed by a part each."""
         began = time.perf_counter()
         members = self.members if len(index) == len(self.members) else self.members.of(index)
         if parts is not None:
             members = members.perturbed(parts)
-        accuracy = self.accuracy if look else None
-        found = run_members(members, self.grid, tolerance, self.engine, show, accuracy)
+        found = run_members(
+            members, self.grid, tolerance, self.engine, show, longest, counted=counted
+        )
         self.compile_seconds += found.compile_seconds
         self.interrupted |= found.interrupted
         spent = time.perf_counter() - began - found.compile_seconds
@@ -376,12 +386,18 @@ class _Job:
         return found
 
     def _add_roundings(
-        self, pending: np.ndarray, answer: BatchRows, tolerance: float, errors: np.ndarray
+        self,
+        pending: np.ndarray,
+        answer: BatchRows,
+        tolerance: float,
+        errors: np.ndarray,
+        *,
+        failed: bool,
     ) -> None:
         """Raise errors to what roundings of all steps may add up to, as `verified` does."""
         engine = self.engine
         steps = answer.steps.astype(int).tolist()
-        some = np.array([roundings_matter(engine, count, tolerance) for count in steps])
+        some = np.array([failed or roundings_matter(engine, n, tolerance) for n in steps])
         some &= errors <= self.accuracy
         if not some.any():
             return
@@ -440,7 +456,7 @@ class _Job:
                 size, gap = (np.abs(x).max(axis=(1, 2)) for x in (one, one - two))
                 worst = np.fmax(worst, np.where(gap > 0, gap / size, gap))
         both = answer.finished & reference.finished
-        return np.where(both, SAFETY * np.maximum(worst, answer.left), np.nan)
+        return np.where(both, SAFETY * worst, np.nan)
 
 
 def _listed(index: Sequence[int] | np.ndarray, what: str = "That is so for") -> str:

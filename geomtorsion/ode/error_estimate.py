@@ -4,20 +4,26 @@ The answer is compared with a run two orders finer, which starts a rounding away
 difference is the error. Roundings of two runs in doubles may agree by chance. Where they may be a
 noticeable part of the error, the answer is also compared with a run to the same tolerance whose
 start is moved by as much as the roundings of all steps add up to; that difference is a lower bound
-of the error that is reported.
-What roundings of the rates make of an answer is added up where all runs would share them.
+of the reported error. Where the motion amplifies errors, this run is moved on the way as well.
+
+No step of the finer run is longer than a hundredth of the way: a long step sees nothing of rates
+that change further ahead.
+
+The rule cannot see what all of its runs share: rates that change within less than such a step and
+are constant to all digits around, and roundings of the rates themselves where these lose digits in
+a difference, such as 1 - cos(x) of a small x. A proof sees both: see `geomtorsion.prove`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from geomtorsion.ode.numbers import floats
-from geomtorsion.ode.system import Engine, System, columns
+from geomtorsion.ode.numbers import PARTS, floats
+from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.precision import GOLDEN
 
@@ -42,6 +48,26 @@ class Comparable(Protocol):
         ...
 
 
+class Integration(Protocol):
+    """What follows a motion."""
+
+    def __call__(
+        self,
+        engine: Engine,
+        tolerance: float,
+        part: float,
+        *,
+        limited: bool = False,
+        everywhere: bool = False,
+    ) -> Trajectory:
+        """The trajectory from a start that is changed by a part.
+
+        limited: whether no step may be longer than a share of the way; everywhere: whether the
+        state is changed on the way as well.
+        """
+        ...
+
+
 class Verified(NamedTuple):
     """An answer, the finer run it was compared with, the error, and all runs that were made.
 
@@ -58,12 +84,13 @@ def verified(
     problem: Comparable,
     engine: Engine,
     accuracy: float,
-    run: Callable[[Engine, float, float], Trajectory],
+    run: Integration,
+    *,
+    failed: bool = False,
 ) -> Verified:
     """The first answer of an engine's ladder of tolerances whose error is small enough.
 
-    Or the best one, where none is. run: (engine, tolerance, part by which the start is changed) ->
-    a trajectory.
+    Or the best one, where none is. failed: whether an earlier run missed the accuracy.
     """
     perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
@@ -71,16 +98,19 @@ def verified(
     tolerance: float | None = engine.first(AIM * accuracy)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
         answer = run(engine, tolerance, 0.0)
-        reference = run(engine, finer, perturbation)
+        reference = run(engine, finer, perturbation, limited=True)
         least = SAFETY * rounding(engine, answer.steps)
         runs += [answer, reference]
         error = max(SAFETY * difference(problem, answer, reference), least)
-        if error <= accuracy:
-            error = max(error, SAFETY * rounding_of_rates(answer))
-        if error <= accuracy and roundings_matter(engine, answer.steps, tolerance):
-            moved = run(engine, tolerance, change_by_rounding(engine, answer.steps))
+        # A motion that misses an accuracy amplifies errors, and it may do so anywhere on the way.
+        amplifies = failed or best is not None
+        if error <= accuracy and (amplifies or roundings_matter(engine, answer.steps, tolerance)):
+            # Moved on the way, it is moved by the roundings of each part.
+            change = change_by_rounding(engine, answer.steps // (PARTS if amplifies else 1))
+            moved = run(engine, tolerance, change, everywhere=amplifies)
             runs.append(moved)
-            second = difference(problem, answer, moved)
+            # Parts that amplify most may count more than the mean.
+            second = (SAFETY if amplifies else 1.0) * difference(problem, answer, moved)
             if second > error:
                 reference, error = moved, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
@@ -164,56 +194,6 @@ def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajector
     for pair in _pairs(problem, one, two, False):
         found[pair.places] = pair.at_samples()
     return found
-
-
-def rounding_of_rates(one: Trajectory) -> float:
-    """What roundings of the rates add up to, each group of states against its own size.
-
-    That is asked where all runs share them, as those of 1/(1 - cos(y)) at the same small y: of
-    segments of a single step and what is left of one, and of engines whose runs follow them. Rates
-    in doubles are compared with those in long doubles at the samples; their mean difference adds up
-    with time, what is left of it at random over the steps.
-    """
-    shared: dict[System, list[Segment]] = {}
-    for segment in one.segments:
-        if one.engine.follows_rounding or segment.run.steps <= 2:
-            shared.setdefault(segment.stage.system, []).append(segment)
-    worst = 0.0
-    for system, segments in shared.items():
-        values = np.concatenate([_columns(segment) for segment in segments], axis=1)
-        lasts = sum([abs(float(x.run.reached) - x.stage.begin) for x in segments])
-        steps = sum([max(x.run.steps, 1) for x in segments])
-        worst = max(worst, float(rounding_on(system, values, lasts, steps, one.engine)))
-    return worst
-
-
-def rounding_on(
-    system: System,
-    values: np.ndarray,
-    lasts: float | np.ndarray,
-    steps: float | np.ndarray,
-    engine: Engine,
-) -> np.ndarray:
-    """The same of one motion or many, that last so long and take so many steps, shape (...).
-
-    values: states above parameters, shape (size + parameters, ..., samples).
-    """
-    with np.errstate(all="ignore"):
-        gaps = (system.long_function(*values) - system.array_function(*values)).astype(float)
-        parts = np.maximum(abs(gaps.mean(-1)), np.sqrt((gaps * gaps).mean(-1) / steps))
-    sizes, worst = np.abs(values).max(-1), np.zeros(values.shape[1:-1])
-    for group in map(list, system.groups_but_clock):
-        with np.errstate(all="ignore"):
-            way, extent = lasts * parts[group].max(0), sizes[group].max(0)
-        known = (extent > 0) & (way < math.inf)
-        part = np.divide(way, extent, out=np.zeros(worst.shape), where=known)
-        if (part > UNALIKE).any():
-            # As in `_size_of_noise`.
-            full = lasts * system.rates.sizes(*values)[group].max(axis=(0, -1))
-            noise = (part > UNALIKE) & (extent <= NOISE * 2.0**-engine.precision * full)
-            part = np.where(noise, way / np.where(noise, full, 1.0), part)
-        worst = np.maximum(worst, part)
-    return worst * 2.0 ** (53 - engine.precision)
 
 
 def _columns(segment: Segment) -> np.ndarray:

@@ -15,22 +15,17 @@ from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import SAFETY, Verified, verified
+from geomtorsion.ode.error_estimate import Verified, verified
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
     checked_accuracy,
     checked_times,
 )
-from geomtorsion.ode.passed_over import (
-    confirmed,
-    cuts_of,
-    has_long_step,
-    passed_over,
-)
 from geomtorsion.ode.solution import DOUBLE, Cost, Problem, Solution
 from geomtorsion.ode.system import WorkLimitError, checked_engine
 from geomtorsion.ode.trajectory import Trajectory, integrate
+from geomtorsion.precision import GOLDEN
 
 Progress: TypeAlias = Callable[[float], object]
 
@@ -56,8 +51,7 @@ def solve(
     problem
         from `autoparallel`, `geodesic`, ...; or any first-order equations, from `ODE.of`.
     t
-        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0. Steps
-        are compared with the rates there: what lies between two times altogether may be missed.
+        last time, or increasing (or decreasing) times from 0 on; the motion starts at t = 0.
     accuracy
         largest error, relative to the size of the solution (see `Solution.error`).
     engine
@@ -138,7 +132,7 @@ def _solved(
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
-        found = _unbroken(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
+        found = _followed(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
         names.append(candidate.name)
         best = min(best, found.error)
         if found.error <= accuracy or found.answer.outcome == "stuck":
@@ -180,26 +174,44 @@ class _Runs:
     kept: Checkpoint | None
     report: Report | None
 
-    def at(self, times: np.ndarray) -> _Runs:
-        """The same with other samples."""
-        grid = np.unique(times)
-        return replace(self, grid=grid if self.grid[-1] > 0 else grid[::-1])
+    @property
+    def limit(self) -> float:
+        """The longest step of a run that has to see what comes; no multiple fits that of a cut."""
+        return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
 
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        found = verified(self.problem, self.engine, self.accuracy, self.run)
+        found = verified(self.problem, self.engine, self.accuracy, self.run, failed=bool(runs))
         runs += found.runs
         return found
 
-    def run(self, engine: Engine, tolerance: float, part: float) -> Trajectory:
+    @property
+    def parts(self) -> tuple[float, ...]:
+        """Times at which the way is divided into equal parts."""
+        return tuple(float(self.grid[-1]) * k / PARTS for k in range(1, PARTS))
+
+    def run(
+        self,
+        engine: Engine,
+        tolerance: float,
+        part: float,
+        *,
+        limited: bool = False,
+        everywhere: bool = False,
+    ) -> Trajectory:
+        longest = self.limit if limited else math.inf
+        cuts = self.parts if everywhere else self.cuts
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, part),
                 self.grid,
                 tolerance,
                 engine,
-                cuts=self.cuts,
-                runner=self.kept and self.kept.runner(engine, tolerance, part, len(self.cuts)),
+                # Cut where the answer is cut, both would pass over the same.
+                cuts=() if limited and self.kept is None else cuts,
+                shake=part if everywhere else 0.0,
+                longest=longest,
+                runner=self.kept and self.kept.runner(engine, tolerance, part, longest),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:
@@ -209,7 +221,7 @@ class _Runs:
 def _complete(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
     """The answer if it comes to the end, and is good enough."""
     try:
-        found = _unbroken(asked, runs)
+        found = _followed(asked, runs)
     except WorkLimitError:
         return None
     ended = found.answer.outcome in ("done", "stopped")
@@ -221,33 +233,20 @@ def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -
 
     grid: times in the time of the stages.
     """
-    return _unbroken(_Runs(problem, engine, accuracy, grid, (), None, None), [])
+    return _followed(_Runs(problem, engine, accuracy, grid, (), None, None), [])
 
 
-def _unbroken(asked: _Runs, runs: list[Trajectory]) -> Verified:
-    """The answer with its error, cut where steps passed over something."""
-    end = float(asked.grid[-1])
-    # Few samples show nothing of what lies between them.
-    seen = asked.grid
-    if asked.kept is None and len(seen) <= PARTS:
-        seen = np.union1d(seen, checked_times(end)[1])
-    while True:
-        found = asked.verified(runs)
-        looked = found
-        if len(seen) > len(asked.grid) and has_long_step(found.answer):
-            looked = asked.at(seen).verified(runs)
-        claimed = min(looked.error, asked.accuracy)
-        places, left = passed_over(looked.answer, asked.accuracy, claimed)
-        if places and asked.kept is None:
-            # The same steps, with samples just before both ends of what is in doubt.
-            needed = np.append(places.before, (0.0, end))
-            again = asked.at(needed).run(asked.engine, looked.answer.tolerance, 0.0)
-            runs.append(again)
-            places = confirmed(again, places)
-        new = cuts_of(places, end) - {0.0, end, *asked.cuts}
-        if not new:
-            return found._replace(error=max(found.error, SAFETY * left))
-        asked = replace(asked, cuts=tuple(sorted({*asked.cuts, *new}, key=abs)))
+def _followed(asked: _Runs, runs: list[Trajectory]) -> Verified:
+    """The answer with its error.
+
+    Where it fails and a step was long, the answer may not have seen what the finer run saw: it is
+    cut into short parts.
+    """
+    found = asked.verified(runs)
+    long = found.answer.longest_step > asked.limit
+    if found.error > asked.accuracy and long and not asked.cuts:
+        found = replace(asked, cuts=asked.parts).verified(runs)
+    return found
 
 
 def _solution(

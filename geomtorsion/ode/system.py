@@ -93,11 +93,6 @@ class System:
         """f(*states, *parameters) on arrays, shape (size, ...)."""
         return self.rates.numpy()
 
-    @cached_property
-    def long_function(self) -> Callable[..., np.ndarray]:
-        """The same in long doubles, but for the numbers in the equations."""
-        return self.rates.numpy(np.longdouble)
-
     def scalar_rates(self, values: Sequence[float]) -> ScalarRates:
         """f(t, y) for one motion, on plain floats; not a number where there is no value."""
         inner = self.scalar_function
@@ -355,7 +350,7 @@ Show: TypeAlias = Callable[[float], None] | None
 class Batch:
     """Motions of equal equations that an engine runs at once, and room for their results.
 
-    The engine fills the arrays below `counted` while it runs: after Ctrl-C they are kept as they
+    The engine fills the arrays below `longest` while it runs: after Ctrl-C they are kept as they
     are.
 
     system: the equations of all members.
@@ -366,6 +361,7 @@ class Batch:
     times: monotone from 0 on, shape (m,).
     show: called with the number of members that are done.
     counted: whether `steps` is requested.
+    longest: no step is longer, in the units of `times`.
     result: states at the times, shape (number, m, size); at first not a number.
     finished: members that came to the last time, shape (number,).
     crossed: members whose guard fell through zero, shape (number,).
@@ -380,6 +376,7 @@ class Batch:
     times: np.ndarray
     show: Show
     counted: bool
+    longest: float
     result: np.ndarray
     finished: np.ndarray
     crossed: np.ndarray
@@ -421,11 +418,6 @@ class Engine(Protocol):
         """
         ...
 
-    @property
-    def follows_rounding(self) -> bool:
-        """Whether its steps are short enough to follow what rounding makes of rates."""
-        ...
-
     def first(self, accuracy: float) -> float:
         """The tolerance with which to try for an accuracy of the result."""
         ...
@@ -452,6 +444,7 @@ class Engine(Protocol):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """Integrate from times[0] through all times.
 
@@ -469,6 +462,8 @@ class Engine(Protocol):
         watch
             to be called now and then with the time reached. Errors that it raises end the run and
             pass through. Watching changes no bit of a result.
+        longest
+            no step is longer, in the units of `times`.
 
         Returns
         -------
@@ -563,6 +558,7 @@ def scaled_run(
     extents: Extents | None = None,
     dense: bool = False,
     watch: Watch | None = None,
+    longest: float = math.inf,
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one.
 
@@ -570,7 +566,9 @@ def scaled_run(
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
-        found = engine.run(system, start, parameters, times, tolerance, dense=dense, watch=watch)
+        found = engine.run(
+            system, start, parameters, times, tolerance, dense=dense, watch=watch, longest=longest
+        )
         return checked_run(engine, found, times)
     unit = units.time
     sizes = units.sizes.tolist()
@@ -583,6 +581,7 @@ def scaled_run(
             tolerance,
             dense=dense,
             watch=None if watch is None else lambda t: watch(t * unit),
+            longest=longest / unit,
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None

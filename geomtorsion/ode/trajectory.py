@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,6 +26,7 @@ from geomtorsion.ode.system import (
     extents_of,
     scaled_run,
 )
+from geomtorsion.precision import GOLDEN
 
 State: TypeAlias = Sequence[Real] | np.ndarray
 # A motion that meets more events than this goes round in circles on the edge of a chart.
@@ -169,6 +171,11 @@ class Trajectory:
         return sum([segment.run.steps for segment in self.segments])
 
     @property
+    def longest_step(self) -> float:
+        """The longest step of all segments."""
+        return max([segment.run.longest_step for segment in self.segments])
+
+    @property
     def evaluations(self) -> int:
         """Evaluations of all segments."""
         return sum([segment.run.evaluations for segment in self.segments])
@@ -239,6 +246,8 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
+    shake: float = 0.0,
+    longest: float = math.inf,
     runner: Runner | None = None,
     watch: Watch | None = None,
 ) -> Trajectory:
@@ -252,6 +261,10 @@ def integrate(
         local tolerance for the engine.
     cuts
         times at which a stage is ended and goes on, so that its parts can be kept in a file.
+    shake
+        relative change of the state at each cut.
+    longest
+        the longest step in time.
     runner
         (number, stage, times) -> its run, in the place of the engine.
     watch
@@ -268,7 +281,7 @@ def integrate(
         stop = _next_break(stage, waiting, sign, end)
         asked, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
-            run = run_stage(stage, asked, tolerance, engine, watch)
+            run = run_stage(stage, asked, tolerance, engine, watch, longest)
         else:
             run = runner(len(segments), stage, asked)
             if watch is not None:
@@ -282,7 +295,8 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = run.last if stage.kept is None else stage.kept(run.last)
+                last = _shaken(stage.system, run.last, shake) if shake else run.last
+                last = last if stage.kept is None else stage.kept(last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
         else:
@@ -303,6 +317,16 @@ def integrate(
                 outcome, reason = event.ending(float(run.reached), segments[-1].last)
             return Trajectory(engine, tolerance, tuple(segments), outcome, run.reason or reason)
         stage = after
+
+
+def _shaken(system: System, state: State, part: float) -> np.ndarray:
+    """A state changed by a relative part, up and down as in `perturbed`; a clock stays."""
+    values = np.asarray(state)
+    signs = np.where(np.arange(len(values)) % 2, -GOLDEN, 1.0) * part
+    if system.clock is not None:
+        signs[system.states.index(system.clock[0])] = 0.0
+    kind = values.dtype.type
+    return values + values * np.array([kind(x) for x in signs.tolist()], dtype=values.dtype)
 
 
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
@@ -336,6 +360,7 @@ def run_stage(
     tolerance: float,
     engine: Engine,
     watch: Watch | None = None,
+    longest: float = math.inf,
 ) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
     system, numbers = stage.system, stage.parameters
@@ -344,7 +369,7 @@ def run_stage(
     def run(dense: bool) -> Run:
         return scaled_run(
             engine, system, stage.start, numbers, times, tolerance,
-            extents=stage.extents, dense=dense, watch=watch,
+            extents=stage.extents, dense=dense, watch=watch, longest=longest,
         )  # fmt: skip
 
     if system.guard is None or not final or engine.finds_every_root:

@@ -84,7 +84,7 @@ def test_the_last_chart_that_has_a_value_counts():
     problem = geodesic(
         load("kerr").frame, start, frame_velocity=velocity, parameters=numbers, causal=None
     )
-    with pytest.raises(ChartEdgeError, match=r"stops at t = 82\.18.*, r_in = 4\.\d+e-05") as got:
+    with pytest.raises(ChartEdgeError, match=r"stops at t = 82\.18.*, r_in = [34]\.\d+e-05") as got:
         solve(problem, np.linspace(0, 126.31555158213958, 36), 1e-10)
     assert got.value.solution.times[-1] == pytest.approx(79.4, abs=0.01)
 

@@ -40,7 +40,6 @@ class Mine:
     name = "Mine"
     precision = 53
     finds_every_root = False
-    follows_rounding = True
 
     def __repr__(self) -> str:
         return "Mine()"
@@ -67,6 +66,7 @@ class Mine:
         *,
         dense: bool = False,
         watch: Any = None,
+        longest: float = math.inf,
     ) -> Run:
         """One call of solve_ivp, up to where the guard falls through zero."""
         values, y0 = [float(x) for x in parameters], np.array([float(x) for x in start])
@@ -80,7 +80,7 @@ class Mine:
         guard.terminal, guard.direction = True, -1  # type: ignore[attr-defined]  # as scipy asks
         found = scipy.integrate.solve_ivp(
             system.scalar_rates(values), span, y0, "DOP853", rtol=tolerance, atol=tolerance / 10,
-            dense_output=True, events=guard,
+            dense_output=True, events=guard, max_step=longest,
         )  # fmt: skip
         reached = float(found.t[-1])
         here = times[np.abs(times - span[0]) <= abs(reached - span[0])]
@@ -102,6 +102,18 @@ ACCURACY = 1e-8
 def swing() -> ODE:
     """x'' = -4 x from x = 1: a cosine."""
     return ODE.of({"x": "v", "v": "-4*x"}, [1, 0])
+
+
+@every_engine
+def test_no_step_is_longer_than_the_longest(engine: Engine) -> None:
+    """Forwards and backwards, with the same values."""
+    system, begin = swing().system, np.array([1.0, 0.0])
+    for end in (0.5, -0.5):
+        times = np.linspace(0.0, end, 4)
+        run = engine.run(system, begin, [], times, 1e-6, longest=0.01)
+        assert run.steps >= 50
+        assert run.longest_step <= 0.01 * (1 + 1e-9)
+        assert np.abs(run.states[:, 0].astype(float) - np.cos(2 * times)).max() < 1e-5
 
 
 @every_engine

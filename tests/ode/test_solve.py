@@ -263,8 +263,8 @@ def test_nothing_to_compare_is_said(monkeypatch):
     module = sys.modules["geomtorsion.ode.solve"]
     real = module.verified
 
-    def incomparable(*arguments):
-        return real(*arguments)._replace(error=math.inf)
+    def incomparable(*arguments, **options):
+        return real(*arguments, **options)._replace(error=math.inf)
 
     monkeypatch.setattr(module, "verified", incomparable)
     with pytest.raises(AccuracyError, match="gives no two runs to compare") as caught:

@@ -11,7 +11,7 @@ from geomtorsion.errors import LimitError
 from geomtorsion.geometry import levi_civita
 from geomtorsion.ode import ODE, RungeKutta
 from geomtorsion.ode.engines.stepper import Steps
-from geomtorsion.ode.engines.stepwise import Pace, stepwise_run, unlimited
+from geomtorsion.ode.engines.stepwise import Pace, limited, stepwise_run
 from geomtorsion.spaces import load
 from tests.chosen import one_in
 
@@ -68,7 +68,7 @@ def test_how_fast_steps_grow_and_shrink(rate, start):
     law = ODE.of({"x": rate}, [start])
     system, begin = law.system, [start, 0.0]
     values = [float(x) for x in law.run_numbers({})]
-    ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], unlimited, MOST)
+    ours = Steps(system, values, begin, (0.0, 10.0), 1e-8, [1.0, 1.0], limited(math.inf), MOST)
     rates = system.scalar_rates(values)
     theirs = DOP853(rates, 0.0, np.array(begin), 10.0, rtol=1e-8, atol=1e-8)
     while ours.time != 10.0:

@@ -180,3 +180,26 @@ def test_a_wrong_chart_map_would_be_seen(monkeypatch):
 
     monkeypatch.setattr(charts.SetMap, "__call__", moved)
     assert gt.prove(solution).holds is False
+
+
+@pytest.mark.parametrize("engine", [None, gt.RungeKutta()], ids=["default", "Runge-Kutta"])
+def test_a_proof_sees_what_no_step_saw(engine):
+    """A bump much narrower than a step: the reported error is too small, and the proof says so."""
+    problem = gt.ODE.of({"x": "1 + exp(-(500*(y - 20.2))**2)", "y": 1}, {"x": 0, "y": 0.3})
+    solution = gt.solve(problem, 60.0, 1e-9, engine)
+    assert solution["x"][-1] == pytest.approx(60, abs=1e-9)
+    proof = gt.prove(solution)
+    assert proof.holds is False
+    assert float(proof.error) == pytest.approx(math.sqrt(math.pi) / 500 / 60, rel=0.1)
+
+
+@pytest.mark.parametrize("steep", [100, 1000])
+def test_a_wall_between_two_samples_is_right_or_refused(steep):
+    """x' = 2 + tanh(k x) from far before the wall: a proof agrees wherever there is an answer."""
+    for begin in (-20.3, -33.1):
+        problem = gt.ODE.of({"x": "2 + tanh(k*x)"}, [begin], parameters={"k": steep})
+        try:
+            solution = gt.solve(problem, 60.0, 1e-9)
+        except gt.errors.AccuracyError:
+            continue
+        assert gt.prove(solution).holds is True

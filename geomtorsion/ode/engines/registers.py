@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,6 +77,7 @@ def run_in_registers(
     taken = np.zeros((count, width, 3))
     several = len(calls.times) > 2
     found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
+    limits = batch.longest * batch.units if batch.longest < math.inf else None
     done = 0
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
     hits = [event.callback.members for event in integrator.nt_events] if crossed is not None else []
@@ -84,19 +86,20 @@ def run_in_registers(
             choose(chosen[k])
             own[:] = calls.states[k]
             integrator.set_time(0.0)
+            step = {} if limits is None else {"max_delta_t": limits[chosen[k]].tolist()}
             if several:
                 block = np.ascontiguousarray(calls.times[:, k])
-                rows = integrator.propagate_grid(block, max_steps=MOST_STEPS)[1]
+                rows = integrator.propagate_grid(block, max_steps=MOST_STEPS, **step)[1]
                 # Beyond a guard steps may become as small as they like. Without one, motions that
                 # have got anywhere begin again and run to the end.
                 if crossed is None and _moving(integrator, np.zeros(width), ends[k], []):
                     own[:] = calls.states[k]
                     integrator.set_time(0.0)
-                    rows = integrator.propagate_grid(block, max_steps=max_steps)[1]
+                    rows = integrator.propagate_grid(block, max_steps=max_steps, **step)[1]
                 found[k, : len(rows)] = rows
             else:
-                until(ends[k], max_steps=MOST_STEPS)
-                _go_on(integrator, ends[k], hits, max_steps)
+                until(ends[k], max_steps=MOST_STEPS, **step)
+                _go_on(integrator, ends[k], hits, max_steps, step)
                 found[k, 0] = own
             # Of the last of several calls, whose members have taken many steps in any case.
             if steps is not None:
@@ -130,17 +133,24 @@ def run_in_registers(
             result[index[good], -1] = rows[good, 0]
 
 
-def _go_on(integrator: Any, ends: np.ndarray, crossed: list[set[int]], most: int) -> None:
+def _go_on(
+    integrator: Any,
+    ends: np.ndarray,
+    crossed: list[set[int]],
+    most: int,
+    step: Mapping[str, object],
+) -> None:
     """Go on until all members have arrived, have met the guard, get no further or took most steps.
 
-    There is a look after each MOST_STEPS, of which some have been taken.
+    There is a look after each MOST_STEPS, of which some have been taken. step: heyoka's option for
+    the longest step.
     """
     before = np.zeros(len(ends))
     for _ in range(most // MOST_STEPS):
         if not _moving(integrator, before, ends, crossed):
             return
         before = integrator.time.copy()
-        integrator.propagate_until(ends, max_steps=MOST_STEPS)
+        integrator.propagate_until(ends, max_steps=MOST_STEPS, **step)
 
 
 def _moving(integrator: Any, before: np.ndarray, ends: np.ndarray, crossed: list[set[int]]) -> bool:

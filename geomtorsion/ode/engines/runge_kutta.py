@@ -72,7 +72,6 @@ class RungeKutta(_Ladder):
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
     name = "RungeKutta"
-    follows_rounding = True
     finest = 1e-17
 
     def first(self, accuracy: float) -> float:
@@ -89,11 +88,14 @@ class RungeKutta(_Ladder):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         method = "generated" if system.size <= LARGEST else "DOP853"
-        return stepwise_run(method, most, system, start, parameters, times, tolerance, dense, watch)
+        return stepwise_run(
+            method, most, system, start, parameters, times, tolerance, dense, watch, longest
+        )
 
     def batch(self, batch: Batch, tolerance: float) -> float:
         """See `Engine`: all members as one system."""
@@ -127,8 +129,6 @@ class Stiff(_Ladder):
         checks.choice(self.method, METHODS, "method", ArgumentError)
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 
-    # Implicit steps are long against what they damp, roundings of rates among that.
-    follows_rounding = False
     finest = 3e-13
 
     @property
@@ -146,9 +146,10 @@ class Stiff(_Ladder):
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """See `Engine.run`."""
         most = self.max_evaluations
         return stepwise_run(
-            self.method, most, system, start, parameters, times, tolerance, dense, watch
+            self.method, most, system, start, parameters, times, tolerance, dense, watch, longest
         )

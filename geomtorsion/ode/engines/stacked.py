@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -14,8 +13,8 @@ from geomtorsion.ode.engines.stepwise import (
     Pace,
     counted,
     error_scales,
+    limited,
     paced_dop853,
-    unlimited,
 )
 from geomtorsion.ode.system import Batch, WorkLimitError
 
@@ -79,13 +78,13 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
         used = max(tolerance, FLOOR)
         options: dict[str, Any] = {"rtol": used, "atol": (used * scales).ravel()}
         span, begin = (0.0, duration), y0.ravel()
-        longest: Callable[[float], float] = unlimited
+        longest = limited(batch.longest * top)
         if tolerance < FLOOR:
             trial = scipy.integrate.solve_ivp(
                 counted(rates, most, abs(duration)), span, begin, "DOP853", **options
             )
             if trial.status == 0:
-                longest = Pace(trial.t.tolist(), tolerance, FLOOR)
+                longest = Pace(trial.t.tolist(), tolerance, FLOOR, batch.longest * top)
         found = scipy.integrate.solve_ivp(
             counted(rates, most, abs(duration)), span, begin, paced_dop853(), t_eval=times * top,
             events=look, longest=longest,

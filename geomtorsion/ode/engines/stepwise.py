@@ -46,23 +46,26 @@ class Pace:
     """Longest step from a time on: a share of the step of a run to the least tolerance there.
 
     Errors of steps below that tolerance cannot be measured; they shrink with the order of the
-    method. times: of the run, in order.
+    method. times: of the run, in order; limit: of all steps.
     """
 
-    def __init__(self, times: Sequence[float], tolerance: float, least: float) -> None:
+    def __init__(
+        self, times: Sequence[float], tolerance: float, least: float, limit: float = math.inf
+    ) -> None:
         self._sign: float = 1.0 if times[-1] >= times[0] else -1.0
         self._times: list[float] = [self._sign * time for time in times]
         self._share: float = (tolerance / least) ** 0.125
+        self._limit: float = limit
 
     def __call__(self, time: float) -> float:
         """The longest step from a time on."""
         k = min(bisect_right(self._times, self._sign * time), len(self._times) - 1)
-        return self._share * (self._times[k] - self._times[k - 1])
+        return min(self._share * (self._times[k] - self._times[k - 1]), self._limit)
 
 
-def unlimited(_: float) -> float:
-    """Steps of any length."""
-    return math.inf
+def limited(longest: float) -> Callable[[float], float]:
+    """The same longest step at all times."""
+    return lambda _: longest
 
 
 @cache
@@ -74,7 +77,7 @@ def paced_dop853() -> Any:
             super().__init__(*given, max_step=longest(given[1]), **more)
             self._longest = longest
 
-        def _step_impl(self) -> Any:
+        def _step_impl(self) -> tuple[bool, str | None]:
             self.max_step = self._longest(self.t)
             return super()._step_impl()
 
@@ -118,12 +121,13 @@ class ScipySteps:
     ) -> None:
         rates = counted(system.scalar_rates(values), most, abs(span[1] - span[0]))
         options: dict[str, Any] = {}
+        self.time: float
+        self.time, end = span
         if method == "DOP853":
             options["longest"] = longest
         else:
+            options["max_step"] = longest(self.time)
             options["jac"] = lambda _, y: system.jacobian(y.tolist(), values)
-        self.time: float
-        self.time, end = span
         self.sign: float = 1.0 if end >= self.time else -1.0
         self.state: Sequence[float] = tuple(y0)
         self.count: int = 0
@@ -205,6 +209,7 @@ def stepwise_run(
     tolerance: float,
     dense: bool,
     watch: Watch | None = None,
+    longest: float = math.inf,
 ) -> Run:
     """See `Engine.run`; method: "generated" steps of DOP853; or "DOP853", "Radau", "LSODA"."""
     began = time.perf_counter()
@@ -228,11 +233,11 @@ def stepwise_run(
         span = _settling(system.jacobian(y0, values), span)
     scales = error_scales(system, np.array(y0), values, first_rates, span).tolist()
     least = LEAST if generated else FLOOR
-    longest: Callable[[float], float] = unlimited
+    pace: Callable[[float], float] = limited(longest)
 
     def steps(begin: float, state: Sequence[float], by: str) -> Steps | ScipySteps:
         used = max(tolerance, least)
-        given = (system, values, state, (begin, last), used, scales, longest, most)
+        given = (system, values, state, (begin, last), used, scales, pace, most)
         return Steps(*given) if generated else ScipySteps(by, *given)
 
     if tolerance < least:
@@ -241,7 +246,7 @@ def stepwise_run(
         while trial.time != last and trial.advance() is not None:
             passed.append(trial.time)
         if not trial.stuck:
-            longest = Pace(passed, tolerance, least)
+            pace = Pace(passed, tolerance, least, longest)
     walk = steps(first, y0, method)
     guard = None if system.guard is None else partial(_guard, system, values)
     samples = np.empty((len(times), len(y0)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -16,6 +16,7 @@ from functools import lru_cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from threading import Lock, RLock
+from types import MappingProxyType
 from typing import Any
 
 import mpmath
@@ -293,7 +294,6 @@ class Taylor:
         checks.count(self.max_steps, "max_steps", ArgumentError, 1)
 
     finds_every_root = True
-    follows_rounding = False
 
     @property
     def name(self) -> str:
@@ -369,11 +369,12 @@ class Taylor:
         *,
         dense: bool = False,
         watch: Watch | None = None,
+        longest: float = math.inf,
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
         kept, compiling = self.compiled(system, tolerance, backward=backward)
-        found = self._run(kept, system, start, parameters, times, dense, watch)
+        found = self._run(kept, system, start, parameters, times, dense, watch, longest)
         found.compile_seconds = compiling
         return found
 
@@ -395,6 +396,7 @@ class Taylor:
         times: np.ndarray,
         dense: bool,
         watch: Watch | None,
+        longest: float,
     ) -> Run:
         """The run by one integrator."""
         began = time.perf_counter()
@@ -414,8 +416,9 @@ class Taylor:
                     system, state, floats(parameters), pace, reached, abs(left), self.max_steps
                 )
 
+            step = {} if longest == math.inf else {"max_delta_t": self.number(longest)}
             states, outcome, steps, longest, reason = self._propagated(
-                integrator, grid, watch, room, refuse
+                integrator, grid, watch, room, refuse, step
             )
             if outcome == "stuck":
                 place = _last_regular(integrator, grid[0], start, grid[-1], steps)
@@ -432,7 +435,7 @@ class Taylor:
                 # The steps are the same with and without the grid.
                 _place(integrator, grid[0], start)
                 record = _Record(integrator, grid[0])
-                integrator.propagate_until(reached, callback=record, write_tc=True)
+                integrator.propagate_until(reached, callback=record, write_tc=True, **step)
             return Run(
                 grid[: len(states)],
                 states,
@@ -455,12 +458,14 @@ class Taylor:
         watch: Watch | None,
         room: Callable[[], float] | None,
         refuse: Callable[[float, float], None] = lambda _pace, _reached: None,
+        step: Mapping[str, object] = MappingProxyType({}),
     ) -> tuple[np.ndarray, str, int, float, str]:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
         A run that gets nowhere is ended.
         room: the guard, where it may have no series within a step, so that its fall is not seen.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
+        step: heyoka's option for the longest step.
         """
         if grid[0] == grid[-1]:
             return integrator.state.copy()[None, :], "done", 0, 0.0, ""
@@ -470,7 +475,7 @@ class Taylor:
         rest = grid
         while True:
             check_limits()
-            out = integrator.propagate_grid(rest, max_steps=at_once)
+            out = integrator.propagate_grid(rest, max_steps=at_once, **step)
             code = str(getattr(out[0], "name", "event"))
             steps += out[3]
             # The last step, cut where the grid ends, is not among those whose largest is told.
