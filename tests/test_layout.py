@@ -41,7 +41,7 @@ BELOW_THE_WALL = (
     ("npz",),
     ("hdf5",),
     ("exact",),
-    ("codegen",),
+    ("codegen", "units"),
     ("geometry", "ode"),
     ("action", "curves", "loops", "rigid"),
     ("proofs",),

@@ -16,8 +16,8 @@ from geomtorsion.cli.values import number, parts
 from geomtorsion.errors import GeomtorsionError, StartError, UnknownNameError
 from geomtorsion.files import read_toml
 from geomtorsion.scenes import Scene
-from geomtorsion.scenes.units import quantity
 from geomtorsion.spaces import Space
+from geomtorsion.units import quantity
 
 
 def is_scene(source: str) -> bool:

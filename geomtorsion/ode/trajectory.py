@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -262,7 +262,7 @@ def integrate(
     cuts
         times at which a stage is ended and goes on, so that its parts can be kept in a file.
     shake
-        relative change of the state at each cut.
+        relative change of the state at each cut, of a sign that changes at random.
     longest
         the longest step in time.
     runner
@@ -295,7 +295,9 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = _shaken(stage.system, run.last, shake) if shake else run.last
+                last = (
+                    run.last if not shake else _shaken(stage.system, run.last, shake, len(segments))
+                )
                 last = last if stage.kept is None else stage.kept(last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
@@ -319,10 +321,28 @@ def integrate(
         stage = after
 
 
-def _shaken(system: System, state: State, part: float) -> np.ndarray:
-    """A state changed by a relative part, up and down as in `perturbed`; a clock stays."""
+@cache
+def _signs(number: int, size: int) -> np.ndarray:
+    """Signs that look random and are the same in each call: roundings add up as such signs do."""
+    found = []
+    for k in range(size):
+        # Bits are mixed by the last steps of MurmurHash3.
+        bits = (number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
+        bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
+        bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
+        found.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
+    return np.array(found)
+
+
+def _shaken(system: System, state: State, part: float, number: int) -> np.ndarray:
+    """A state changed by a relative part, up or down; a clock stays.
+
+    number: of the place on the way. Changes of one sign would add up in proportion to the number of
+    places, and roundings do not.
+    """
     values = np.asarray(state)
-    signs = np.where(np.arange(len(values)) % 2, -GOLDEN, 1.0) * part
+    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
+    signs = sizes * _signs(number, len(values))
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
     kind = values.dtype.type

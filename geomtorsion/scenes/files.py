@@ -17,7 +17,7 @@ from geomtorsion.scenes.body import Body
 from geomtorsion.scenes.effects import EFFECTS, Effect
 from geomtorsion.scenes.scene import Scene
 from geomtorsion.scenes.state import State
-from geomtorsion.scenes.units import quantity, scale_of, with_unit
+from geomtorsion.units import quantity, scale_of, with_unit
 
 _WORD = re.compile(r"[^\W0-9]\w*")
 _QUOTED = re.compile(r"'([^']*)'")

@@ -66,8 +66,8 @@ def assert_claim(true, solution, accuracy):
     [
         (orbit(0.2, 3), 170.0, 1e-9, RungeKutta()),
         (eccentric(0.6), 200.0, 1e-10, RungeKutta()),
-        (eccentric(0.6), 2000.0, 1e-9, Taylor()),
-        (eccentric(0.6), 1000.0, 1e-10, Taylor()),
+        (eccentric(0.6), 2000.0, 1e-8, Taylor()),
+        (eccentric(0.6), 2000.0, 1e-10, None),
     ],
     ids=["0.8", "0.6", "0.6, series", "0.6, series, finer"],
 )

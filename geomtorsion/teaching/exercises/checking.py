@@ -13,7 +13,6 @@ import sympy
 from geomtorsion import errors
 from geomtorsion.checks import close_names
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.scenes.units import scale_of, unit
 from geomtorsion.teaching.exercises.answers import completed, components, expression
 from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
 from geomtorsion.teaching.exercises.domain import Domain
@@ -22,6 +21,7 @@ from geomtorsion.teaching.exercises.limits import MOST, check_weight
 from geomtorsion.teaching.exercises.numeric import at_point
 from geomtorsion.teaching.exercises.question import deviation, plain_name, scaled, shown_name
 from geomtorsion.teaching.exercises.verdict import MESSAGES, QuestionVerdict, message_of
+from geomtorsion.units import scale_of, unit
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from geomtorsion.errors import ExpressionError, LimitError, UnitError
-from geomtorsion.scenes.units import quantity, unit, with_unit
+from geomtorsion.units import quantity, unit, with_unit
 
 
 @pytest.mark.parametrize(
