@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import StartError
-from geomtorsion.ode.numbers import PARTS, Real, floats
+from geomtorsion.ode.numbers import PARTS, Real, floats, random_signs
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.system import (
     STANDSTILL,
@@ -321,19 +321,6 @@ def integrate(
         stage = after
 
 
-@cache
-def _signs(number: int, size: int) -> np.ndarray:
-    """Signs that look random and are the same in each call: roundings add up as such signs do."""
-    found = []
-    for k in range(size):
-        # Bits are mixed by the last steps of MurmurHash3.
-        bits = (number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
-        bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
-        bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
-        found.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
-    return np.array(found)
-
-
 def _shaken(system: System, state: State, part: float, number: int) -> np.ndarray:
     """A state changed by a relative part, up or down; a clock stays.
 
@@ -342,7 +329,7 @@ def _shaken(system: System, state: State, part: float, number: int) -> np.ndarra
     """
     values = np.asarray(state)
     sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
-    signs = sizes * _signs(number, len(values))
+    signs = sizes * random_signs(number, len(values))
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
     kind = values.dtype.type
