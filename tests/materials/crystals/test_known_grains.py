@@ -107,5 +107,5 @@ def test_lines_keep_b_and_grains_that_vanish_are_told(tmp_path):
     assert [{**report, "frame": k} for k, report in enumerate(told)] == whole
     assert json.loads((folder / "000003.json").read_text()) == whole[3]
     (folder / "000001.npy").unlink()
-    with pytest.raises(CheckpointError, match="grains of its atoms were needed"):
+    with pytest.raises(CheckpointError, match="expected the grain of each of"):
         list(reports(path, Wanted(), folder))
