@@ -30,8 +30,8 @@ class Burgers(Signed):
     Examples
     --------
     >>> b = Burgers(np.array([3.0, 4.0]), "nm", np.diag([0.04, 0.05]), {"interpolation": 0.4})
-    >>> b, b.magnitude, b.noise.round(3), round(b.error, 3), b.is_significant
-    (Burgers([3, 4] nm, error=0.5: noise 0.3, interpolation 0.4), 5.0, np.float64(0.3), 0.5, True)
+    >>> b, b.magnitude, round(b.noise, 3), round(b.error, 3), b.is_significant
+    (Burgers([3, 4] nm, error=0.5: noise 0.3, interpolation 0.4), 5.0, 0.3, 0.5, True)
     """
 
     vector: np.ndarray

@@ -157,19 +157,19 @@ def test_estimates_of_closed_forms_are_close():
 
 
 @pytest.mark.parametrize(
-    ("engine", "moments"), one_in(2, ENGINES, [(1, 1, 1.3), (2, 2, 1), (1, 1, 1.5)])
+    ("engine", "moments"), one_in(2, [None, *ENGINES], [(1, 1, 1.3), (2, 2, 1), (1, 1, 1.5)])
 )
 def test_a_long_free_symmetric_top(engine, moments):
-    """To t = 1000 at 1e-12, against the product of two rotations with 40 digits.
+    """To t = 1000 against the product of two rotations with 40 digits.
 
-    What is told is a difference of two runs that only rounding tells apart: it may be below the
-    truth by less than two, the accuracy asked for holds.
+    At 1e-12 by the engine that is chosen. An engine in doubles cannot tell its roundings from an
+    error of some 1e-11 and refuses that: it is asked for 1e-10.
     """
     omega = (0.3, 0.1, 1.0)
     scene = gt.Scene(
         gt.Body(moments=moments),
         start=gt.State(omega=omega, quaternion=(1, 0, 0, 0)),
-        t=1000, watch=("quaternion",), accuracy=1e-12,
+        t=1000, watch=("quaternion",), accuracy=1e-12 if engine is None else 1e-10,
     )  # fmt: skip
     result = scene.run(engine=engine)
     with mpmath.workdps(40):
@@ -189,8 +189,8 @@ def test_a_long_free_symmetric_top(engine, moments):
             ]  # fmt: skip
             signs = (max(abs(x - s * y) for x, y in zip(q, wanted, strict=True)) for s in (1, -1))
             worst = max(worst, float(min(signs)))
-    assert result.error <= 1e-12
-    assert worst <= 1e-12
+    assert result.error <= scene.accuracy
+    assert worst <= scene.accuracy
     assert worst <= 2 * result.error
 
 

@@ -97,6 +97,7 @@ class Public(SphinxDirective):
         if name == "geomtorsion":
             names = [one for one in names if package_of(one) == of]
         else:
+            names = [one for one in names if not ismodule(getattr(module, one))]
             lines += [f".. py:module:: {name}", "", *converted((module.__doc__ or "").split("\n"))]
             elsewhere = {one: homes[0] for one in names if (homes := exported_above(name, one))}
             names = [one for one in names if one not in elsewhere]
