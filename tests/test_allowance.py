@@ -170,7 +170,6 @@ ZEROS = (
     sp.cbrt(x + 5) ** 2 / (x + 5) - 1 / sp.cbrt(x + 5),
     sp.sinh(2 * z) - 2 * sp.sinh(z) * sp.cosh(z),
     sp.atan(x) + sp.atan(1 / x) - sp.pi / 2,
-    4 * sp.atan(sp.Rational(1, 5)) - sp.atan(sp.Rational(1, 239)) - sp.pi / 4,
     sp.tan(z / 2) - sp.sin(z) / (1 + sp.cos(z)),
     1 / (sp.sqrt(x + 2) + sp.sqrt(y + 3)) * (x - y - 1) - sp.sqrt(x + 2) + sp.sqrt(y + 3),
 )
