@@ -113,7 +113,7 @@ class LatticeImage:
         FileFormatError
             The file is missing, damaged, too large, or of another kind.
         MissingExtraError
-            The libraries of the extra ``images`` are not installed.
+            The libraries of the extra "images" are not installed.
         """
         path = checks.file_name(path, error=ImageError)
         values = read_pixels(path, page)
