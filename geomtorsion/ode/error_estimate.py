@@ -22,7 +22,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from geomtorsion.ode.numbers import PARTS, floats
+from geomtorsion.ode.numbers import floats
 from geomtorsion.ode.system import Engine, columns
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory
 from geomtorsion.precision import GOLDEN
@@ -38,6 +38,9 @@ AIM = 0.1
 NOISE = 100.0
 # They differ by more than this part of their size, for a rounding is no smaller.
 UNALIKE = 1 / NOISE
+# Parts of the way at whose ends a motion is moved that amplifies errors: each costs a call of the
+# engine.
+PLACES = 16
 
 
 class Comparable(Protocol):
@@ -95,6 +98,7 @@ def verified(
     perturbation = SAFETY * 2.0 ** (1 - engine.precision)
     runs: list[Trajectory] = []
     best: Verified | None = None
+    growth = 0.0
     tolerance: float | None = engine.first(AIM * accuracy)
     while tolerance is not None and (finer := engine.finer(tolerance)) is not None:
         answer = run(engine, tolerance, 0.0)
@@ -104,9 +108,12 @@ def verified(
         error = max(SAFETY * difference(problem, answer, reference), least)
         # A motion that misses an accuracy amplifies errors, and it may do so anywhere on the way.
         amplifies = failed or best is not None
-        if error <= accuracy and (amplifies or roundings_matter(engine, answer.steps, tolerance)):
+        # Roundings grow on the way as far as what the steps omitted did, in an attempt that missed.
+        grown = growth * rounding(engine, answer.steps) > AIM * error
+        matter = failed or grown or roundings_matter(engine, answer.steps, tolerance)
+        if error <= accuracy and matter:
             # Moved on the way, it is moved by the roundings of each part.
-            change = change_by_rounding(engine, answer.steps // (PARTS if amplifies else 1))
+            change = change_by_rounding(engine, answer.steps // (PLACES if amplifies else 1))
             moved = run(engine, tolerance, change, everywhere=amplifies)
             runs.append(moved)
             # Parts that amplify most may count more than the mean.
@@ -120,6 +127,7 @@ def verified(
         # agrees at last would agree by chance.
         if error <= accuracy or rounded or answer.outcome == "stuck":
             break
+        growth = max(growth, error / tolerance)
         tolerance = next_tolerance(engine, tolerance, accuracy / error)
     assert best is not None
     return best._replace(runs=tuple(runs))

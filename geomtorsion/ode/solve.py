@@ -15,7 +15,7 @@ from geomtorsion.errors import AccuracyError, StartError, TimeError
 from geomtorsion.ode.checkpoint import Checkpoint, fingerprint
 from geomtorsion.ode.engines import Engine, RungeKutta, Taylor
 from geomtorsion.ode.engines.taylor import is_available
-from geomtorsion.ode.error_estimate import Verified, verified
+from geomtorsion.ode.error_estimate import PLACES, Verified, verified
 from geomtorsion.ode.numbers import (
     PARTS,
     check_memory,
@@ -188,7 +188,11 @@ class _Runs:
     @property
     def parts(self) -> tuple[float, ...]:
         """Times at which the way is divided into equal parts."""
-        return tuple(float(self.grid[-1]) * k / PARTS for k in range(1, PARTS))
+        return self._divided(PARTS)
+
+    def _divided(self, count: int) -> tuple[float, ...]:
+        """Times that divide the way into so many equal parts."""
+        return tuple(float(self.grid[-1]) * k / count for k in range(1, count))
 
     def run(
         self,
@@ -200,7 +204,10 @@ class _Runs:
         everywhere: bool = False,
     ) -> Trajectory:
         longest = self.limit if limited else math.inf
-        cuts = self.parts if everywhere else self.cuts
+        cuts = self.cuts
+        if everywhere:
+            # It meets what the answer meets: the cuts of both.
+            cuts = tuple(sorted({*cuts, *self._divided(PLACES)}, key=abs))
         try:
             return integrate(
                 self.problem.first_stage(engine.precision, part),
