@@ -17,6 +17,14 @@ import geomtorsion
 from geomtorsion import geodesic, solve, spaces
 
 PACKAGE = str(Path(geomtorsion.__file__).parent)
+# It stands for functools, of which a reader passes nothing.
+CACHING = str(Path(geomtorsion.__file__).parent / "caching.py")
+
+
+def is_passed(frame: FrameType) -> bool:
+    """Whether a reader passes the function of a frame."""
+    name = frame.f_code.co_filename
+    return name.startswith(PACKAGE) and name != CACHING
 
 
 class Walk:
@@ -28,17 +36,16 @@ class Walk:
 
     def __call__(self, frame: FrameType, event: str, _: object) -> None:
         """Notes a call."""
-        own = frame.f_code.co_filename
-        if event != "call" or not own.startswith(PACKAGE):
+        if event != "call" or not is_passed(frame):
             return
         depth, at = 0, frame
         while at is not None:
-            if at.f_code.co_filename.startswith(PACKAGE):
+            if is_passed(at):
                 if at.f_code.co_name == "<module>":
                     return
                 depth += 1
             at = at.f_back
-        self.files.add(own)
+        self.files.add(frame.f_code.co_filename)
         self.depth = max(self.depth, depth)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import sympy as sp
@@ -20,6 +19,7 @@ from geomtorsion.action.hamel import (
 from geomtorsion.action.invariants import conserved
 from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import LagrangianError
 
 if TYPE_CHECKING:

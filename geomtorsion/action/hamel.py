@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from geomtorsion.action.tangent_bundle import TangentBundle
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import ConstraintError, KineticMatrixError, LimitError, UndecidedError
 from geomtorsion.geometry import Frame, Tensor, cartan
 from geomtorsion.geometry.components import (

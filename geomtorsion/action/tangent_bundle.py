@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import LagrangianError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -13,6 +12,7 @@ from geomtorsion.action import validation
 from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
+from geomtorsion.caching import cached_property
 from geomtorsion.displays import latex_of
 from geomtorsion.geometry import Tensor
 

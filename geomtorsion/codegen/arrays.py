@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
 
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import array, cut, entries, flag, instance, shown
 from geomtorsion.codegen.balls import float_values
 from geomtorsion.codegen.expression_graph import Graph, branch_check, graph

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
@@ -13,6 +13,7 @@ import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph, numpy_function
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.edges import Edge, edges_of

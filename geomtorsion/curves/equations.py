@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, Products, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.curves.atlas import Chart

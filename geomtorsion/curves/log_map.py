@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.curves.constructors import autoparallel
 from geomtorsion.curves.problem import checked_start
 from geomtorsion.curves.search import STALE, Followed, Hit, Search, reach_of

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import check_room
 from geomtorsion.curves.atlas import MovingPoint
 from geomtorsion.curves.distance import angles_of

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from math import factorial, lcm
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.core.function import AppliedUndef
 
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import GeomtorsionError, SingularPointError, UndecidedError
 from geomtorsion.exact.functions import with_roots
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import combinations, product
 from typing import Any
 
+from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element, Field
 from geomtorsion.exact.element import inside_out
 

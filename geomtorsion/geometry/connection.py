@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import instance
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ShapeError, TensorIndexError

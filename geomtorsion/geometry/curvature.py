@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import TYPE_CHECKING
 
+from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian

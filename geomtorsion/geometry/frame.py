@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from types import FunctionType, MethodType
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError
 from geomtorsion.exact import Branch, Element, Field

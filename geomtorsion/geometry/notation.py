@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ import sympy as sp
 from sympy.printing.pretty.stringpict import prettyForm
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import AllowanceError, LimitError, TensorIndexError
 from geomtorsion.exact.printing import TexPrinter, TextPrinter

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import UnknownNameError

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import numpy_function
 from geomtorsion.errors import LoopError, SingularPointError
 from geomtorsion.exact import Element

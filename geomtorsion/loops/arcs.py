@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import graph
 from geomtorsion.errors import LoopError, MissingValueError
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence, Sized
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ import scipy  # loads its parts when they are asked for
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.complexes import Complex

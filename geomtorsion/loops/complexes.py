@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops.validation import listed, once_round, whole
 

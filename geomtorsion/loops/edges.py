@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError, SingularPointError
 from geomtorsion.loops.arcs import Parameters, Part, Segment, shown
 from geomtorsion.loops.complexes import Complex

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.geometry import Frame
 from geomtorsion.loops.arcs import Parameters, shown

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
 
+from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LoopError

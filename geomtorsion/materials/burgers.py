@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 
 # The share of circuits without torsion in which noise alone may look significant.

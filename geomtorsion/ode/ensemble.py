@@ -6,12 +6,12 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import AccuracyError, GeomtorsionError, StartError, TimeError

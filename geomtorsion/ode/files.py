@@ -6,12 +6,12 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import DECLARED, cut, shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, StartError
 from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz

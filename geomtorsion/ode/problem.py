@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.displays import latex_of

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ExpressionError

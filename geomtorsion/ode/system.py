@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import LimitError, StartError

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame
 from geomtorsion.paper.statement import PHI, c2, phi1, phi2, phi3, s2
 

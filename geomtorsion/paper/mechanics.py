@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import sympy as sp
 
 from geomtorsion.action import EquationsOfMotion, Variation, equations_of_motion, variation
+from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame
 from geomtorsion.paper.frames import PaperFrames, attitude
 from geomtorsion.paper.statement import short

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.geometry.notation import open_mark

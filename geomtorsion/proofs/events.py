@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from flint import arb, ctx
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode

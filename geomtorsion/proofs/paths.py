@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeAlias
 
 import sympy as sp
 from flint import acb, arb, arb_mat
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.codegen.balls import BallCode, exact_ball
 from geomtorsion.errors import ProofError

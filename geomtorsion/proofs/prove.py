@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias
 
 import flint
@@ -14,6 +13,7 @@ import numpy as np
 from flint import arb
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import ArgumentError, ProofError, UnknownNameError
 from geomtorsion.loops import BurgersVector, Development

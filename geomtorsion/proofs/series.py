@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from flint import acb, arb, arb_mat, arb_series, ctx
 
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph
 from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.codegen.balls import BallCode, BallFunction, coefficient

@@ -12,11 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 from flint import acb, arb, arb_mat, ctx, fmpq
 
 from geomtorsion.allowance import check_limits
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import ProofError
 from geomtorsion.precision import ball_precision
 from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, variation

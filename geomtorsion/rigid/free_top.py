@@ -6,7 +6,6 @@ import math
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import flint
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import StartError, TimeError
 from geomtorsion.ode.numbers import checked_numbers, floats
 from geomtorsion.precision import EPS, PRINTED, ball_precision

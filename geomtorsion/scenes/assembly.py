@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import expression as expression_of
 from geomtorsion.errors import SceneError
 from geomtorsion.rigid.attitude import rotation_rows

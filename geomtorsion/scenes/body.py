@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import BodyError, SceneError
 from geomtorsion.precision import CALCULATED
 

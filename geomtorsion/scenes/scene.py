@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import near_names
 from geomtorsion.copies import only_fields
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.pictures.scene_plan import plan_picture
 from geomtorsion.pictures.style import pictured, svg_text
 from geomtorsion.scenes.assembly import WORK, Assembly, power_of

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geomtorsion.accuracy.cost import ACCURACIES, CostTable, accuracy_cost, truth_of
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import AccuracyError, StuckError, TimeError
 from geomtorsion.ode import Cost, Engine, solve
 from geomtorsion.ode.solution import DOUBLE

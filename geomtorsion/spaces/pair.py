@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ import sympy as sp
 from sympy import Derivative
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.curves import CurveProblem, autoparallel, distance_apart, geodesic
 from geomtorsion.errors import AccuracyError, ChartEdgeError, StartError, TimeError
 from geomtorsion.geometry import cartan

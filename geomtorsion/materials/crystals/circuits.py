@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise, product
 
 import numpy as np
@@ -12,6 +11,7 @@ import scipy  # loads its parts when they are asked for
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops.validation import once_round
 from geomtorsion.materials.burgers import Burgers

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.loops import Cochain, Complex
 from geomtorsion.materials.crystals.circuits import AtomCircuits

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import CheckpointError, GeomtorsionError
 from geomtorsion.files import digest_of, read_json_text, read_text, write_text, written

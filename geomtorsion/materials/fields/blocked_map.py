@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import count, product
 from math import inf, prod
 from pathlib import Path
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.files import read_json_text, read_text, written
 from geomtorsion.materials.burgers import independent_significances

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import LONGEST_SHOWN, FileFormatError, GridError
 from geomtorsion.files import written
 from geomtorsion.loops import Parameters, forms

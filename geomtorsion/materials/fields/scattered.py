@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import LONGEST_SHOWN, GridError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING

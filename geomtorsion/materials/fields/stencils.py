@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.caching import cached_property
 from geomtorsion.precision import HALF
 
 if TYPE_CHECKING:

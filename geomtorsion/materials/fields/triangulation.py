@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Complex, Loop
 from geomtorsion.loops.arcs import shown

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import ImageError
 from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.materials.images.phases import LatticePhases, lattice_phases

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.fields import SampledFrame

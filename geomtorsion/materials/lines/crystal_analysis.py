@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
 from os import PathLike
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
 from geomtorsion.files import finite_number, read_text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import NetworkError
 from geomtorsion.loops import Cochain, Complex
 from geomtorsion.loops.validation import listed, whole

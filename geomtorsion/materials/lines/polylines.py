@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from geomtorsion.caching import cached_property
 from geomtorsion.materials.lines.line_arrays import LineArrays
 from geomtorsion.materials.lines.line_families import line_families, named_families
 from geomtorsion.materials.lines.reactions import Vector, size, vanishes, written

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Cochain
 from geomtorsion.materials.fields.sides import window_sums

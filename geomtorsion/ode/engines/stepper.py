@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.allowance import check_limits
+from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, compiled
 from geomtorsion.ode.rates import KEPT
 from geomtorsion.ode.system import (

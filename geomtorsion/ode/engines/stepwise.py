@@ -6,13 +6,14 @@ import math
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.allowance import check_limits
+from geomtorsion.caching import cached_property
 from geomtorsion.ode.engines.stepper import (
     Polynomial,
     Steps,

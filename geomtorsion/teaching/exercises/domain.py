@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING
 
 import sympy
 from sympy.core.relational import Relational
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import GREEK
 from geomtorsion.exact import Field
 from geomtorsion.geometry.validation import FINE, candidate_points

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.teaching.exercises.answers import answer_text

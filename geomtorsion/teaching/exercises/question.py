@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import permutations
 from math import degrees, radians
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 import sympy
 
+from geomtorsion.caching import cached_property
 from geomtorsion.checks import cut
 from geomtorsion.geometry import Tensor
 from geomtorsion.teaching.exercises.compare import Index, Value

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from html import escape
 from string import ascii_lowercase
 
 import sympy
 
+from geomtorsion.caching import cached_property
 from geomtorsion.teaching.exercises.answers import without_rounding
 from geomtorsion.teaching.exercises.checking import ROUNDED
 from geomtorsion.teaching.exercises.compare import Value

@@ -1,0 +1,27 @@
+"""Caching: values that are computed on first use and kept, without a lock."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING or sys.version_info >= (3, 12):
+    from functools import cached_property as cached_property
+else:
+
+    class cached_property(functools.cached_property):
+        """As from Python 3.12 on.
+
+        Before, one lock for all instances is held while a value is computed: two threads, each of
+        which computes what the other needs, wait for each other for ever.
+        """
+
+        def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
+            """The value, computed if it is not yet there."""
+            if instance is None:
+                return self
+            cache = instance.__dict__
+            if self.attrname not in cache:
+                cache[self.attrname] = self.func(instance)
+            return cache[self.attrname]
