@@ -4,6 +4,9 @@ python -m tests.benchmarks.blocked_maps   # 1e7, 1e8 and 1e9 nodes, each in a pr
 python -m tests.benchmarks.blocked_maps --nodes 1e7 --scheduler threads --workers 2
 """
 
+# dask does not declare its types.
+# pyright: reportPrivateImportUsage=false
+
 from __future__ import annotations
 
 import argparse

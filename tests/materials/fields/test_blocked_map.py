@@ -1,5 +1,8 @@
 """Blocked map: the same bits whatever the size of blocks, after a kill, and on any scheduler."""
 
+# dask does not declare its types.
+# pyright: reportPrivateImportUsage=false, reportArgumentType=false
+
 import json
 import subprocess
 import sys

@@ -1,5 +1,8 @@
 """Blocked fields: the same map as at once; killed and resumed, the same bits."""
 
+# dask does not declare its types.
+# pyright: reportPrivateImportUsage=false
+
 import signal
 import subprocess
 import sys
