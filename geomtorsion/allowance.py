@@ -26,7 +26,7 @@ _BLOCKS: ContextVar[tuple[Limits, ...]] = ContextVar("blocks", default=())
 class _Met(BaseException):
     """A limit was met; no BaseException of this kind leaves the block that set the limit.
 
-    It is no error of this package, so that nobody tries another way.
+    Code that catches errors of this package to try another method does not catch it.
     """
 
     def __init__(self, block: Limits, what: str) -> None:

@@ -174,7 +174,7 @@ class LargestArgument:
     the point; a machine word has 64 bits.
     special: of Bessel, gamma and their like: sympy writes them out as sums of so many terms, and
     mpmath finds no end for some of a high order.
-    power: of an exponent that is no whole number.
+    power: limit of exponents that are not whole numbers.
     """
 
     elementary: float = 2.0**64
@@ -217,7 +217,7 @@ def exponent_too_large(exponent: sp.Basic, largest: LargestArgument = LARGEST_AR
     """Why a power with this exponent is refused, or nothing; whole numbers are not looked at."""
     if exponent.is_Integer or not _is_above(exponent, largest.power):
         return ""
-    return f"a power above {largest.power:,.0f}, the limit, that is no whole number"
+    return f"a power above {largest.power:,.0f}, the limit of powers that are not whole"
 
 
 def _is_above(value: sp.Basic, most: float) -> bool:

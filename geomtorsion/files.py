@@ -23,7 +23,7 @@ from typing import Any, NoReturn
 
 from geomtorsion import checks
 from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
-from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
+from geomtorsion.errors import CheckpointError, FileFormatError, GeomtorsionError, LimitError
 
 LARGEST_TEXT = 10_000_000
 Key = tuple[str | int, ...]
@@ -219,6 +219,43 @@ def digest_of(path: Path) -> str:
         raise FileFormatError(f"{path}: there is no such file.")
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def check_resumption(
+    where: Path,
+    run: str,
+    *,
+    begun: bool,
+    resume: bool,
+    overwrite: bool,
+    options: str = "--resume",
+) -> None:
+    """Refuse to start over a stopped run without being told to, or to resume where there is none.
+
+    where: the directory or file. run: the kind of run. begun: whether a stopped run is there.
+    options: those that ask for it, in messages.
+
+    Raises
+    ------
+    CheckpointError
+        Both options are set, or they do not fit the state of the directory.
+
+    Examples
+    --------
+    >>> check_resumption(Path("out"), "map", begun=True, resume=False, overwrite=False)
+    Traceback (most recent call last):
+    geomtorsion.errors.CheckpointError: out holds a stopped map. Give --resume to continue it, or \
+--overwrite to start again.
+    """
+    if resume and overwrite:
+        raise CheckpointError(f"expected {options} or --overwrite, got both: give one of them.")
+    if begun and not (resume or overwrite):
+        raise CheckpointError(
+            f"{where} holds a stopped {run}. Give --resume to continue it, or --overwrite to start "
+            "again."
+        )
+    if resume and not begun:
+        raise CheckpointError(f"{where} holds no stopped {run}. Leave out {options}.")
 
 
 def write_text(path: str | PathLike[str], text: str) -> None:

@@ -112,7 +112,7 @@ def engine_of(name: str) -> Engine | None:
     engines = {type(one).__name__.lower(): one for one in reversed(SHIPPED)}
     if name.lower() not in engines:
         raise UnknownNameError(
-            f"there is no engine {shown(name)}. There are auto, {', '.join(reversed(engines))}."
+            f"engine: expected one of auto, {', '.join(reversed(engines))}, got {shown(name)}."
         )
     return engines[name.lower()]
 

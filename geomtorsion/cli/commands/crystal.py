@@ -19,7 +19,7 @@ from geomtorsion.cli.options import argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError
-from geomtorsion.files import write_text, written
+from geomtorsion.files import check_resumption, write_text, written
 from geomtorsion.materials.crystals import LATTICES
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array
 from geomtorsion.materials.crystals.reports import Json, followed
@@ -196,15 +196,7 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
         return None
     folder = output / FRAMES
     begun = is_begun(folder)
-    if resume and overwrite:
-        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
-    if begun and not resume and not overwrite:
-        raise CheckpointError(
-            f"{folder} holds a trajectory that was stopped. Give --resume to go on with it, or "
-            "--overwrite to begin anew."
-        )
-    if resume and not begun:
-        raise CheckpointError(f"{folder} holds nothing that was stopped. Leave out --resume.")
+    check_resumption(folder, "trajectory", begun=begun, resume=resume, overwrite=overwrite)
     if begun and overwrite:
         forget(folder)
     return folder

@@ -27,6 +27,7 @@ from geomtorsion.cli.scene_sources import open_scene, start_angles
 from geomtorsion.cli.terminal import WIDTH, right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of
 from geomtorsion.errors import CheckpointError, StuckError
+from geomtorsion.files import check_resumption
 from geomtorsion.ode import Engine
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
@@ -116,8 +117,6 @@ def run(
 
 def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
     """The file in which the run is kept; refuse to run over one that was not finished."""
-    if resume and overwrite:
-        raise CheckpointError("--overwrite begins anew, --resume and --kept do not: give one.")
     if output is None:
         if resume or overwrite:
             raise CheckpointError(
@@ -126,17 +125,12 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
             )
         return None
     path = output / CHECKPOINT
-    if path.exists() and overwrite:
-        path.unlink()
-    if path.exists() and not resume:
-        raise CheckpointError(
-            f"{output} holds a run that was stopped. Give --resume to go on with it, or "
-            "--overwrite to begin anew."
-        )
-    if resume and not path.exists():
-        raise CheckpointError(
-            f"{output} holds nothing that was stopped. Leave out --resume and --kept."
-        )
+    check_resumption(
+        output, "run", begun=path.exists(), resume=resume, overwrite=overwrite,
+        options="--resume and --kept",
+    )  # fmt: skip
+    if overwrite:
+        path.unlink(missing_ok=True)
     output.mkdir(parents=True, exist_ok=True)
     return path
 

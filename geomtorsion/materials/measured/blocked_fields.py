@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.errors import CheckpointError, GridError
+from geomtorsion.errors import GridError
+from geomtorsion.files import check_resumption
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.materials.burgers import noise_level
 from geomtorsion.materials.fields import BlockMap, blocked_map
@@ -158,17 +159,11 @@ def map_in_blocks(
         no run to resume, or another one.
     """
     there = run_in(path)
-    if resume and overwrite:
-        raise CheckpointError("--overwrite begins anew, --resume does not: give one of them.")
-    if resume and there is None:
-        raise CheckpointError(f"{path}: it holds no map to resume. Leave out --resume.")
-    if there is not None and not resume:
+    begun = there is not None
+    if begun and not resume:
         done = sum(1 for file in path.joinpath("c").rglob("*") if file.is_file())
-        if not overwrite and 0 < done < opened(str(path), again=True).nchunks:
-            raise CheckpointError(
-                f"{path}: it holds a map that was stopped. Give --resume to complete it, or "
-                "--overwrite to begin anew."
-            )
+        begun = 0 < done < opened(str(path), again=True).nchunks
+    check_resumption(path, "map", begun=begun, resume=resume, overwrite=overwrite)
     kept = there.get("block", field.block) if resume and there else field.block
     result = blocked_map(
         field.given, path, field.steps, kept if block is None else block, size, plane,

@@ -51,7 +51,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
     [
         (("so3", "--accuracies", "0"), "positive number"),
         (("so3", "--accuracies", "much"), "a number was needed"),
-        (("so3", "--engines", "magic"), "there is no engine"),
+        (("so3", "--engines", "magic"), "engine: expected one of"),
         (("so3", "--moments", "1,2"), "2 came"),
         (("goedel", "--start", "1"), "4 numbers were needed"),
         (("lagrange_cusp", "--curve", "autoparallel"), "--curve is for spaces"),

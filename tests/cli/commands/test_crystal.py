@@ -162,7 +162,7 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     assert sorted(path.name for path in parts.iterdir()) == names
     for name in names:
         assert (parts / name).read_bytes() == (whole / name).read_bytes(), name
-    assert "nothing that was stopped" in run(
+    assert "no stopped trajectory" in run(
         str(file), "-o", str(parts), "--resume", code=2
     ).stderr  # fmt: skip
 

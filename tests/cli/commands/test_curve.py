@@ -118,7 +118,7 @@ def test_a_motion_that_ends_early_ends_with_1(tmp_path, no_pictures):
         (("s2", "--parameters", "Q=1"), "'Q' is no parameter"),
         (("s2", "--set", "R=-1"), "R was declared positive, nonnegative, but -1"),
         (("s2", "--parameters", "R=1,R=2"), "given twice"),
-        (("s2", "--engine", "magic"), "there is no engine 'magic'"),
+        (("s2", "--engine", "magic"), "got 'magic'"),
         (("so3", "--moments", "1,0,1"), "singular"),
         (("schwarzschild", "--start", "0,1,1,0", "--set", "M=1"), "The domain is r > 2*M."),
         (("frw",), "unknown function a"),

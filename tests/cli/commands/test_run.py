@@ -80,7 +80,7 @@ def test_pictures_and_film(tmp_path, monkeypatch):
         (("run", "none.toml"), "cannot be read"),
         (("run", "helix", "--watch", "positoin"), "positoin"),
         (("run", "helix", "--accuracy", "0"), "positive number is needed"),
-        (("run", "helix", "--engine", "magic"), "there is no engine 'magic'"),
+        (("run", "helix", "--engine", "magic"), "got 'magic'"),
         (("run", "helix", "--t", "3 m"), "measured in s"),
         (("run", "helix", "--t", "inf"), "a finite number was needed, inf came"),
         (("run", "helix", "--t", "nan s"), "a finite number was needed, nan s came"),
@@ -114,7 +114,7 @@ def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
     checkpoint = tmp_path / "checkpoint.npz"
     checkpoint.write_bytes(b"what another run had computed")
     arguments = ("lagrange_cusp", "--t", "0.1", "-o", str(tmp_path))
-    assert "--overwrite to begin anew" in run("run", *arguments, code=2).stderr
+    assert "--overwrite to start again" in run("run", *arguments, code=2).stderr
     assert "give one" in run("run", *arguments, "--overwrite", "--resume", code=2).stderr
     assert checkpoint.exists()
     run("run", *arguments, "--overwrite")
@@ -127,7 +127,7 @@ def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
     """A directory that holds no stopped run is refused, and not made."""
     folder = tmp_path / "misspelt"
     refused = run("run", "lagrange_cusp", "--t", "0.1", option, "-o", str(folder), code=2)
-    assert "holds nothing that was stopped. Leave out --resume" in refused.stderr
+    assert "holds no stopped run. Leave out --resume" in refused.stderr
     assert not folder.exists()
 
 
@@ -216,7 +216,7 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
     given = ("run", str(parts / "slow.toml"), "-o", str(parts / "out"), "--engine", "rungekutta")
     refused = run(*given, code=2).stderr
     assert "Give --resume" in refused
-    assert "--overwrite to begin anew" in refused
+    assert "--overwrite to start again" in refused
     other = run(*given, "--resume", "--accuracy", "1e-9", code=2).stderr
     assert "another run" in other
     assert "give --overwrite." in other
