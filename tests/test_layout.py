@@ -98,13 +98,13 @@ CEILINGS = {
 BUDGET = {
     "accuracy": 450,
     "action": 1350,
-    "cli": 3050,
+    "cli": 3100,
     "codegen": 2350,
     "curves": 2950,
     "exact": 6350,
     "geometry": 4000,
     "loops": 5750,
-    "materials": 13500,
+    "materials": 13850,
     "ode": 5050,
     "paper": 750,
     "pictures": 3550,
@@ -112,7 +112,7 @@ BUDGET = {
     "rigid": 600,
     "scenes": 3850,
     "spaces": 3350,
-    "support files": 2050,
+    "support files": 2100,
     "teaching": 10650,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
