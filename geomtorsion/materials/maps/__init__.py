@@ -1,6 +1,7 @@
 """Orientations: maps of measured crystal orientations, and Burgers vectors of circuits in them."""
 
 from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.maps.curvature import Curvature
 from geomtorsion.materials.maps.orientation_map import OrientationMap
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import CircuitMap, FamilyLines, MapBurgers
@@ -11,6 +12,7 @@ __all__ = [
     "LAUE_GROUPS",
     "Circuit",
     "CircuitMap",
+    "Curvature",
     "FamilyLines",
     "LaueGroup",
     "MapBurgers",
