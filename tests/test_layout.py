@@ -104,7 +104,7 @@ BUDGET = {
     "exact": 6350,
     "geometry": 4000,
     "loops": 5750,
-    "materials": 14500,
+    "materials": 14700,
     "ode": 5050,
     "paper": 750,
     "pictures": 3550,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
@@ -13,6 +13,7 @@ from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
+from geomtorsion.materials.images.regions import Region, pixels_of
 from geomtorsion.materials.images.spots import Spots
 
 # What is divided by is at least this: a power may vanish.
@@ -36,6 +37,8 @@ class LatticePhases:
     waves: H_i of each spot, complex, waves[i, x, y].
     borders: share of the Gaussian that lies within the image, by x and by y.
     low: share of the median amplitude below which a place is a hole: a core, a void.
+    reference: e^i_mu of the lattice from which strain is counted, shape (2, 2), lattice vectors per
+        unit; that of the spots, the mean of the image, if None.
     """
 
     step: float
@@ -45,6 +48,7 @@ class LatticePhases:
     waves: np.ndarray
     borders: tuple[np.ndarray, np.ndarray]
     low: float = 0.2
+    reference: np.ndarray | None = None
 
     # -- the lattice ------------------------------------------------------------------------------
 
@@ -55,8 +59,43 @@ class LatticePhases:
 
     @property
     def lattice(self) -> np.ndarray:
-        """Lattice vectors a_1 and a_2 in units, rows, shape (2, 2): a_i g_j = delta_ij."""
-        return np.linalg.inv(self.spots).T
+        """Lattice vectors a_1 and a_2 of the reference in units, rows, shape (2, 2)."""
+        return np.linalg.inv(self.spots if self.reference is None else self.reference).T
+
+    def relative_to(self, region: Region) -> LatticePhases:
+        """The same phases with distortion, strain and lattice vectors counted from a region.
+
+        Parameters
+        ----------
+        region
+            Unstrained lattice: a rectangle ((x0, x1), (y0, y1)) in units, or truth values by pixel,
+            region[x, y]. Its mean coframe, without holes, is the reference.
+
+        Raises
+        ------
+        ImageError
+            The region lies outside of the image, is narrower than the resolution, or is all holes.
+
+        Examples
+        --------
+        Fringes whose spacing grows by 2 % in the right half, and strain from the left:
+
+        >>> from geomtorsion.materials.images import LatticeImage
+        >>> y, x = np.mgrid[127:-1:-1, 0:256]
+        >>> place = np.where(x < 128, x, 128 + (x - 128) / 1.02)
+        >>> image = LatticeImage(np.cos(2 * np.pi * place / 8) + np.cos(2 * np.pi * y / 8))
+        >>> phases = image.phases(reference=((20, 100), (20, 107)))
+        >>> phases.strain[0, 0, [60, 200], 64].round(4) + 0.0
+        array([0.    , 0.0196])
+        """
+        chosen = pixels_of(region, self.waves.shape[1:], self.step, self.unit, self.resolution)
+        chosen &= ~self.holes
+        if not chosen.any():
+            raise ImageError(
+                "reference: expected a region in which the lattice is seen, got only holes. Choose "
+                "another."
+            )
+        return replace(self, reference=self.coframe[:, :, chosen].mean(axis=2))
 
     @property
     def resolution(self) -> float:
@@ -143,7 +182,7 @@ class LatticePhases:
 
     @cached_property
     def distortion(self) -> np.ndarray:
-        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the mean lattice.
+        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the reference.
 
         NaN in holes. `strain` is its symmetric part, `rotation` the rest.
         """
