@@ -295,9 +295,9 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = (
-                    run.last if not shake else _shaken(stage.system, run.last, shake, len(segments))
-                )
+                last = run.last
+                if shake:
+                    last = _shaken(stage, last, shake, len(segments))
                 last = last if stage.kept is None else stage.kept(last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
@@ -321,15 +321,19 @@ def integrate(
         stage = after
 
 
-def _shaken(system: System, state: State, part: float, number: int) -> np.ndarray:
-    """A state changed by a relative part, up or down; a clock stays.
+def _shaken(stage: Stage, state: State, part: float, number: int) -> np.ndarray:
+    """The last state of a stage with each component changed by a relative part, up or down.
+
+    A component that has not changed since the stage began has not been rounded either: it stays, as
+    a clock does.
 
     number: of the place on the way. Changes of one sign would add up in proportion to the number of
     places, and roundings do not.
     """
-    values = np.asarray(state)
+    values, system = np.asarray(state), stage.system
     sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
     signs = sizes * random_signs(number, len(values))
+    signs[values == np.asarray(stage.start)] = 0.0
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
     kind = values.dtype.type
