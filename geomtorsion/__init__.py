@@ -1,9 +1,9 @@
-"""Give it any tetrad; get its geometry, its motions and its defects: exactly and fast.
+"""Geometry, motions and Burgers vectors of any frame field (tetrad), exact where possible.
 
 Start with `Frame` or `spaces.load`, then `cartan`, `levi_civita`, `solve`, `burgers_vector` or
-`Scene`. The documentation is in examples/site of the sources, and README says how to build it. Of
-its pages tutorials/first_tetrad is the place to begin, howto/tetrad_file is for spaces of your own,
-and api/index lists every public name; `error.page` of an error names the one that helps.
+`Scene`. The documentation is in examples/site of the sources; README.md explains how to build it.
+Begin with the page "Your first tetrad". "How to write a tetrad file" explains spaces of your own,
+and "Reference" lists every public name by topic. The page `error.page` helps with an error.
 """
 
 # ruff: noqa: E402  # Ctrl-C ends the command quietly from here on, whatever takes long to load

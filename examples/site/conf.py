@@ -41,6 +41,8 @@ extensions = [
     "tables",
     "classroom",
     "laws",
+    "steps",
+    "topics",
 ]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 exclude_patterns = ["extensions", "style"]

@@ -108,15 +108,19 @@ def clean_exits() -> Iterator[None]:
 
 
 def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
-    """Where the documentation says more; empty where the package came without it.
+    """Title and file of the page that helps; empty where the package came without the pages.
 
     Examples
     --------
     >>> more_on(GeomtorsionError("no"), Path("nowhere"))
     ''
     """
-    page = f"{error.page}.md"
-    return f"(More on this: examples/site/{page})" if (site / page).is_file() else ""
+    page = site / f"{error.page}.md"
+    if not page.is_file():
+        return ""
+    lines = page.read_text("utf-8").splitlines()
+    title = next(line[2:] for line in lines if line.startswith("# "))
+    return f'(More on this: "{title}", examples/site/{error.page}.md)'
 
 
 def stopped(more: str = "") -> None:
