@@ -23,6 +23,7 @@ from geomtorsion.geometry import (
     Connection,
     Curvature,
     DependencyGraph,
+    Form,
     Frame,
     IdentityCheck,
     Tensor,
@@ -36,6 +37,8 @@ from geomtorsion.geometry import (
     from_torsion,
     identities,
     levi_civita,
+    lie,
+    lie_bracket,
 )
 from geomtorsion.spaces import read_file as read
 
@@ -220,6 +223,7 @@ __all__ = [
     "Ensemble",
     "EquationsOfMotion",
     "ExactBurgersVector",
+    "Form",
     "Frame",
     "FreeTop",
     "GeomtorsionError",
@@ -288,6 +292,8 @@ __all__ = [
     "identities",
     "images",
     "levi_civita",
+    "lie",
+    "lie_bracket",
     "limits",
     "log_map",
     "numpy_function",

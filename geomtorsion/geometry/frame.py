@@ -23,11 +23,13 @@ from geomtorsion.geometry import (
     substitution,
     validation,
 )
-from geomtorsion.geometry.components import Components, inverse, symmetric
+from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
+from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
 if TYPE_CHECKING:
+    from geomtorsion.geometry.forms import Form
     from geomtorsion.geometry.quantities import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
@@ -322,6 +324,44 @@ class Frame:
     def volume(self) -> Tensor:
         """Volume element: det e * sqrt|det eta|, a signed root of |det g| (rank 0)."""
         return self.scalar(lambda: frame_matrices.volume(self), "\\sqrt{g}", "volume element")
+
+    @cached_property
+    def epsilon(self) -> Tensor:
+        """Volume form epsilon_{a...} as a tensor, slots d: epsilon_{0 1 ...} = `volume`."""
+        n = self.dimension
+
+        def rule(_: object) -> Element:
+            return self.volume.element()
+
+        return Tensor(self, "d" * n, rule, alternating(n), "\\epsilon", "volume form")
+
+    def vector(self, components: object) -> Tensor:
+        """A vector field v^a from its components in the coordinate basis, slot u.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).vector([0, 1]).in_frame().nonzero()
+        {(1,): r}
+        """
+        return tensor_from_array(self, "u", components, "vector", symbol="v")
+
+    def coframe_form(self, *index: int) -> Form:
+        """e^i as a one-form: that of one leg, or all of them as a form with values in the frame.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).coframe_form(1)
+        r dphi
+        """
+        # A form is made over a frame, so that the two files import each other.
+        from geomtorsion.geometry.forms import Form
+
+        every = Form.of(self.coframe, 1)
+        return every.part(*index) if index else every
 
     @property
     def branches(self) -> tuple[Branch, ...]:
