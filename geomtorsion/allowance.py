@@ -134,8 +134,7 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     """
     if seconds is None and megabytes is None:
         raise ArgumentError(
-            "limits: seconds, megabytes or both were needed, but none came. Write "
-            "limits(seconds=10)."
+            "limits: expected seconds, megabytes or both, got none. Write limits(seconds=10)."
         )
     return Limits(
         None if seconds is None else checks.positive(seconds, "seconds", ArgumentError),

@@ -39,18 +39,18 @@ ErrorClass = type[GeomtorsionError]
 LARGEST_ARRAYS = 2_000_000_000
 Kind = TypeVar("Kind")
 
-NUMBER = "{subject}: a number was needed, but {value} came."
-FINITE = "{subject}: a finite number was needed, but {value} came."
-POSITIVE = "{subject}: a positive number was needed, but {value} came."
-LISTED = "{subject}: a list of numbers was needed, but {value} came."
-COUNTED = "{subject}: {wanted} numbers were needed, but {came} came."
-SHAPED = "{subject}: shape {wanted} was needed, but {came} came."
-WHOLE = "{subject}: a whole number {range} was needed, but {value} came."
-FLAG = "{subject}: True or False was needed, but {value} came."
-WORD = "{subject}: one of {known} was needed, but {value} came."
-TEXT = "{subject}: a text was needed, but {value} came."
+NUMBER = "{subject}: expected a number, got {value}."
+FINITE = "{subject}: expected a finite number, got {value}."
+POSITIVE = "{subject}: expected a positive number, got {value}."
+LISTED = "{subject}: expected a list of numbers, got {value}."
+COUNTED = "{subject}: expected {wanted} numbers, got {came}."
+SHAPED = "{subject}: expected shape {wanted}, got {came}."
+WHOLE = "{subject}: expected a whole number {range}, got {value}."
+FLAG = "{subject}: expected True or False, got {value}."
+WORD = "{subject}: expected one of {known}, got {value}."
+TEXT = "{subject}: expected a text, got {value}."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
-EXPRESSION = "{subject}: one expression was needed, but {value} came."
+EXPRESSION = "{subject}: expected one expression, got {value}."
 # What sympy is told of a symbol, and what its values have to be then. Zero is where values end that
 # are positive, or not zero.
 DECLARED = {
@@ -279,7 +279,7 @@ def number(
     0.5
     >>> number(["1"], "radius", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: radius: a number was needed, but ['1'] came.
+    geomtorsion.errors.LoopError: radius: expected a number, got ['1'].
     """
     size = real(value)
     if size is None:
@@ -323,7 +323,7 @@ def positive(
     >>> from geomtorsion.errors import LoopError
     >>> positive(0, "radius", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: radius: a positive number was needed, but 0 came.
+    geomtorsion.errors.LoopError: radius: expected a positive number, got 0.
     """
     size = number(value, subject, error, message=number_message, infinite=infinite)
     if size <= 0:
@@ -363,7 +363,7 @@ def count(
     7
     >>> count(2.5, "seed", TimeError, 1, 10**6)
     Traceback (most recent call last):
-    geomtorsion.errors.TimeError: seed: a whole number from 1 to 1,000,000 was needed, but 2.5 came.
+    geomtorsion.errors.TimeError: seed: expected a whole number from 1 to 1,000,000, got 2.5.
     """
     found = whole(value)
     if found is not None and low <= found and (high is None or found <= high):
@@ -454,7 +454,7 @@ def expression(
     (1/2, pi)
     >>> expression(["1"], "curve[0]")
     Traceback (most recent call last):
-    geomtorsion.errors.ExpressionError: curve[0]: one expression was needed, but ['1'] came.
+    geomtorsion.errors.ExpressionError: curve[0]: expected one expression, got ['1'].
     """
     found = plain(value)
     if isinstance(found, sp.Expr) and not getattr(found, "is_Matrix", False):
@@ -531,18 +531,18 @@ Give another value, or declare k without it.
 def instance(
     value: object, kind: type[Kind], subject: str, error: ErrorClass = ArgumentError
 ) -> Kind:
-    """A thing of a class, such as a frame; the message says by its name what was needed.
+    """An instance of a class, such as a frame; the message names the class.
 
     Examples
     --------
     >>> instance([1], sp.Symbol, "symbol")
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: symbol: a Symbol was needed, but [1] came.
+    geomtorsion.errors.ArgumentError: symbol: expected a Symbol, got [1].
     """
     if isinstance(value, kind):
         return value
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
-    raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
+    raise error(f"{subject}: expected {article} {kind.__name__}, got {shown(value)}.")
 
 
 def file_name(value: object, subject: str = "path", error: ErrorClass = ArgumentError) -> Path:
@@ -554,12 +554,12 @@ def file_name(value: object, subject: str = "path", error: ErrorClass = Argument
     'a.npz'
     >>> file_name(None)
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: path: the name of a file was needed, but None came.
+    geomtorsion.errors.ArgumentError: path: expected the name of a file, got None.
     """
     found = value.__fspath__() if isinstance(value, PathLike) else value
     if isinstance(found, str):
         return Path(found)
-    raise error(f"{subject}: the name of a file was needed, but {shown(value)} came.")
+    raise error(f"{subject}: expected the name of a file, got {shown(value)}.")
 
 
 def flag(
@@ -571,7 +571,7 @@ def flag(
     --------
     >>> flag("no", "complex")
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: complex: True or False was needed, but 'no' came.
+    geomtorsion.errors.ArgumentError: complex: expected True or False, got 'no'.
     """
     found = plain(value)
     if isinstance(found, bool):
@@ -584,7 +584,7 @@ def entries(
     subject: str,
     error: ErrorClass = ArgumentError,
     *,
-    message: str = "{subject}: a list was needed, but {value} came. Put it in brackets.",
+    message: str = "{subject}: expected a list, got {value}. Put it in brackets.",
 ) -> list[Any]:
     """The entries of a list, tuple, array or matrix (by rows); no text, table or set is one.
 
@@ -631,7 +631,7 @@ def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> di
         return {}
     if isinstance(values, Mapping):
         return dict(values)
-    _fail(error, "{subject}: names with values were needed, but {value} came.", subject, values)
+    _fail(error, "{subject}: expected names with values, got {value}.", subject, values)
 
 
 def check_room(numbers: int, subject: str, remedy: str) -> None:
@@ -714,7 +714,7 @@ def numbers(
     (1, Fraction(1, 2))
     >>> numbers([1, "2"], 2, "start", StartError)
     Traceback (most recent call last):
-    geomtorsion.errors.StartError: start[1]: a number was needed, but '2' came.
+    geomtorsion.errors.StartError: start[1]: expected a number, got '2'.
     """
     wrong = shape_error or error
     more = {"wanted": wanted, "came": ""}
@@ -740,7 +740,7 @@ def array(
     *,
     shape: tuple[int | None, ...] | None = None,
     shape_error: ErrorClass | None = None,
-    message: str = "{subject}: an array of real numbers was needed, but {value} came.",
+    message: str = "{subject}: expected an array of real numbers, got {value}.",
     shaped: str = SHAPED,
     infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
 ) -> np.ndarray:
@@ -910,7 +910,7 @@ def known_keys(
     {'M': 1}
     """
     if not isinstance(given, Mapping):
-        _fail(error, "{subject}: names with values were needed, but {value} came.", subject, given)
+        _fail(error, "{subject}: expected names with values, got {value}.", subject, given)
     words = list(known)
     for key in given:
         known_name(key, words, subject, error, message=message)
@@ -925,7 +925,7 @@ def choice(value: object, words: Sequence[str], subject: str, error: ErrorClass)
     >>> from geomtorsion.errors import LoopError
     >>> choice("lines", ["line", "flux"], "method", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: method: one of line, flux was needed, but 'lines' came.
+    geomtorsion.errors.LoopError: method: expected one of line, flux, got 'lines'.
     """
     if isinstance(value, str) and value in words:
         return value
@@ -942,7 +942,7 @@ def text(
     >>> from geomtorsion.errors import SceneError
     >>> text(3, "name", SceneError)
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: name: a text was needed, but 3 came.
+    geomtorsion.errors.SceneError: name: expected a text, got 3.
     """
     if isinstance(value, str) and len(value) <= longest:
         return value

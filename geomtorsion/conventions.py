@@ -198,10 +198,10 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
 
     signs = {each: one.sign for one in BURGERS for each in one.names}
     known = checks.known_name(name, signs, "convention", UnknownNameError)
-    message = "{subject}: a Burgers vector was needed, but {value} came."
+    message = "{subject}: expected a Burgers vector, got {value}."
     found = np.asarray(checks.entries(vector, "vector", message=message))
     if found.dtype.kind not in "iufcO":
-        raise ArgumentError(f"vector: numbers were needed, but {checks.shown(vector)} came.")
+        raise ArgumentError(f"vector: expected numbers, got {checks.shown(vector)}.")
     return signs[known] * found
 
 

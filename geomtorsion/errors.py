@@ -1,6 +1,6 @@
-"""Errors: every failure a user can cause, each saying what was needed, what came, what to do.
+"""Errors: every failure a user can cause. A message reads "expected X, got Y. <remedy>".
 
-Pages of the documentation in examples/site say more; each error names its own (`error.page`).
+`error.page` of an error names the page of the documentation (examples/site) that helps.
 """
 
 import re
@@ -18,7 +18,7 @@ def _cut(text: str, most: int) -> str:
 
 
 def _shortened(message: str) -> str:
-    """A message without the middle of what is endless in it, whatever came."""
+    """A message without the middle of its longest words, so that it is never endless."""
     words = _LONG_WORD.sub(lambda word: _cut(word[0], LONGEST_SHOWN), message)
     return _cut(words, 10 * LONGEST_SHOWN)
 

@@ -503,7 +503,7 @@ def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormat
     {'steps': 3, 'names': ['x']}
     >>> conforming({"steps": "3"}, {"steps": int}, "a.npz")
     Traceback (most recent call last):
-    geomtorsion.errors.FileFormatError: a.npz: steps: a whole number was needed, but '3' came.
+    geomtorsion.errors.FileFormatError: a.npz: steps: expected a whole number, got '3'.
     """
     reason = _differs(value, form, "")
     if reason:
@@ -519,12 +519,12 @@ def _differs(value: Any, form: Any, where: str) -> str:
         return "" if "" in reasons else reasons[0]
     if isinstance(form, list):
         if not isinstance(value, list):
-            return f"{place}a list was needed, but {shown(value)} came."
+            return f"{place}expected a list, got {shown(value)}."
         found = (_differs(part, form[0], f"{where}[{k}]") for k, part in enumerate(value))
         return next((reason for reason in found if reason), "")
     if isinstance(form, dict):
         if not isinstance(value, dict):
-            return f"{place}a table was needed, but {shown(value)} came."
+            return f"{place}expected a table, got {shown(value)}."
         dot = f"{where}." if where else ""
         if str in form:
             found = (_differs(x, form[str], f"{dot}{cut(k, 60)}") for k, x in value.items())
@@ -539,14 +539,14 @@ def _differs(value: Any, form: Any, where: str) -> str:
                 return f"{place}{name} is missing."
         return ""
     if isinstance(form, frozenset):
-        known = f"{place}one of {', '.join(sorted(form))} was needed, but {shown(value)} came."
+        known = f"{place}expected one of {', '.join(sorted(form))}, got {shown(value)}."
         return "" if isinstance(value, str) and value in form else known
     if isinstance(form, range):
         whole = isinstance(value, int) and not isinstance(value, bool) and value in form
         needed = f"a whole number from {form.start:,} to {form.stop - 1:,}"
-        return "" if whole else f"{place}{needed} was needed, but {shown(value)} came."
+        return "" if whole else f"{place}expected {needed}, got {shown(value)}."
     if form is None:
-        return "" if value is None else f"{place}nothing was needed, but {shown(value)} came."
+        return "" if value is None else f"{place}expected nothing, got {shown(value)}."
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if form is float and is_number and (isinstance(value, int) or math.isfinite(value)):
         return ""
@@ -555,4 +555,4 @@ def _differs(value: Any, form: Any, where: str) -> str:
     if form in (str, bool) and isinstance(value, form):
         return ""
     words = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
-    return f"{place}{words[form]} was needed, but {shown(value)} came."
+    return f"{place}expected {words[form]}, got {shown(value)}."

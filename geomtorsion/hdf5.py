@@ -73,8 +73,8 @@ def _check_link(path: Path, name: str, link: Any, h5py: Any) -> None:
     """Refuse a link that leaves the file."""
     if isinstance(link, h5py.ExternalLink):
         raise FileFormatError(
-            f"{path}: {cut(name)} is a link to {cut(str(link.filename))}; data in this file itself "
-            "were needed. Copy them into it."
+            f"{path}: {cut(name)}: expected data in this file, got a link to "
+            f"{cut(str(link.filename))}. Copy the data into this file."
         )
 
 
@@ -82,8 +82,8 @@ def _check_data_set(path: Path, name: str, found: Any) -> None:
     """Refuse a data set that lies in other files, or whose size cannot be."""
     if found.is_virtual or found.external:
         raise FileFormatError(
-            f"{path}: {cut(name)} lies in other files; data in this file itself were needed. Copy "
-            "them into it."
+            f"{path}: {cut(name)}: expected data in this file, got a reference to other files. "
+            "Copy the data into this file."
         )
     size = prod(found.shape or ()) * found.dtype.itemsize
     if size > LARGEST_ARRAYS and size > DENSEST * found.id.get_storage_size():

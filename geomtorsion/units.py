@@ -229,7 +229,7 @@ def quantity(value: object, field: str = "") -> float:
     # True is an int for Python, and no number for anybody else.
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ExpressionError(
-            f'a number was needed, {value!r} came. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'
+            f'expected a number, got {value!r}. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'
         )
     if not isinstance(value, str):
         number: float = value
@@ -241,7 +241,7 @@ def quantity(value: object, field: str = "") -> float:
         number = number * scale_of(given, field)
     if not abs(number) <= sys.float_info.max:
         written = value if isinstance(value, str) else shown(value)
-        raise ExpressionError(f"a finite number was needed, {cut(written)} came.")
+        raise ExpressionError(f"expected a finite number, got {cut(written)}.")
     return number
 
 
@@ -251,6 +251,6 @@ def _value(text: str) -> float:
         return float(text)
     read = parse_expression(text, {}, {}, where="number", decimals=True)
     if not read.is_real:
-        raise ExpressionError(f"a real number was needed, {text!r} came.")
+        raise ExpressionError(f"expected a real number, got {text!r}.")
     # Thirty digits first, so that the double is the nearest one.
     return float(read.evalf(30))

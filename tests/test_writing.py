@@ -80,7 +80,7 @@ def test_what_is_no_name(what: str, given: object):
     """Said as an argument of another kind, by each that writes and each that reads."""
     for table in (FILES, FOLDERS, READERS):
         if what in table:
-            with pytest.raises((ArgumentError, ImageError), match="the name of a file was needed"):
+            with pytest.raises((ArgumentError, ImageError), match="expected the name of a file"):
                 table[what](given)
 
 

@@ -321,7 +321,7 @@ def test_parameters_are_checked() -> None:
         burgers_vector(frame, loop, parameters={"b": 1, "c": 2})
     with pytest.raises(LoopError, match="parameter b: a finite number"):
         burgers_vector(frame, loop, parameters={"b": float("nan")})
-    with pytest.raises(LoopError, match="parameter b: a number was needed"):
+    with pytest.raises(LoopError, match="parameter b: expected a number"):
         burgers_vector(frame, loop, parameters={"b": "much"})
 
 
