@@ -1,11 +1,11 @@
-"""Checks: what comes from outside, looked at once: numbers, arrays, names, words.
+"""Checks: validators of all input: numbers, arrays, names, words.
 
-Every function takes the value, the subject (how messages call it: "radius", "start[2]") and the
-class of error to raise. Where the usual sentence does not fit, give another: a text in which
-``{subject}`` and ``{value}`` stand for the two, and whatever else the function lists.
+Every function takes the value, the subject (its name in messages: "radius", "start[2]") and the
+class of error to raise. If the usual sentence does not fit, pass another: a text with
+``{subject}``, ``{value}`` and the other fields that the function lists.
 
-Nothing here reads text. A text in the place of a number is refused, and so is a list: sympy would
-run it as code. Who accepts text reads it first with `geomtorsion.exact.parse_expression`.
+Nothing here reads text. A text or a list instead of a number is refused, because sympy would run it
+as code. Callers that accept text first read it with `geomtorsion.exact.parse_expression`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 ErrorClass = type[GeomtorsionError]
-# Bytes of all arrays of one result, or of one file: what is saved can be read again.
+# Bytes of all arrays of one result, or of one file, so that every saved file can be read.
 LARGEST_ARRAYS = 2_000_000_000
 Kind = TypeVar("Kind")
 
@@ -51,8 +51,8 @@ WORD = "{subject}: expected one of {known}, got {value}."
 TEXT = "{subject}: expected a text, got {value}."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
 EXPRESSION = "{subject}: expected one expression, got {value}."
-# What sympy is told of a symbol, and what its values have to be then. Zero is where values end that
-# are positive, or not zero.
+# Assumption of a symbol in sympy, and the property that its values need. Zero is the limit of
+# positive values.
 DECLARED = {
     "positive": "nonnegative",
     "negative": "nonpositive",
@@ -105,7 +105,7 @@ def shown(value: object) -> str:
     ("'r'", 200)
     """
     try:
-        # Of a long text the beginning is enough: its repr would be as long again.
+        # The beginning of a long text is enough; its repr would be as long as the text.
         start = value[: LONGEST_SHOWN + 1] if isinstance(value, str | bytes) else value
         return cut(repr(start))
     except Exception:  # noqa: BLE001
@@ -129,7 +129,7 @@ def plain(value: object) -> Any:
     if type(found) in (float, int):
         return found
     if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
-        # What is masked is not known, whatever number lies under the mask.
+        # A masked value is unknown, whatever number is under the mask.
         found = math.nan if bool(getattr(found, "mask", False)) else found.item()
     inner = getattr(found, "sympy", None) if hasattr(type(found), "sympy") else None
     return inner if isinstance(inner, sp.Expr) else found
@@ -229,7 +229,7 @@ def _is_above(value: sp.Basic, most: float) -> bool:
     try:
         real, imaginary = value.evalf(15).as_real_imag()
         return bool(abs(real) > most or abs(imaginary) > most)
-    # More digits than there is room for, or no number at all, such as 0/0.
+    # Too many digits, or not a number, such as 0/0.
     except OverflowError:
         return True
     except TypeError:
@@ -270,7 +270,7 @@ def number(
 ) -> float:
     """A finite float.
 
-    message, infinite: what is said of what is no real number, and of nan and infinity.
+    message, infinite: the messages for values that are not real numbers, and for nan and infinity.
 
     Examples
     --------
@@ -373,7 +373,7 @@ def count(
 
 
 def fraction(value: object) -> Fraction | None:
-    """A rational number or a float as the fraction that it is; None for what is no fraction.
+    """A rational number or a float as an exact fraction; None for other values.
 
     Examples
     --------
@@ -442,8 +442,8 @@ def expression(
 ) -> sp.Expr:
     """One sympy expression: a number, an expression or an exact element.
 
-    This is what stands where others write ``sympify``: that runs text as Python, also text in
-    lists, and the text that ``str`` makes of an object it does not know.
+    Used instead of ``sympify``, which runs text as Python, also text in lists, and the text that
+    ``str`` makes of unknown objects.
 
     read: reads text, such as a `parse_expression` that knows the names; without it text is refused.
 
@@ -477,9 +477,9 @@ def expression(
 
 
 def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
-    """What was declared of a symbol that a value is not.
+    """The assumptions of a symbol that a value contradicts.
 
-    Zero is where positive values end: what is finite there is what it was next to it.
+    Zero is accepted as the limit of positive values.
 
     Examples
     --------
@@ -495,14 +495,14 @@ def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
 
 
 def check_declared(symbol: sp.Symbol, value: object) -> None:
-    """Refuse a value that contradicts what was declared of a parameter.
+    """Refuse a value that contradicts the assumptions of a parameter.
 
     sympy has used that already: sqrt(M**2) is M, which would be wrong without a word.
 
     Raises
     ------
     CoordinateError
-        it does; the message says what was declared.
+        The value does; the message names the assumption.
 
     Examples
     --------
@@ -683,7 +683,7 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
 
 
 def _written(key: object) -> str:
-    """A key as it is written, with what is assumed of a symbol."""
+    """A key as text, with the assumptions of a symbol."""
     return cut(sp.srepr(key)) if isinstance(key, sp.Symbol) else shown(key)
 
 
@@ -702,10 +702,10 @@ def numbers(
     message: str = NUMBER,
     infinite: str = FINITE,
 ) -> tuple[Any, ...]:
-    """A list of so many finite real numbers (None: of any number), kept as they came.
+    """A list of finite real numbers of a given length (None: any), unchanged.
 
-    shape_error: for what is no list, or one of another length. listed, counted: what is said then;
-    they may use {wanted} and {came}. The subject of an entry is ``subject[k]``.
+    shape_error: raised for values that are not lists or have another length. listed, counted: its
+    messages; they may use {wanted} and {came}. The subject of an entry is ``subject[k]``.
 
     Examples
     --------
@@ -744,13 +744,13 @@ def array(
     shaped: str = SHAPED,
     infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
 ) -> np.ndarray:
-    """An array of finite doubles; None in the shape stands for any length.
+    """An array of finite doubles; None in the shape means any length.
 
-    Masked entries are nan: nothing is known there.
+    Masked entries become nan, because they are unknown.
 
-    message is used for what is no array of real numbers: text, rows of different lengths, complex
-    numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as [0, 2], its value
-    being the entry there; infinite=None lets nan and infinity through.
+    message is used for values that are not arrays of real numbers: text, rows of different
+    lengths, complex numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as
+    [0, 2], its value being the entry there; infinite=None lets nan and infinity through.
 
     Examples
     --------
@@ -833,7 +833,7 @@ def close_names(name: str, known: Iterable[str], most: int = 1, cutoff: float = 
     >>> close_names("kerr_schildd", ["kerr", "kerr_schild", "flat"], most=2)
     ['kerr_schild']
     """
-    # Long texts are no misspelt names, and would take long to compare.
+    # Long texts are not misspelt names, and would take long to compare.
     return get_close_matches(name[:LONGEST_SHOWN], list(known), n=most, cutoff=cutoff)
 
 

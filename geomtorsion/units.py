@@ -94,7 +94,7 @@ def unit(text: str) -> Unit:
     Raises
     ------
     UnitError
-        A part of it is no unit that is known here; the message names the nearest.
+        A part of it is not a known unit; the message names the nearest.
 
     Examples
     --------
@@ -110,15 +110,15 @@ def unit(text: str) -> Unit:
     while place < len(text):
         piece = _PIECE.match(text, place)
         if piece is None:
-            raise UnitError(f"{text!r} is no unit. Write for instance m/s^2, kg m^2 or rad/s.")
+            raise UnitError(f"{text!r} is not a unit. Write for instance m/s^2, kg m^2 or rad/s.")
         sign, one, name, exponent = piece.groups()
         place = piece.end()
-        # As in 1/s: the 1 itself is no unit.
+        # In 1/s, the 1 itself is not a unit.
         if one:
             continue
         if name not in UNITS:
             hint = did_you_mean(name, UNITS)
-            raise UnitError(f"{name!r} is no unit. {hint}Known are {', '.join(UNITS)}.")
+            raise UnitError(f"{name!r} is not a unit. {hint}Known are {', '.join(UNITS)}.")
         size, kind = UNITS[name]
         try:
             power = int(exponent or 1) * (-1 if sign == "/" else 1)
@@ -145,7 +145,7 @@ def with_unit(text: str) -> tuple[str, Unit | None]:
     if _PLAIN.fullmatch(text):
         return text, None
     for head, tail in _splits(text):
-        # Two words side by side are no expression: the second can only be meant as a unit.
+        # Two adjacent words do not form an expression: the second must be a unit.
         if re.match(r"[^\W0-9_]|°|1\s*/", tail) and _is_unit(tail):
             return head, unit(tail)
     return text, None
@@ -216,7 +216,7 @@ def quantity(value: object, field: str = "") -> float:
     UnitError
         The unit is unknown, or measures something else.
     ExpressionError
-        The text is no number.
+        The text is not a number.
 
     Examples
     --------

@@ -164,7 +164,7 @@ def test_json():
     assert read_json_text("[1, {}]", "a.json") == [1, {}]
     for text, says in [
         ("[1, ", "line 1, column 5: this is no JSON"),
-        ("[NaN]", "NaN is no number that JSON knows"),
+        ("[NaN]", "NaN is not a number in JSON"),
         ("[" * 10**5, "nested too deeply|no JSON"),
         ("1" * 5000, "more digits"),
     ]:

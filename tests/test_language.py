@@ -8,7 +8,26 @@ from tests import language
 
 # Occurrences in each package; a number may only fall. It is lowered as soon as less is reached.
 CEILINGS = {
-    "support files": 179,
+    "CHANGELOG": 103,
+    "accuracy": 17,
+    "action": 29,
+    "cli": 123,
+    "codegen": 73,
+    "curves": 82,
+    "exact": 216,
+    "geometry": 116,
+    "loops": 178,
+    "materials": 871,
+    "ode": 223,
+    "paper": 14,
+    "pictures": 152,
+    "proofs": 61,
+    "rigid": 12,
+    "scenes": 180,
+    "site": 40,
+    "spaces": 73,
+    "support files": 2,
+    "teaching": 482,
 }
 
 

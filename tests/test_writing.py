@@ -98,7 +98,7 @@ def test_places_where_no_file_can_be(tmp_path: Path, what: str):
         with pytest.raises(FileFormatError, match=f"it cannot be written: {reason}. Name a file"):
             FILES[what](place)
     for place in ("", ".", "a\0.npz"):
-        with pytest.raises(FileFormatError, match="this is no name of a file"):
+        with pytest.raises(FileFormatError, match="this is not the name of a file"):
             FILES[what](place)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.npz"]
 

@@ -49,9 +49,7 @@ def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float
     if dimension is not None and len(result) != dimension:
         raise LoopError(f"{where}: expected {dimension} numbers, got {len(result)}.")
     if len(result) < 2:
-        raise LoopError(
-            f"{where}: expected at least two coordinates, got {checks.shown(values)}."
-        )
+        raise LoopError(f"{where}: expected at least two coordinates, got {checks.shown(values)}.")
     return result
 
 

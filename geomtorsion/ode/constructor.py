@@ -39,8 +39,7 @@ def read(
         rates = getattr(given, "rates", None)
         if not isinstance(rates, Mapping):
             raise ExpressionError(
-                "rates: expected a mapping from states to expressions, "
-                f"got {checks.shown(given)}."
+                f"rates: expected a mapping from states to expressions, got {checks.shown(given)}."
             )
         known = getattr(given, "invariants", None)
         if invariants is None and isinstance(known, Mapping):

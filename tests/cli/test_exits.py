@@ -220,7 +220,7 @@ def test_a_checkout_names_the_page_that_helps():
         _, error = running.communicate(timeout=60)
     message, more = error.splitlines()
     assert message.startswith("geomtorsion: ")
-    assert more.startswith('(More on this: "How errors are told", examples/site/')
+    assert more.startswith('(More on this: "How errors are reported", examples/site/')
     assert more.endswith(f"/{errors.UnknownNameError.page}.md)")
 
 

@@ -99,14 +99,14 @@ SQUARE = [[0, 1], [1, 2], [2, 3], [3, 0]]
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Complex.of_edges([[0, 1, 2]]), r"pairs: expected whole numbers of shape \(any, 2\)"),
+        (lambda: Complex.of_edges([[0, 1, 2]]), r"expected whole numbers of shape \(any, 2\)"),
         (lambda: Complex.of_edges([[0, 1.5]]), "pairs: expected whole numbers"),
         (lambda: Complex.of_edges([["a", "b"]]), "pairs: expected whole numbers"),
         (lambda: Complex.of_edges([[0, 1], [2]]), "pairs: expected whole numbers"),
         (lambda: Complex.of_edges([[0, 5]], 3), "from 0 to 2, got 0 to 5"),
         (lambda: Complex.of_edges([[-1, 0]]), "from 0 to 0, got -1"),
         (lambda: Complex.of_edges([[0, 1]], -1), "nodes: expected a whole number"),
-        (lambda: Complex.of_edges(SQUARE, images=[[1]]), "images: expected one row for each of 4 edges"),
+        (lambda: Complex.of_edges(SQUARE, images=[[1]]), "expected one row for each of 4 edges"),
         (lambda: Complex.of_edges(SQUARE, labels="ab"), "labels: expected one for each of 4 nodes"),
         (lambda: Complex.of_simplices([[0, 1]]), "3 or 4 corners"),
         (lambda: Complex.of_simplices([[0, 1, 1]]), "must differ"),

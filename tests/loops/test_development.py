@@ -271,7 +271,7 @@ def test_bad_input_is_refused(sphere):
         develop_path(sphere.frame, [[1, 0], [1, 1]])  # type: ignore[arg-type]
     with pytest.raises(LoopError, match="points: expected a list"):
         develop_path(sphere, 3)  # type: ignore[arg-type]
-    with pytest.raises(LoopError, match="neighbours that differ"):
+    with pytest.raises(LoopError, match="each different from the next"):
         develop_path(sphere, [[1, 0], [1, 0]])
     screw = cartan(spaces.load("screw_core").frame)
     with pytest.raises(MissingValueError, match="c"):

@@ -184,7 +184,7 @@ BAD = [
     (lambda: Loop.polygon([[0, 0], [1, 1], [1, 1, 1]]), r"vertices\[2\]: expected 2 numbers"),
     (lambda: Loop.polygon(TRIANGLE, size=2), "give the centre as well"),
     (lambda: Loop.polygon([[0, 0]] * 4), "coincide"),
-    (lambda: Loop.plaquette([0, 0], (0, 1)), "neither may be zero"),
+    (lambda: Loop.plaquette([0, 0], (0, 1)), "expected two steps that are not zero"),
     (lambda: Loop.plaquette([0, 0], cast(Any, 1)), "two steps"),
     (lambda: Loop.spline([[0, 0], [1, 0]]), "got 2"),
     (lambda: Loop.spline([[0, 0], [1, 0], [1, 0], [0, 1]]), "point 1 and point 2 coincide"),

@@ -155,8 +155,8 @@ def test_long_chain_is_summed_fast_and_well():
 
 BAD = [
     (lambda g: g.nodes[0].pop("position"), "node 0 has no 'position'"),
-    (lambda g: g.nodes[0].update(position=(1, 2)), "node 0: 'position' needs 3 numbers"),
-    (lambda g: g.nodes[0].update(position="abc"), "node 0: 'position' needs 3"),
+    (lambda g: g.nodes[0].update(position=(1, 2)), "node 0: 'position': expected 3 numbers"),
+    (lambda g: g.nodes[0].update(position="abc"), "node 0: 'position': expected 3"),
     (
         lambda g: g.nodes[0].update(position=(0, float("nan"), 0)),
         "node 0: expected finite coordinates",

@@ -30,7 +30,7 @@ def test_steps(value):
 )
 def test_bits(value):
     """Numbers of which heyoka has a kind."""
-    with pytest.raises(ArgumentError, match=r"precision: expected 53, 64 or a whole number from 113 to"):
+    with pytest.raises(ArgumentError, match="expected 53, 64 or a whole number from 113 to"):
         gt.Taylor(precision=value)
 
 
