@@ -152,7 +152,7 @@ if TYPE_CHECKING:
     )
     from geomtorsion.teaching import exercises
 
-# Imported when first asked for, so that geometry alone starts as fast as sympy does.
+# Imported on first use, so that geometry starts as fast as sympy.
 _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
@@ -317,7 +317,7 @@ __all__ = [
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
-        """A name of a later floor, imported on first use."""
+        """A name of a higher package, imported on first use."""
         if name == "__version__":
             return _version()
         if name in _PACKAGES:
@@ -325,13 +325,13 @@ if not TYPE_CHECKING:
         if name not in _HOME:
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
-        # Kept, since asking anew costs as much as a short solution.
+        # Kept, because a second import costs as much as a short solution.
         globals()[name] = found
         return found
 
 
 def _version() -> str:
-    """The version, which stands in pyproject.toml alone."""
+    """The version, which only pyproject.toml states."""
     # Loading these takes as long as a short solution, and few ask.
     import tomllib
     from importlib.metadata import version

@@ -90,7 +90,7 @@ _ACTING = re.compile(
 def latex_formula(text: str) -> str:
     r"""A formula in LaTeX, without its dollar signs, whose names came from outside.
 
-    Commands that show something stay, such as those of a symbol called "\\bar{x}".
+    Commands with a visible effect stay, as in the symbol "\\bar{x}".
 
     Examples
     --------
@@ -134,7 +134,7 @@ def mathematica_comment(text: str) -> str:
     >>> mathematica_comment("a *) Quit[] (* b")
     '(* a * ) Quit[] ( * b *)'
     """
-    # A bracket or star at either end would meet those of the comment.
+    # A bracket or star at either end would join the marks of the comment.
     inner = one_line(text).replace("(*", "( *").replace("*)", "* )").replace("(*", "( *")
     return f"(* {inner} *)"
 
@@ -162,7 +162,7 @@ def csv_cell(text: str) -> str:
 
 
 def figure_text(text: str) -> str:
-    r"""Text in a figure of matplotlib, which sets what stands between two $ as mathematics.
+    r"""Text in a figure of matplotlib, which sets text between two $ as mathematics.
 
     Examples
     --------
@@ -173,9 +173,9 @@ def figure_text(text: str) -> str:
 
 
 class PlainStream:
-    """A stream that writes nothing which a terminal obeys, but bold and colours.
+    """A stream that removes control sequences of terminals except bold and colours.
 
-    Everything that a command says goes through it: names, titles and messages hold text of files.
+    All output of a command passes through it: names, titles and messages hold text of files.
     """
 
     def __init__(self, stream: TextIO) -> None:

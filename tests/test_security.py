@@ -370,7 +370,7 @@ def test_the_file_that_ran_code(tmp_path, monkeypatch):
     Path("evil.json").write_text(json.dumps(evil))
     result = CliRunner().invoke(app, ["burgers", "so3", "--loops", "evil.json"])
     assert result.exit_code == 2
-    assert "one expression was needed, but [" in result.output
+    assert "expected one expression, got [" in result.output
     assert not Path("PWNED").exists()
 
 

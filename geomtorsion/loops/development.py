@@ -249,7 +249,7 @@ def develop(
     """
     if isinstance(connection, HasBurgers):
         raise ArgumentError(
-            "connection: a Connection was needed, but samples of a frame came, whose legs count as "
+            "connection: expected a Connection, got samples of a frame, whose legs count as "
             "parallel: their development is the Burgers vector. Use burgers_vector(grid, loop)."
         )
     frame = checks.instance(connection, Connection, "connection").frame

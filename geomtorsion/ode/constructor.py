@@ -39,14 +39,13 @@ def read(
         rates = getattr(given, "rates", None)
         if not isinstance(rates, Mapping):
             raise ExpressionError(
-                "rates: a mapping from states to expressions was needed, "
-                f"{checks.shown(given)} came."
+                f"rates: expected a mapping from states to expressions, got {checks.shown(given)}."
             )
         known = getattr(given, "invariants", None)
         if invariants is None and isinstance(known, Mapping):
             invariants = known
     if not rates:
-        raise ExpressionError("rates: at least one state was needed, none came.")
+        raise ExpressionError("rates: expected at least one state, got none.")
     states = tuple(rates)
     numbers = {key: number(value, key) for key, value in (parameters or {}).items()}
     symbols = symbol_table((*states, *numbers, time))
@@ -125,7 +124,7 @@ def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None
     """The expression at whose fall the motion ends."""
     if len(found) > 1:
         raise ExpressionError(
-            f"events: one When(...) was needed at most, {len(found)} came. Keep one of them."
+            f"events: expected at most one When(...), got {len(found)}. Keep one of them."
         )
     return expression(found[0].falls, "stop", symbols) if found else None
 
@@ -178,11 +177,11 @@ def start_numbers(
         values = list(cast("Iterable[object]", start))
     except TypeError:
         raise StartError(
-            f"start = {checks.shown(start)}: a mapping or a list of numbers was needed."
+            f"start = {checks.shown(start)}: expected a mapping or a list of numbers."
         ) from None
     if len(values) != len(states):
         raise ShapeError(
-            f"start: {len(states)} numbers were needed ({', '.join(states)}), {len(values)} came."
+            f"start: expected {len(states)} numbers ({', '.join(states)}), got {len(values)}."
         )
     pairs = zip(states, values, strict=True)
     return tuple(number(value, f"start of {name}") for name, value in pairs)
@@ -207,9 +206,9 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
             )
         at = checks.real(entry.time)
         if at is None:
-            raise TimeError(f"event {checks.shown(entry)}: At(time, {{name: value}}) was needed.")
+            raise TimeError(f"event {checks.shown(entry)}: expected At(time, {{name: value}}).")
         if not (math.isfinite(at) and at >= 0):
-            raise TimeError(f"event at t = {at}: a time from the start at 0 on was needed.")
+            raise TimeError(f"event at t = {at}: expected a time from the start at 0 on.")
         for name in entry.changes:
             if name not in names:
                 raise UnknownNameError(
@@ -263,9 +262,7 @@ def start_columns(
     if not isinstance(starts, Mapping):
         rows = _array("starts", starts)
         if rows.ndim != 2 or rows.shape[1] != len(states) or not len(rows):
-            raise ShapeError(
-                f"starts: shape (number, {len(states)}) was needed, {rows.shape} came."
-            )
+            raise ShapeError(f"starts: expected shape (number, {len(states)}), got {rows.shape}.")
         return rows, {}
     names = (*states, *parameters)
     arrays = {}
@@ -277,7 +274,7 @@ def start_columns(
         arrays[name] = _array(f"starts of {name}", values)
     lengths = {name: array.shape for name, array in arrays.items() if array.ndim}
     if len(set(lengths.values())) != 1 or len(next(iter(lengths.values()))) != 1:
-        raise ShapeError(f"starts: lists of one common length were needed, {lengths} came.")
+        raise ShapeError(f"starts: expected lists of one common length, got {lengths}.")
     (number_of,) = next(iter(lengths.values()))
     if not number_of:
         raise StartError("starts: the lists are empty; give one number for each motion.")
@@ -309,7 +306,7 @@ def _array(what: str, values: object) -> np.ndarray:
         what,
         StartError,
         shape_error=ShapeError,
-        message="{subject}: numbers were needed, {value} came.",
+        message="{subject}: expected numbers, got {value}.",
         infinite="{subject}: a number is not finite.",
     )
 

@@ -152,8 +152,8 @@ class ODE:
             _ = made.system
         except RecursionError:
             raise ExpressionError(
-                "rates: an expression that is not nested too deeply to be read was needed; one of "
-                "these is. Write it in fewer storeys."
+                "rates: an expression is nested too deeply to be read. Write it with fewer nested "
+                "functions or brackets."
             ) from None
         return made
 

@@ -86,8 +86,8 @@ def solve(
     checked_engine(engine)
     if not callable(getattr(problem, "first_stage", None)):
         raise StartError(
-            "solve: a problem (autoparallel, geodesic, ...) or an ODE was needed, "
-            f"{checks.shown(problem)} came."
+            "solve: expected a problem (autoparallel, geodesic, ...) or an ODE, "
+            f"got {checks.shown(problem)}."
         )
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)

@@ -404,13 +404,13 @@ def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
         wanted = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name} has shape {array.shape}; ({wanted}) was needed.")
+        raise ShapeError(f"{name} has shape {array.shape}; expected ({wanted}).")
     return array
 
 
 def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> Array:
     """Finite numbers of this shape, as part of a start."""
-    needed = f"{{subject}} = {{value}}: {wanted} were needed."
+    needed = f"{{subject}} = {{value}}: expected {wanted}."
     array = checks.array(
         values, name, StartError, shape=shape, message=needed, shaped=needed, infinite=None
     )

@@ -335,7 +335,7 @@ class SceneResult:
 def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np.ndarray]) -> str:
     """Which parts of a file do not fit together, or nothing."""
     if not len(times) or not np.isfinite(times).all():
-        return "times: finite numbers, at least one, were needed"
+        return "times: expected at least one finite number"
     for name in about["watch"]:
         if name not in values:
             return f"value {shown(name)} is missing"
@@ -343,7 +343,7 @@ def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np
             return f"about: labels and units of {shown(name)} are missing"
         numbers = math.prod(values[name].shape[1:])
         if max(len(about["labels"][name]), 1) != numbers:
-            return f"about: labels.{name}: {numbers} were needed for value {name}"
+            return f"about: labels.{name}: expected {numbers} for value {name}"
     return ""
 
 

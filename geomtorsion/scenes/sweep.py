@@ -259,9 +259,7 @@ def sweep(
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    wanted = (
-        "{subject}: a list of numbers, or of vectors of equal length, was needed; {value} came."
-    )
+    wanted = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
     given = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
     return checks.array(given, path, SceneError, message=wanted, infinite=None)
 

@@ -187,7 +187,7 @@ def test_too_little_memory_ends_in_words(tmp_path):
 def test_limits_that_are_none():
     """A limit below zero is refused."""
     error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
-    assert "seconds: a positive number was needed, but -1" in error
+    assert "seconds: expected a positive number, got -1" in error
 
 
 @pytest.mark.parametrize(
@@ -220,7 +220,7 @@ def test_a_checkout_names_the_page_that_helps():
         _, error = running.communicate(timeout=60)
     message, more = error.splitlines()
     assert message.startswith("geomtorsion: ")
-    assert more.startswith('(More on this: "How errors are told", examples/site/')
+    assert more.startswith('(More on this: "How errors are reported", examples/site/')
     assert more.endswith(f"/{errors.UnknownNameError.page}.md)")
 
 

@@ -170,7 +170,7 @@ def test_bad_rates(message):
 
 def test_bad_numbers():
     """Starts, parameters, events and lengths that make no sense."""
-    with pytest.raises(ShapeError, match="2 numbers were needed"):
+    with pytest.raises(ShapeError, match="expected 2 numbers"):
         ODE.of({"x": 0, "y": 0}, [1])
     with pytest.raises(StartError, match="y has no number"):
         ODE.of({"x": 0, "y": 0}, {"x": 1})

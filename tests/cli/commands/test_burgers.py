@@ -163,7 +163,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         ((), "no loop was given"),
         (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 part came"),
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
-        (("--circle", "0,1,0:-1"), "a positive length was needed"),
+        (("--circle", "0,1,0:-1"), "expected a positive length"),
         (("--circle", "0,1,0:one"), "one is neither"),
         (("--circle", "0,1,0:1:phi1,psi"), "'psi' is no coordinate"),
         (("--circle", "0,1,0:nan"), "a finite number"),

@@ -394,11 +394,11 @@ def test_large_files_and_no_files(tmp_path):
         read(tmp_path, "#" * (MOST.file + 1))
     with pytest.raises(FileFormatError, match="cannot be read"):
         read_submission(tmp_path / "nobody.toml")
-    with pytest.raises(FileFormatError, match="no regular file"):
+    with pytest.raises(FileFormatError, match="not a regular file"):
         read_submission(tmp_path)
     if hasattr(os, "mkfifo"):
         os.mkfifo(tmp_path / "pipe.toml")
-        with pytest.raises(FileFormatError, match="no regular file"):
+        with pytest.raises(FileFormatError, match="not a regular file"):
             read_submission(tmp_path / "pipe.toml")
 
 
