@@ -50,7 +50,7 @@ BELOW_THE_WALL = (
 )
 # Applications: of packages below the wall they import only what these export in __all__.
 ABOVE_THE_WALL = (
-    ("materials",),
+    ("gravity", "materials"),
     ("accuracy", "pictures", "paper"),
     ("scenes",),
     ("teaching",),
@@ -103,6 +103,7 @@ BUDGET = {
     "curves": 2950,
     "exact": 6350,
     "geometry": 4000,
+    "gravity": 50,
     "loops": 5750,
     "materials": 13500,
     "ode": 5050,
