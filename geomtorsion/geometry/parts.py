@@ -36,13 +36,13 @@ def torsion_parts(torsion: Tensor) -> Mapping[str, Tensor]:
     def of_vector(index: Index) -> Element:
         a, b, c = index
         v, g = vector.components.get, metric.components.get
-        return torsion.frame.field.sum(
-            [(share, v((a,)), g((b, c))), (-share, v((b,)), g((a, c)))]
-        )
+        return torsion.frame.field.sum([(share, v((a,)), g((b, c))), (-share, v((b,)), g((a, c)))])
 
     first = Tensor(torsion.frame, torsion.slots, of_vector, antisymmetric(3), "T", "vector part")
     cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-    axial = _sum([(Fraction(1, 3), torsion, order) for order in cycles], alternating(3), "T", "axial part")
+    axial = _sum(
+        [(Fraction(1, 3), torsion, order) for order in cycles], alternating(3), "T", "axial part"
+    )
     rest = _rest(torsion, (first, axial), antisymmetric(3), "tensor part")
     return {"tensor": rest, "vector": first, "axial": axial}
 

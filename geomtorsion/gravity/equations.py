@@ -266,13 +266,30 @@ class FieldEquations:
                 own[invariant] = own[invariant] + slope if invariant in own else slope
         return tuple(map(Momenta, self._scalars, weights))
 
+    @property
+    def P(self) -> Tensor:
+        """P^{ab}_c = dL/dT_ab^c of the first connection, slots UUD."""
+        return self.momenta[0].P
+
+    @property
+    def Z(self) -> Tensor:
+        """Z^{abi}_j = dL/dR_abi^j of the first connection, slots UUUD."""
+        return self.momenta[0].Z
+
+    @property
+    def N(self) -> Tensor:
+        """N^{aij} = dL/dQ_aij of the first connection, slots UUU."""
+        return self.momenta[0].N
+
     # -- the equations -------------------------------------------------------------------------
 
     @cached_property
     def E(self) -> Tensor:
         """E_i^n = (1/e) d(eL)/d e^i_n, slots DU: the equation of the coframe."""
         frame, field = self.frame, self.frame.field
-        divergences = [one.fields.divergence(one.P, paired=True).components.get for one in self.momenta]
+        divergences = [
+            one.fields.divergence(one.P, paired=True).components.get for one in self.momenta
+        ]
         moved = [
             one.moved.lowered().components.get for one in self.momenta if one.fields.is_riemannian
         ]

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from geomtorsion.gravity.equations import FieldEquations
 
 
-
 class MatterField(ABC):
     """A field with invariants of its own in the Lagrangian.
 
@@ -238,7 +237,10 @@ class Fluid:
         n = range(frame.dimension)
         velocity = self._velocity(frame)
         u, lower = velocity.components.get, velocity.lowered().components.get
-        rho, p = scalar_of(frame, self.density, "density"), scalar_of(frame, self.pressure, "pressure")
+        rho, p = (
+            scalar_of(frame, self.density, "density"),
+            scalar_of(frame, self.pressure, "pressure"),
+        )
         sign = -1 if (self._square(frame) - 1).is_zero else 1
         turning = FrameFields(connection).divergence(self._flow(frame)).components.get
 

@@ -116,7 +116,9 @@ def holst(barbero_immirzi: Number = "gamma") -> Lagrangian:
     >>> holst()
     Holst: L = R - holst/(2*gamma)
     """
-    return Lagrangian(names["R"] - names["holst"] / (2 * _number(barbero_immirzi)), "metric", "Holst")
+    return Lagrangian(
+        names["R"] - names["holst"] / (2 * _number(barbero_immirzi)), "metric", "Holst"
+    )
 
 
 def _number(value: Number) -> sp.Expr:
