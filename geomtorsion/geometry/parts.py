@@ -96,7 +96,7 @@ def curvature_parts(curvature: Tensor, *, is_metric: bool) -> Mapping[str, Tenso
     pseudoscalar R_[abcd]; weyl and paircom: the rest of the half that is symmetric, and of the
     half that is antisymmetric, under the exchange of the pairs.
     """
-    frame, n = curvature.frame, curvature.frame.dimension
+    n = curvature.frame.dimension
     one, swapped, exchanged = (0, 1, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)
     turning = curvature
     found: dict[str, Tensor] = {}

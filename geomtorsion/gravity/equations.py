@@ -518,6 +518,10 @@ def equations(
     True
     """
     several = [connections] if isinstance(connections, Connection) else _listed(connections)
+    if not several:
+        raise GravityError(
+            "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
+        )
     for one in several:
         checks.instance(one, Connection, "connection", GravityError)
         if one.frame is not several[0].frame:

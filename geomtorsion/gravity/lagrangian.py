@@ -18,7 +18,13 @@ from geomtorsion.gravity.invariants import INVARIANTS
 
 names: Mapping[str, sp.Symbol] = {name: sp.Symbol(name) for name in INVARIANTS}
 names |= {name + "bar": sp.Symbol(name + "bar") for name in INVARIANTS}
-names |= {name: sp.Symbol(name) for name in ("X", "F2", "phi")}
+# Names of matter fields, and what brings them.
+MATTER = {
+    "X": "gravity.scalar_field(phi)",
+    "phi": "gravity.scalar_field(phi)",
+    "F2": "gravity.maxwell(A)",
+}
+names |= {name: sp.Symbol(name) for name in MATTER}
 
 _NAME = re.compile(r"[^\W\d]\w*")
 _FAMILY = re.compile(r"[TRQP]\d+(bar|_[2-9])?")
@@ -208,11 +214,18 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
         return
     if name in own:
         return
+    if not known:
+        return
     suffixed = _SUFFIX.fullmatch(name)
     if suffixed and suffixed[1] in INVARIANTS:
         raise GravityError(
             f"lagrangian: expected invariants of the given connections, got {name}. Give the "
             "other connection also: equations([gt.cartan(frame), gt.levi_civita(frame)], ...)."
+        )
+    if name in MATTER:
+        raise GravityError(
+            f"lagrangian: expected the matter that {name} belongs to, got none. Give matter="
+            f"{MATTER[name]}, or another name to a parameter."
         )
     if name in INVARIANTS:
         dimension = INVARIANTS[name].only
@@ -220,8 +233,6 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
             f"lagrangian: {name} exists in {dimension} dimensions only. Use a frame of dimension "
             f"{dimension}, or other invariants."
         )
-    if not known:
-        return
     near = checks.close_names(name, [one for one in known if len(one) > 2], cutoff=0.75)
     same = [one for one in known if one.lower() == name.lower()]
     if near or same or _FAMILY.fullmatch(name):

@@ -17,7 +17,7 @@ STEP, SPACING = 1e-30, 1e-3
 
 
 def fields(eta: np.ndarray, e: np.ndarray, de: np.ndarray, w: np.ndarray, dw: np.ndarray) -> dict:
-    """Fields in the frame: e[i, m], de[a, i, m] = d_a e^i_m, w[a, i, j] = omega_ai^j, dw[b, a, i, j].
+    """Fields in the frame, of e[i, m], de[a, i, m] = d_a e^i_m, w[a, i, j] = omega_ai^j and dw.
 
     All have a first axis over which they are computed at once.
     """
