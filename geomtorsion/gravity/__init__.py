@@ -14,10 +14,13 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
+from geomtorsion.gravity.translations import TABLE as translations
+from geomtorsion.gravity.translations import Translation
 
 __all__ = [
     "FieldEquations",
     "Lagrangian",
+    "Translation",
     "einstein_cartan",
     "equations",
     "f_of",
@@ -33,5 +36,6 @@ __all__ = [
     "stegr",
     "tegr",
     "torsion_from_spin",
+    "translations",
     "weyssenhoff",
 ]
