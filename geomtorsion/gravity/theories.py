@@ -92,7 +92,7 @@ def poincare(
     Examples
     --------
     >>> poincare("a", "Lambda", tensor="b", curvature=(0, 0, 0, 0, 0, "w"))
-    Poincare gauge theory: L = P6*w + a*(R - 2*Lambda) + b*tensor2
+    Poincare gauge theory: L = P6*w + a*(-2*Lambda + R) + b*tensor2
     """
     squares = checks.entries(curvature, "curvature", GravityError)
     if len(squares) != 6:

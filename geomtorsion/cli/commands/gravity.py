@@ -64,7 +64,8 @@ def gravity(
 
     E is the equation of the coframe; E_[ij], its antisymmetric part, is the equation of the spin
     connection of a teleparallel theory. A space with a connection of its own has also C, the
-    equation of the connection, and M, of the metric. Indices count legs of the frame from 0. The command ends with 1 if a Noether identity fails.
+    equation of the connection, and M, of the metric. Indices count legs of the frame from 0. The
+    command ends with 1 if a Noether identity fails.
 
     \b
     Examples:
