@@ -6,6 +6,7 @@ from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
+from geomtorsion.exact.truncated import Truncated, TruncatedField
 
 __all__ = [
     "Branch",
@@ -15,6 +16,8 @@ __all__ = [
     "Generator",
     "PrintedOnce",
     "TexPrinter",
+    "Truncated",
+    "TruncatedField",
     "limits",
     "names",
     "parse_expression",
