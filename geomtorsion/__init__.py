@@ -45,7 +45,7 @@ from geomtorsion.spaces import read_file as read
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import pictures, scenes
+    from geomtorsion import gravity, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -190,7 +190,7 @@ _LATER = {
 # Packages that users reach by a public name, imported on first use.
 _PACKAGES = {
     "crystals": "materials.crystals", "exercises": "teaching.exercises",
-    "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+    "gravity": "gravity", "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
 }  # fmt: skip
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
@@ -288,6 +288,7 @@ __all__ = [
     "from_torsion",
     "geodesic",
     "geodesic_deviation",
+    "gravity",
     "holonomy",
     "identities",
     "images",

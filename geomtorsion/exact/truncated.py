@@ -324,9 +324,10 @@ class TruncatedField:
             for where, value in pairs
         ]
 
-    def _is_moving(self, value: sympy.Expr | Fraction | int) -> bool:
+    def _is_moving(self, value: object) -> bool:
         """Whether an expression depends on the small parameter."""
-        return isinstance(value, sympy.Basic) and value.has(self.symbol)
+        free: Any = getattr(value, "free_symbols", ())
+        return self.symbol in free
 
     def _expanded(self, value: sympy.Expr, where: str) -> Truncated:
         """The series of an expression, from those of its parts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -27,6 +27,7 @@ from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
+from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 
@@ -116,6 +117,22 @@ class Connection:
             return self.frame.field.sum(terms)
 
         return Tensor(self.frame, "ddd", rule, symmetric(3, 1, 2), "Q", "nonmetricity")
+
+    @cached_property
+    def nonmetricity_parts(self) -> Mapping[str, Tensor]:
+        """Irreducible parts of Q_abc, slots ddd: symmetric, mixed, Lambda, Weyl; they add up.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, from_coefficients
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = Frame([r, phi], [[1, 0], [0, r]])
+        >>> bare = from_coefficients(polar, [[[0, 0], [0, 0]], [[0, 0], [0, 0]]])
+        >>> bare.nonmetricity[0, 1, 1], bare.nonmetricity_parts["Weyl"][0, 1, 1]
+        (2*r, r)
+        """
+        return nonmetricity_parts(self.nonmetricity)
 
     @cached_property
     def contortion(self) -> Tensor:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -21,6 +22,7 @@ from geomtorsion.geometry.components import (
 )
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
+from geomtorsion.geometry.parts import curvature_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
@@ -206,6 +208,25 @@ class Curvature:
             return frame.field.sum([(1, derivative((a, b, c))), (-1, derivative((b, a, c)))])
 
         return Tensor(frame, "ddd", rule, antisymmetric(3), "C", "Cotton tensor")
+
+    @cached_property
+    def parts(self) -> Mapping[str, Tensor]:
+        """Irreducible parts of R_mnlk, slots dddd; they add up to `lower`.
+
+        weyl, paircom, pseudoscalar, ricci, antiricci, scalar; and strain, R_mn(lk), where the
+        connection is not metric.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> theta, phi = sp.symbols("theta phi")
+        >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+        >>> [name for name, part in levi_civita(sphere).curvature.parts.items() if not part.is_zero]
+        ['scalar']
+        """
+        is_metric = self.connection.kind != "general" or bool(self.connection.metric_compatible)
+        return curvature_parts(self.lower, is_metric=is_metric)
 
     @cached_property
     def kretschmann(self) -> Tensor:

@@ -1,0 +1,37 @@
+"""Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
+
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.lagrangian import Lagrangian, names
+from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.theories import (
+    einstein_cartan,
+    f_of,
+    gauss_bonnet,
+    general_relativity,
+    holst,
+    new_gr,
+    poincare,
+    stegr,
+    tegr,
+)
+
+__all__ = [
+    "FieldEquations",
+    "Lagrangian",
+    "einstein_cartan",
+    "equations",
+    "f_of",
+    "fluid",
+    "gauss_bonnet",
+    "general_relativity",
+    "holst",
+    "maxwell",
+    "names",
+    "new_gr",
+    "poincare",
+    "scalar_field",
+    "stegr",
+    "tegr",
+    "torsion_from_spin",
+    "weyssenhoff",
+]
