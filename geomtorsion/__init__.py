@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
+    from geomtorsion.gravity import Symmetries, killing_equations, symmetries
     from geomtorsion.loops import (
         AffineMap,
         BurgersMap,
@@ -169,6 +170,7 @@ _LATER = {
         "log_map", "parallel_transport",
     ),
     "rigid": ("FreeTop", "free_top"),
+    "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
@@ -251,6 +253,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Symmetries",
     "Taylor",
     "Tensor",
     "Torsion",
@@ -292,6 +295,7 @@ __all__ = [
     "holonomy",
     "identities",
     "images",
+    "killing_equations",
     "levi_civita",
     "lie",
     "lie_bracket",
@@ -310,6 +314,7 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "symmetries",
     "variation",
 ]
 

@@ -6,11 +6,13 @@ from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
+from geomtorsion.exact.relations import Echelon, vanishing_sums
 from geomtorsion.exact.truncated import Truncated, TruncatedField
 
 __all__ = [
     "Branch",
     "Certainty",
+    "Echelon",
     "Element",
     "Field",
     "Generator",
@@ -23,4 +25,5 @@ __all__ = [
     "parse_expression",
     "syntax",
     "tokens",
+    "vanishing_sums",
 ]
