@@ -72,6 +72,7 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        spinning,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
@@ -167,7 +168,7 @@ _LATER = {
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport",
+        "log_map", "parallel_transport", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
     "gravity": ("Symmetries", "killing_equations", "symmetries"),
@@ -314,6 +315,7 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "spinning",
     "symmetries",
     "variation",
 ]
