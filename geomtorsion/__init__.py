@@ -72,10 +72,12 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        spinning,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
+    from geomtorsion.gravity import Symmetries, killing_equations, symmetries
     from geomtorsion.loops import (
         AffineMap,
         BurgersMap,
@@ -166,9 +168,10 @@ _LATER = {
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport",
+        "log_map", "parallel_transport", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
+    "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
@@ -251,6 +254,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Symmetries",
     "Taylor",
     "Tensor",
     "Torsion",
@@ -292,6 +296,7 @@ __all__ = [
     "holonomy",
     "identities",
     "images",
+    "killing_equations",
     "levi_civita",
     "lie",
     "lie_bracket",
@@ -310,6 +315,8 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "spinning",
+    "symmetries",
     "variation",
 ]
 

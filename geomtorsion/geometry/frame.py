@@ -446,6 +446,40 @@ class Frame:
         put = substitution.substitution(values, self.coordinates, self.field)
         return constructors.substituted(self, put)
 
+    def expanded(self, symbol: sp.Symbol | str, order: int) -> Frame:
+        """This frame as a power series in a small parameter, cut after an order.
+
+        All quantities of the new frame are such series, found order by order: products above the
+        order are never formed. `tensor.order(k)` gives one coefficient.
+
+        Parameters
+        ----------
+        symbol
+            A parameter of the frame, which has to be regular where it is zero.
+        order
+            The last power that is kept.
+
+        Raises
+        ------
+        UnknownNameError, CoordinateError
+            The symbol is not a parameter of the frame.
+        CoframeError, SingularPointError
+            The frame is singular, or an entry has no series, where the parameter is zero.
+
+        Examples
+        --------
+        >>> t, x, epsilon = sp.symbols("t x epsilon")
+        >>> h = sp.Function("h")(t, x)
+        >>> frame = Frame.from_metric([t, x], [[-1 - epsilon * h, 0], [0, 1]])
+        >>> frame.expanded("epsilon", 1).quantity("scalar_curvature")[()]
+        -epsilon*Derivative(h(t, x), (x, 2))
+        """
+        # An expansion makes frames, so that the two files import each other.
+        from geomtorsion.geometry.expansion import expanded, small_parameter
+
+        last = checks.count(order, "order", ArgumentError)
+        return expanded(self, small_parameter(self, symbol), last)
+
     # -- names ----------------------------------------------------------------------------------
 
     @property

@@ -3,6 +3,7 @@
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
     einstein_cartan,
     f_of,
@@ -20,6 +21,7 @@ from geomtorsion.gravity.translations import Translation
 __all__ = [
     "FieldEquations",
     "Lagrangian",
+    "Symmetries",
     "Translation",
     "einstein_cartan",
     "equations",
@@ -28,12 +30,14 @@ __all__ = [
     "gauss_bonnet",
     "general_relativity",
     "holst",
+    "killing_equations",
     "maxwell",
     "names",
     "new_gr",
     "poincare",
     "scalar_field",
     "stegr",
+    "symmetries",
     "tegr",
     "torsion_from_spin",
     "translations",
