@@ -109,7 +109,7 @@ BUDGET = {
     "gravity": 1650,
     "loops": 5750,
     "materials": 13500,
-    "ode": 5050,
+    "ode": 5100,
     "paper": 750,
     "pictures": 3550,
     "proofs": 2050,
