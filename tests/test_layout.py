@@ -98,7 +98,7 @@ CEILINGS = {
 BUDGET = {
     "accuracy": 450,
     "action": 1350,
-    "cli": 3050,
+    "cli": 3200,
     "codegen": 2350,
     "curves": 2950,
     "exact": 6350,
@@ -107,13 +107,13 @@ BUDGET = {
     "materials": 13500,
     "ode": 5050,
     "paper": 750,
-    "pictures": 3550,
+    "pictures": 3650,
     "proofs": 2050,
     "rigid": 600,
     "scenes": 3850,
     "spaces": 3350,
     "support files": 2050,
-    "teaching": 10650,
+    "teaching": 10950,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 

@@ -172,23 +172,28 @@ def _from_words(names: list[str], words: list[str]) -> Answers:
     return found
 
 
+SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED)}
+
+
 def _say(verdict: Verdict) -> None:
     """The verdict in colours, and in signs where the terminal has them."""
     for question in verdict.questions:
-        if shows_greek():
-            sign = "✓" if question.right else "✗"
-        else:
-            sign = "right" if question.right else "wrong"
-        colour = typer.colors.GREEN if question.right else typer.colors.RED
+        sign, colour = SIGNS.get(question.state, ("?", typer.colors.YELLOW))
+        if not shows_greek():
+            sign = question.state
         kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
         said = question.message.removeprefix(f"{question.name}: ")
         message = said if "\n" in said else text_of(said)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
+        if question.read_as and not question.right:
+            typer.echo(f"  read as: {question.read_as}")
     for note in verdict.notes:
         typer.echo(note)
     if len(verdict.questions) > 1:
         typer.echo(f"{verdict.earned:g} of {verdict.points} points")
+    if verdict.unread:
+        typer.echo(f"No points are lost for {', '.join(verdict.unread)}: write it again.")
 
 
 def sheet(
