@@ -218,9 +218,10 @@ def sheet(
 
 
 class Format(StrEnum):
-    """The systems for which exercises are exported."""
+    """The systems for which exercises are exported; STACK runs in Moodle."""
 
     stack = "stack"
+    moodle = "moodle"
     nbgrader = "nbgrader"
 
 
@@ -232,26 +233,29 @@ def export(
     ] = None,
     seeds: Annotated[
         str | None,
-        option(metavar="N,...", text="Variants; default: 0,1,2 for stack, 0 for nbgrader."),
+        option(metavar="N,...", text="Variants; default: 0,1,2 for moodle, 0 for nbgrader."),
     ] = None,
 ) -> None:
     """Write exercises for Moodle (STACK) or nbgrader.
 
     \b
-    stack     Moodle XML: questions of STACK, a deployed seed for each variant,
+    moodle    Moodle XML with questions of STACK: a deployed seed for each variant,
               a node of the response tree for each recognised mistake
+    stack     the same as moodle
     nbgrader  a course with notebooks: solutions, and hidden tests that grade
 
     \b
     Examples:
-      geomtorsion exercises export --to stack -o moodle
-      geomtorsion exercises export --to stack -o moodle --seeds 0,1,2,3,4
+      geomtorsion exercises export --to moodle -o moodle
+      geomtorsion exercises export --to moodle -o moodle --seeds 0,1,2,3,4
       geomtorsion exercises export --to nbgrader -o course --only 3.1,3.2,3.3
     """
     numbers = None if only is None else list(parts(only))
     variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
     with working("exercises") as progress:
-        done = exports.export(to.value, output, numbers, variants, progress)
+        done = exports.export(
+            "stack" if to == Format.moodle else to.value, output, numbers, variants, progress
+        )
     count = len(done.files)
     typer.echo(f"wrote {'1 file' if count == 1 else f'{count} files'} to {output}")
     for note in done.notes:
