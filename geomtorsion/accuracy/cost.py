@@ -118,7 +118,8 @@ class CostTable:
                 lines.append(f"{row.engine:<14}{row.asked:>9.0e}   {row.note}")
                 continue
             lines.append(
-                f"{row.engine:<14}{row.asked:>9.0e}{size_text(row.achieved):>10}{size_text(row.estimated):>10}"
+                f"{row.engine:<14}{row.asked:>9.0e}{size_text(row.achieved or 0.0):>10}"
+                f"{size_text(row.estimated or 0.0):>10}"
                 f"{_time(row.seconds):>11}{_time(row.total_seconds):>11}"
                 f"{_time(row.compile_seconds):>10}{row.steps:>8}"
             )
