@@ -111,13 +111,13 @@ BUDGET = {
     "materials": 13500,
     "ode": 5100,
     "paper": 750,
-    "pictures": 3550,
+    "pictures": 3650,
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3850,
     "spaces": 3350,
     "support files": 2100,
-    "teaching": 10650,
+    "teaching": 10950,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 

@@ -32,6 +32,12 @@ class Commands(LazyGroup):
         "lab": "Play with tetrads, loops, curves, tops and exercises in a browser.",
         "exercises": "List, show, check and grade exercises.",
     }
+    groups: ClassVar = {
+        "Geometry": ("spaces", "geometry", "check", "plan", "report", "paper"),
+        "Motions": ("curve", "run", "scenes", "accuracy"),
+        "Defects and data": ("burgers", "map", "crystal", "network"),
+        "Teaching": ("lab", "exercises"),
+    }
     limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}
 
 
@@ -40,7 +46,7 @@ app = typer.Typer(
     name="geomtorsion",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    **SETTINGS,
+    **{**SETTINGS, "add_completion": True},
 )
 
 

@@ -22,6 +22,7 @@ from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, write_solution
+from geomtorsion.outgoing import size_text
 from geomtorsion.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
@@ -482,7 +483,7 @@ class Solution:
             f"{reach}, {len(self.times)} times, by {self.engine} ({self.reason})",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
-        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
 
     def __repr__(self) -> str:
