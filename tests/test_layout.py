@@ -108,7 +108,7 @@ BUDGET = {
     "geometry": 4900,
     "gravity": 1650,
     "loops": 5750,
-    "materials": 13500,
+    "materials": 14400,
     "ode": 5100,
     "paper": 750,
     "pictures": 3650,

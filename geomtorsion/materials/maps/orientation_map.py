@@ -29,8 +29,8 @@ from geomtorsion.materials.maps.lattice_edges import (
     grains_of,
     spread_of,
 )
-from geomtorsion.materials.maps.map_files import MapFile
 from geomtorsion.materials.maps.map_formats import read_map_file
+from geomtorsion.materials.maps.map_points import MapFile
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import (
     CircuitMap,
@@ -163,7 +163,11 @@ class OrientationMap:
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
     ) -> OrientationMap:
-        """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
+        """From a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
+
+        A .cpr file lies beside its .crc; .h5oina needs h5py. A table (.txt, .csv) has a row of the
+        names phi1, Phi, phi2, x, y and perhaps phase, angles in degrees unless a name says (rad);
+        it needs `laue`. Where a header and the places of the points disagree, the places decide.
 
         Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
         Small ones in the other unit look like grains that hardly turn: if a map of your own program

@@ -76,9 +76,9 @@ def test_content_against_name(tmp_path):
 def test_names_that_mean_nothing(tmp_path):
     """Spaces are none, and unknown ends are refused."""
     assert not is_measured("so3")
-    (tmp_path / "a.txt").write_text("nothing")
+    (tmp_path / "a.doc").write_text("nothing")
     with pytest.raises(FileFormatError, match="a name ending in"):
-        open_measured(tmp_path / "a.txt")
+        open_measured(tmp_path / "a.doc")
 
 
 def test_options_that_do_not_belong(tmp_path):
