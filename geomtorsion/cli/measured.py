@@ -19,8 +19,9 @@ from geomtorsion.errors import GeomtorsionError, GridError, ImageError, Orientat
 from geomtorsion.files import UNSIGNED, write_text
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop
-from geomtorsion.materials.measured import Closure, Measured, Survey, open_measured
+from geomtorsion.materials.measured import Closure, Measured, Survey
 from geomtorsion.materials.measured.results import summary, write_arrays, write_table
+from geomtorsion.materials.readers import open_source
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
@@ -55,7 +56,7 @@ def opened(source: str, reading: Reading) -> Measured:
     """The measured field in a file; errors about an option name it as it is typed."""
     value = None if reading.sigma is None else sigma_of(reading.sigma)
     try:
-        return open_measured(
+        return open_source(
             source,
             sigma=value,
             threshold=reading.threshold,

@@ -43,7 +43,7 @@ from geomtorsion.loops.loop_files import (
     number_of,
     read_loops,
 )
-from geomtorsion.materials.measured import is_measured
+from geomtorsion.materials.readers import is_source
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
@@ -137,7 +137,7 @@ def burgers(
       geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
       geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
     """
-    measured = is_measured(source)
+    measured = is_source(source)
     field, name = None, source
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     if measured:

@@ -47,13 +47,13 @@ from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
 from geomtorsion.materials.fields.blocked_map import run_in
 from geomtorsion.materials.fields.contents import module
-from geomtorsion.materials.measured import is_array
 from geomtorsion.materials.measured.blocked_fields import (
     BlockedSurvey,
     map_in_blocks,
     open_in_blocks,
 )
 from geomtorsion.materials.measured.results import summary
+from geomtorsion.materials.readers import is_array
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomtorsion.errors import FileFormatError
+from geomtorsion.hdf5 import HDF5
 from geomtorsion.materials.maps.map_files import CTF, MapFile, read_orix, read_text_map
 
 
@@ -15,11 +16,13 @@ class MapFormat:
     """A format of orientation maps.
 
     read: takes a path and Laue groups of phases, and gives the map. seems: whether bytes are the
-    content of such a file; None where it is no text, which the page does not take.
+    content of such a file; None where it is no text, which the page does not take. begins: first
+    bytes of its files, none where text may begin with anything.
     """
 
     read: Callable[[Path, Mapping[int, str] | None], MapFile]
     seems: Callable[[bytes], bool] | None = None
+    begins: tuple[bytes, ...] = ()
 
 
 def _seems_ctf(content: bytes) -> bool:
@@ -36,10 +39,10 @@ def _seems_ang(content: bytes) -> bool:
 
 # Ending of a name -> the format. A new format is a line here.
 FORMATS: dict[str, MapFormat] = {
-    ".ctf": MapFormat(read_text_map, _seems_ctf),
+    ".ctf": MapFormat(read_text_map, _seems_ctf, (CTF.encode(),)),
     ".ang": MapFormat(read_text_map, _seems_ang),
-    ".h5": MapFormat(read_orix),
-    ".hdf5": MapFormat(read_orix),
+    ".h5": MapFormat(read_orix, begins=(HDF5,)),
+    ".hdf5": MapFormat(read_orix, begins=(HDF5,)),
 }
 
 

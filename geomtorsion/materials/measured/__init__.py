@@ -1,11 +1,9 @@
 """Measured: measured fields of any kind, as commands and pictures ask for them."""
 
 from geomtorsion.materials.measured.fields import CrystalField, LatticeField, SampledField
-from geomtorsion.materials.measured.opening import SUFFIXES, is_array, is_measured, open_measured
 from geomtorsion.materials.measured.results import Backdrop, Closure, Measured, Section, Survey
 
 __all__ = [
-    "SUFFIXES",
     "Backdrop",
     "Closure",
     "CrystalField",
@@ -14,7 +12,4 @@ __all__ = [
     "SampledField",
     "Section",
     "Survey",
-    "is_array",
-    "is_measured",
-    "open_measured",
 ]

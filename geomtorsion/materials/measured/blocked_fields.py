@@ -18,8 +18,8 @@ from geomtorsion.materials.fields import BlockMap, blocked_map
 from geomtorsion.materials.fields.blocked_map import Parts, run_in
 from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigma, opened
 from geomtorsion.materials.measured.fields import SampledField, layer_names
-from geomtorsion.materials.measured.opening import is_array, open_measured
 from geomtorsion.materials.measured.results import Survey, summary
+from geomtorsion.materials.readers import is_array, open_source
 
 # Nodes of a block where nobody says how many: some ten megabytes with its halo.
 NODES = 8 * PIECE
@@ -99,7 +99,7 @@ def open_in_blocks(
         )  # fmt: skip
     if steps is not None:
         raise GridError(f"steps: {path.name} says them itself. Leave them out.")
-    field = open_measured(path, sigma=sigma, order=order)
+    field = open_source(path, sigma=sigma, order=order)
     if not isinstance(field, SampledField):
         raise GridError(
             f"blocks: they belong to sampled frames, but {path.name} is something else, of which a "

@@ -16,14 +16,14 @@ import pytest
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
 from geomtorsion.materials.fields import BlockMap, SampledFrame
 from geomtorsion.materials.fields.large_arrays import opened
-from geomtorsion.materials.measured import is_array, is_measured, open_measured
 from geomtorsion.materials.measured.blocked_fields import (
     BlockedSurvey,
     map_in_blocks,
     open_in_blocks,
 )
+from geomtorsion.materials.readers import is_array, is_source, open_source
 from tests.cli import running
-from tests.materials.measured.test_opening import grid
+from tests.materials.test_readers import grid
 
 ROOT = Path(__file__).parents[3]
 
@@ -59,7 +59,7 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
     path = tmp_path / "field.npz"
     SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
     survey, numbers = run(path, tmp_path / "o", 17).survey()
-    once = open_measured(path).survey(4)
+    once = open_source(path).survey(4)
     at = np.s_[:, :, ::-1] if turned else np.s_[:, :, :]
     assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
     assert survey.centres[1] == pytest.approx(np.sort(once.centres[1]))
@@ -92,7 +92,7 @@ def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     np.save(tmp_path / "field.npy", whole)
     survey, numbers = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8).survey()
     SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
-    once = open_measured(tmp_path / "field.npz").survey(8)
+    once = open_source(tmp_path / "field.npz").survey(8)
     # The sample gives each sigma within two per cent, a small field the very same.
     exact = n < 500
     assert survey.significance == pytest.approx(once.significance, rel=1e-6 if exact else 0.1)
@@ -262,6 +262,6 @@ def test_what_is_no_field_is_refused(tmp_path):
         open_in_blocks(tmp_path / "field.npz", steps=[1, 1])
     with pytest.raises(FileFormatError, match="no such file"):
         open_in_blocks(tmp_path / "none.zarr")
-    assert is_measured(tmp_path / "none.zarr")
+    assert is_source(tmp_path / "none.zarr")
     with pytest.raises(GridError, match="maps are made in blocks: geomtorsion map FILE -o DIR"):
-        open_measured(tmp_path / "field.npy")
+        open_source(tmp_path / "field.npy")

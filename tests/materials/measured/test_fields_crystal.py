@@ -9,7 +9,8 @@ import pytest
 
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
-from geomtorsion.materials.measured import CrystalField, open_measured
+from geomtorsion.materials.measured import CrystalField
+from geomtorsion.materials.readers import open_source
 from tests.materials.maps.synthetic import wall
 from tests.real import real
 
@@ -39,7 +40,7 @@ def test_a_plane_is_refused():
 
 def test_silicon_shows_nothing_but_noise():
     """The wafer: at 8 pixels at most 6e-5 per um, and no circuit is significant."""
-    field = open_measured(real("ebsd/si_wafer.ctf"))
+    field = open_source(real("ebsd/si_wafer.ctf"))
     survey = field.survey(8)
     assert np.sqrt(np.mean(survey.density**2)) < 6.5e-5
     assert not survey.significant.any()

@@ -5,7 +5,8 @@ import pytest
 
 from geomtorsion.errors import ImageError
 from geomtorsion.loops import Loop
-from geomtorsion.materials.measured import LatticeField, open_measured
+from geomtorsion.materials.measured import LatticeField
+from geomtorsion.materials.readers import open_source
 from tests.materials.images.atoms import crystal
 
 IMAGE = crystal(256, "square", turned=0.0)
@@ -17,7 +18,7 @@ def field(tmp_path_factory) -> LatticeField:
     """Atoms 0.4 nm apart with an edge dislocation, and noise of half an atom."""
     path = tmp_path_factory.mktemp("images") / "atoms.npy"
     np.save(path, IMAGE.noisy(0.5, 1))
-    found = open_measured(path, pixel=(STEP, "nm"))
+    found = open_source(path, pixel=(STEP, "nm"))
     assert isinstance(found, LatticeField)
     return found
 
