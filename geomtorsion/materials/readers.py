@@ -21,14 +21,19 @@ from geomtorsion.errors import (
 )
 from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields.blocked_fields import (
+    BlockedField,
+    array_in_blocks,
+    frame_in_blocks,
+)
 from geomtorsion.materials.fields.grid_files import FORMATS as GRIDS
-from geomtorsion.materials.images import LatticeImage
+from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import KINDS as IMAGES
 from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
-from geomtorsion.materials.maps.slip import FAMILIES as SLIP
-from geomtorsion.materials.measured.fields import CrystalField, LatticeField, SampledField
-from geomtorsion.materials.measured.results import Measured
+from geomtorsion.materials.source import Source
+
+__all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_source"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +48,7 @@ class Kind:
     plural: str
     options: tuple[str, ...]
     error: type[GeomtorsionError]
-    read: Callable[..., Measured]
+    read: Callable[..., Source]
 
 
 @dataclass(frozen=True)
@@ -60,21 +65,19 @@ class Reader:
     seems: Callable[[bytes], bool] | None = None
 
 
-def _read_grid(path: Path, sigma: float | str | None = None, order: int = 4) -> SampledField:
+def _read_grid(path: Path, sigma: float | str | None = None, order: int = 4) -> SampledFrame:
     """A sampled frame; its noise is estimated unless the file or the caller states it."""
     frame = SampledFrame.read(path, order)
     if sigma is None and frame.sigma is None:
         sigma = "estimate"
-    return SampledField(frame if sigma is None else replace(frame, sigma=sigma))
+    return frame if sigma is None else replace(frame, sigma=sigma)
 
 
-def _read_map(path: Path, slip: str = "", **options: Any) -> CrystalField:
+def _read_map(path: Path, **options: Any) -> OrientationMap:
     """An orientation map."""
     if isinstance(options.get("sigma"), str):
         checks.choice(options.pop("sigma"), ["estimate"], "sigma", OrientationError)
-    if slip:
-        checks.known_name(slip, SLIP, "slip", OrientationError)
-    return CrystalField(OrientationMap.read(path, **options), slip)
+    return OrientationMap.read(path, **options)
 
 
 def _read_image(
@@ -82,15 +85,14 @@ def _read_image(
     pixel: tuple[float, str] = (1.0, "px"),
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
-) -> LatticeField:
-    """A picture of a lattice, with its phases."""
+) -> LatticePhases:
+    """The phases of a picture of a lattice."""
     size = checks.entries(pixel, "pixel", ImageError)
     if len(size) != 2:
         raise ImageError(
             f"pixel: expected a size and its unit, got {shown(pixel)}. Write it like (0.02, 'nm')."
         )
-    image = LatticeImage.read(path, *size)
-    return LatticeField(image, image.phases(spots, resolution))
+    return LatticeImage.read(path, *size).phases(spots, resolution)
 
 
 GRID = Kind("a sampled frame", "sampled frames", ("sigma", "order"), GridError, _read_grid)
@@ -156,8 +158,8 @@ def open_source(
     pixel: tuple[float, str] | None = None,
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
-) -> Measured:
-    """The sampled frame, orientation map or lattice image in a file.
+) -> Source:
+    """The sampled frame, orientation map or phases of a lattice image in a file.
 
     Parameters
     ----------
@@ -198,8 +200,9 @@ def open_source(
         )
     if is_array(path):
         raise GridError(
-            f"{path.name}: expected a file that is read whole, got an array, of which "
-            "maps are made in blocks: geomtorsion map FILE -o DIR. For single circuits save it by SampledFrame.save."
+            f"{path.name}: expected a file that is read whole, got an array, of which maps are "
+            "made in blocks: geomtorsion map FILE -o DIR. For single circuits save it by "
+            "SampledFrame.save."
         )
     kind = kind_of(path)
     options = {
@@ -215,6 +218,38 @@ def open_source(
                 "the option out."
             )
     return kind.read(path, **given)
+
+
+def open_in_blocks(
+    path: Path,
+    *,
+    steps: Sequence[float] | None = None,
+    unit: str = "",
+    sigma: float | str | None = None,
+    order: int | None = None,
+) -> BlockedField:
+    """The field in an .npy or Zarr array, or in any file of a sampled frame, for maps in blocks.
+
+    steps, unit: of the axes, of arrays, which do not say them.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or damaged.
+    GridError
+        It is no grid, or its noise is not the same everywhere.
+    """
+    if is_array(path):
+        return array_in_blocks(path, steps, unit, sigma, order)
+    if steps is not None:
+        raise GridError(f"steps: expected them in {path.name}, got the option. Leave it out.")
+    source = open_source(path, sigma=sigma, order=order)
+    if not isinstance(source, SampledFrame):
+        raise GridError(
+            f"blocks: expected a sampled frame, got another kind of source in {path.name}, whose "
+            "map is made at once. Leave out blocks and resume."
+        )
+    return frame_in_blocks(source, path.name)
 
 
 def kind_of(path: Path) -> Kind:

@@ -17,11 +17,8 @@ from geomtorsion.errors import (
     OrientationError,
 )
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.measured import (
-    CrystalField,
-    LatticeField,
-    SampledField,
-)
+from geomtorsion.materials.images import LatticePhases
+from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.readers import is_source, open_source
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.test_map_files import ctf, write
@@ -39,26 +36,26 @@ def grid(folder, name="field.npz", **options):
 def test_grids_of_every_kind(tmp_path, name):
     """What is saved is opened; its noise is that of the file."""
     field = open_source(grid(tmp_path, name, sigma=0.25, unit="nm"))
-    assert isinstance(field, SampledField)
+    assert isinstance(field, SampledFrame)
     assert field.unit == "nm"
-    assert field.frame.sigma.max() == 0.25
+    assert field.sigma.max() == 0.25
 
 
 def test_noise_is_given_or_estimated(tmp_path):
     """Without noise in the file it is estimated, and said so; a given value wins."""
     path = grid(tmp_path)
-    assert "median of sixth differences" in open_source(path).about[1]
-    assert open_source(path, sigma=0.5).frame.sigma.max() == 0.5
-    assert open_source(path, order=2).frame.order == 2
+    assert "median of sixth differences" in open_source(path).description[1]
+    assert open_source(path, sigma=0.5).sigma.max() == 0.5
+    assert open_source(path, order=2).order == 2
 
 
 def test_orientation_maps(tmp_path):
-    """A .ctf file becomes a crystal field with a threshold and a noise."""
+    """A .ctf file is an orientation map with a threshold and a noise."""
     path = write(tmp_path, ctf(), "a.ctf")
     field = open_source(path, sigma=0.5, threshold=7)
-    assert isinstance(field, CrystalField)
-    assert field.map.threshold == 7
-    assert "0.5 degrees in Nickel (given)" in field.about[2]
+    assert isinstance(field, OrientationMap)
+    assert field.threshold == 7
+    assert "0.5 degrees in Nickel (given)" in field.description[2]
 
 
 def test_content_against_name(tmp_path):
@@ -97,15 +94,15 @@ def test_options_that_do_not_belong(tmp_path):
 
 
 def test_images(tmp_path):
-    """An array of grey values becomes a lattice field; what belongs to others is refused."""
+    """An array of grey values becomes phases; what belongs to others is refused."""
     image = crystal(96, "square", dislocated=False)
     path = tmp_path / "atoms.npy"
     np.save(path, image.values)
     field = open_source(
         path, pixel=(0.05, "nm"), spots=(image.vectors / 0.05).tolist(), resolution=0.5
     )
-    assert isinstance(field, LatticeField)
-    assert (field.unit, field.phases.resolution) == ("nm", 0.5)
+    assert isinstance(field, LatticePhases)
+    assert (field.unit, field.resolution) == ("nm", 0.5)
     with pytest.raises(ImageError, match="sigma: expected a file of sampled frames, got an image"):
         open_source(path, sigma=1)
     with pytest.raises(GridError, match="pixel: expected a file of lattice images"):
@@ -118,7 +115,7 @@ def test_images(tmp_path):
 def test_hdf5_is_told_by_what_is_in_it(tmp_path):
     """A sampled frame by its data set; anything else is asked of orix."""
     h5py = pytest.importorskip("h5py")
-    assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledField)
+    assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledFrame)
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["numbers"] = np.arange(5)
     with pytest.raises(gt.GeomtorsionError, match=r"orix|coframe"):
@@ -126,13 +123,13 @@ def test_hdf5_is_told_by_what_is_in_it(tmp_path):
 
 
 def test_orientations_in_hdf5(tmp_path):
-    """A map that orix writes is a crystal field."""
+    """A map that orix writes is an orientation map."""
     io = pytest.importorskip("orix.io")
     path = write(tmp_path, ctf(), "a.ctf")
     io.save(str(tmp_path / "a.h5"), io.load(str(path)))
     field = open_source(tmp_path / "a.h5", threshold=7)
-    assert isinstance(field, CrystalField)
-    assert field.map.shape == open_source(path).map.shape
+    assert isinstance(field, OrientationMap)
+    assert field.shape == open_source(path).shape
 
 
 def test_sizes_of_pixels_and_names_of_files(tmp_path):

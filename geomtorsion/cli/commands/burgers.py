@@ -14,7 +14,6 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.measured import Reading, identity_frame, measured_burgers, opened
 from geomtorsion.cli.options import (
     MeasuredLaue,
     MeasuredOrder,
@@ -29,7 +28,8 @@ from geomtorsion.cli.options import (
     directory,
     option,
 )
-from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.results import show_burgers
+from geomtorsion.cli.sources import Reading, identity_frame, open_space, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
 from geomtorsion.files import write_text
@@ -173,7 +173,7 @@ def burgers(
     if not wanted:
         raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
     if field is not None:
-        measured_burgers(field, wanted, output, plain=form is Form.json)
+        show_burgers(field, wanted, output, plain=form is Form.json)
         return
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []

@@ -11,10 +11,9 @@ from tempfile import TemporaryDirectory
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, LimitError
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.images import LatticeImage
+from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import read_pixels
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.measured import LatticeField
 from geomtorsion.materials.readers import IMAGE, READERS, suffixes_of
 from geomtorsion.teaching.lab.settings import PAGE
 
@@ -90,7 +89,7 @@ def title_of(name: str) -> str:
 @lru_cache(maxsize=2)
 def read_map(
     content: bytes, title: str, threshold: float | None = None, laue: tuple[str, int] | None = None
-) -> SampledFrame | OrientationMap | LatticeField:
+) -> SampledFrame | OrientationMap | LatticePhases:
     """The map in a file; the last two stay, since a slider asks for the same one again.
 
     threshold: of grains, degrees. laue: a Laue group instead of what the file says, and the number
@@ -129,10 +128,9 @@ def read_map(
     return found
 
 
-def _lattice(path: Path) -> LatticeField:
-    """A picture of a lattice, with its phases; sizes are in pixels."""
-    image = LatticeImage(read_pixels(path, most=PAGE.pixels))
-    return LatticeField(image, image.phases())
+def _lattice(path: Path) -> LatticePhases:
+    """The phases of a picture of a lattice; sizes are in pixels."""
+    return LatticeImage(read_pixels(path, most=PAGE.pixels)).phases()
 
 
 def _orientations(
