@@ -113,7 +113,7 @@ def test_every_source_can_be_drawn(source):
     survey = source.burgers_map(2 if scatter else 4)
     assert len(draw_survey(survey).axes) == 4
     middle = [float(line.mean()) for line in survey.lines]
-    radius = 0.3 * float(min(np.ptp(line) for line in survey.lines))
+    radius = (0.3 if scatter else 0.5) * float(min(np.ptp(line) for line in survey.lines))
     b = source.burgers(gt.Loop.circle(middle, radius))
     figure = draw_circuits(source, [b])
     assert len(figure.axes[0].lines) == 2
