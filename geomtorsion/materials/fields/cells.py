@@ -15,6 +15,7 @@ from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.sides import Sides, Spread, on_grid
+from geomtorsion.materials.fields.stencils import Rule
 from geomtorsion.materials.survey import Errors
 
 if TYPE_CHECKING:
@@ -148,33 +149,48 @@ def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np
     return near, values[tuple(index)]
 
 
-def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """d_a e_b - d_b e_a at the nodes, its distance from another order, and its sigma.
+def curl(sampled: Field, plane: tuple[int, int]) -> np.ndarray:
+    """d_a e_b - d_b e_a at the nodes, shape (rows, grid...).
 
-    Shape (rows, grid...) each; NaN where there are not enough known nodes in a row.
+    NaN where there are not enough known nodes in a row.
     """
-    grid, noise = sampled.grid, sampled.noise
-    found, weights = [], []
-    for k, m in (plane, plane[::-1]):
-        rule = grid.rule(sampled.order, k, slopes=True)
-        other = rule.other
-        values = sampled.values[:, m]
-        here, there = (r(values, 1 + k) / grid.steps[k] for r in (rule, other))
+    return _curl(sampled, plane, _slopes(sampled, plane))
+
+
+def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
+    """The rules for derivatives along both axes of a plane."""
+    one, two = (sampled.grid.rule(sampled.order, k, slopes=True) for k in plane)
+    return one, two
+
+
+def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> np.ndarray:
+    parts = []
+    for rule, k, m in zip(rules, plane, plane[::-1], strict=True):
+        part = rule(sampled.values[:, m], 1 + k)
+        part /= sampled.grid.steps[k]
         if not rule.known.all():
-            here[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
-        found.append((here, here - there))
-        if noise is not None:
-            weights.append([t / grid.steps[k] for t in (rule.matrix, rule.matrix - other.matrix)])
-    curl, difference = (one - two for one, two in zip(*found, strict=True))
-    difference, sigmas = np.abs(difference), np.zeros_like(curl)
+            part[:, ~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
+        parts.append(part)
+    one, two = parts
+    one -= two
+    return one
+
+
+def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`curl`, its distance from that of another order, and its sigma."""
+    grid, noise, rules = sampled.grid, sampled.noise, _slopes(sampled, plane)
+    found = _curl(sampled, plane, rules)
+    one, two = rules
+    difference = np.abs(found - _curl(sampled, plane, (one.other, two.other)))
+    sigmas = np.zeros_like(found)
     if noise is not None:
+        steps = [grid.steps[k] for k in plane]
+        tables = [r.matrix / step for r, step in zip(rules, steps, strict=True)]
+        less = [(r.matrix - r.other.matrix) / step for r, step in zip(rules, steps, strict=True)]
         for i in range(sampled.rows):
-            variance, less = (
-                _variance(noise, i, grid, plane, pair) for pair in zip(*weights, strict=True)
-            )
-            sigmas[i] = np.sqrt(variance)
-            difference[i] = unexplained(difference[i], less)
-    return curl, difference, np.where(np.isnan(curl), np.nan, sigmas)
+            sigmas[i] = np.sqrt(_variance(noise, i, grid, plane, tables))
+            difference[i] = unexplained(difference[i], _variance(noise, i, grid, plane, less))
+    return found, difference, np.where(np.isnan(found), np.nan, sigmas)
 
 
 def _variance(

@@ -225,7 +225,9 @@ class SampledFrame(Samples):
         b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
         k = 2 is known, and the shape is (rows, 1, N_1, N_2).
         """
-        return np.stack([self.torsion(pair)[0] for pair in self._nye_planes], axis=1)
+        if self.displacement is not None:
+            return np.stack([self._torsion(pair)[0] for pair in self._nye_planes], axis=1)
+        return np.stack([cells.curl(self._field, pair) for pair in self._nye_planes], axis=1)
 
     @cached_property
     def nye_noise(self) -> np.ndarray:
