@@ -14,7 +14,6 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.measured import Reading, identity_frame, measured_burgers, opened
 from geomtorsion.cli.options import (
     MeasuredLaue,
     MeasuredOrder,
@@ -29,7 +28,8 @@ from geomtorsion.cli.options import (
     directory,
     option,
 )
-from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.results import show_burgers
+from geomtorsion.cli.sources import Reading, identity_frame, open_space, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
 from geomtorsion.files import write_text
@@ -43,7 +43,7 @@ from geomtorsion.loops.loop_files import (
     number_of,
     read_loops,
 )
-from geomtorsion.materials.measured import is_measured
+from geomtorsion.materials.readers import is_source
 from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
@@ -138,7 +138,7 @@ def burgers(
       geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
       geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
     """
-    measured = is_measured(source)
+    measured = is_source(source)
     field, name = None, source
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     if measured:
@@ -174,7 +174,7 @@ def burgers(
     if not wanted:
         raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
     if field is not None:
-        measured_burgers(field, wanted, output, plain=form is Form.json)
+        show_burgers(field, wanted, output, plain=form is Form.json)
         return
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []

@@ -12,7 +12,7 @@ from geomtorsion.cli.commands import burgers
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
 from tests.materials.maps.test_map_files import ctf, write
-from tests.materials.measured.test_opening import grid
+from tests.materials.test_readers import grid
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:

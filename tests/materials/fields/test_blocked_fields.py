@@ -15,15 +15,11 @@ import pytest
 
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError
 from geomtorsion.materials.fields import BlockMap, SampledFrame
+from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.large_arrays import opened
-from geomtorsion.materials.measured import is_array, is_measured, open_measured
-from geomtorsion.materials.measured.blocked_fields import (
-    BlockedSurvey,
-    map_in_blocks,
-    open_in_blocks,
-)
+from geomtorsion.materials.readers import is_array, is_source, open_in_blocks, open_source
 from tests.cli import running
-from tests.materials.measured.test_opening import grid
+from tests.materials.test_readers import grid
 
 ROOT = Path(__file__).parents[3]
 
@@ -59,12 +55,12 @@ def test_a_map_in_blocks_is_that_at_once(tmp_path, turned):
     path = tmp_path / "field.npz"
     SampledFrame(axes, whole, sigma=1e-3, unit="um").save(path)
     survey, numbers = run(path, tmp_path / "o", 17).survey()
-    once = open_measured(path).survey(4)
-    at = np.s_[:, :, ::-1] if turned else np.s_[:, :, :]
+    once = open_source(path).burgers_map(4)
+    at = np.s_[:, :, ::-1] if turned else np.s_[:, :]
     assert survey.vectors == pytest.approx(once.vectors[at], abs=1e-12, nan_ok=True)
-    assert survey.centres[1] == pytest.approx(np.sort(once.centres[1]))
+    assert survey.lines[1] == pytest.approx(np.sort(once.lines[1]))
     assert numbers["known"] == once.known.sum() < once.known.size
-    assert numbers["largest"] == pytest.approx(np.nanmax(once.density))
+    assert numbers["largest"] == pytest.approx(np.nanmax(once.per_area))
     assert (survey.unit, survey.density_unit) == ("um", "1/um")
 
 
@@ -92,13 +88,13 @@ def test_noise_is_estimated_as_at_once(tmp_path, n, defects):
     np.save(tmp_path / "field.npy", whole)
     survey, numbers = run(tmp_path / "field.npy", tmp_path / "o", 100, size=8).survey()
     SampledFrame([np.arange(float(n))] * 2, whole).save(tmp_path / "field.npz")
-    once = open_measured(tmp_path / "field.npz").survey(8)
+    once = open_source(tmp_path / "field.npz").burgers_map(8)
     # The sample gives each sigma within two per cent, a small field the very same.
     exact = n < 500
     assert survey.significance == pytest.approx(once.significance, rel=1e-6 if exact else 0.1)
-    assert survey.sigma == pytest.approx(once.sigma, rel=1e-9 if exact else 0.02)
-    assert survey.grid_error == pytest.approx(
-        once.grid_error, rel=1e-6, abs=1e-9 if exact else 1e-4
+    assert survey.noise == pytest.approx(once.noise, rel=1e-9 if exact else 0.02)
+    assert survey.systematic_error == pytest.approx(
+        once.systematic_error, rel=1e-6, abs=1e-9 if exact else 1e-4
     )
     share = numbers["significant"] / numbers["known"]
     assert share == pytest.approx(once.significant.mean(), abs=0 if exact else 3e-4)
@@ -121,7 +117,7 @@ def test_noise_of_a_volume_is_estimated_from_a_sample(tmp_path):
     np.save(tmp_path / "field.npy", whole)
     field = open_in_blocks(tmp_path / "field.npy")
     assert field.sigma == pytest.approx(sigma, rel=0.03)
-    assert "in a sample of the field" in field.about[1]
+    assert "in a sample of the field" in field.description[1]
 
 
 def test_a_volume_and_its_strongest_layer(tmp_path):
@@ -256,12 +252,12 @@ def test_what_is_no_field_is_refused(tmp_path):
     with pytest.raises(GridError, match="covariance: expected independent noise"):
         open_in_blocks(tmp_path / "joined.npz")
     sigmas = np.linspace(1, 2, 11 * 13).reshape(11, 13)
-    with pytest.raises(GridError, match="the same everywhere, but .* 1 to 2"):
+    with pytest.raises(GridError, match="the same noise everywhere .* 1 to 2"):
         open_in_blocks(grid(tmp_path, sigma=sigmas))
-    with pytest.raises(GridError, match="steps: field.npz says them itself"):
+    with pytest.raises(GridError, match="steps: expected them in field.npz"):
         open_in_blocks(tmp_path / "field.npz", steps=[1, 1])
     with pytest.raises(FileFormatError, match="no such file"):
         open_in_blocks(tmp_path / "none.zarr")
-    assert is_measured(tmp_path / "none.zarr")
+    assert is_source(tmp_path / "none.zarr")
     with pytest.raises(GridError, match="maps are made in blocks: geomtorsion map FILE -o DIR"):
-        open_measured(tmp_path / "field.npy")
+        open_source(tmp_path / "field.npy")

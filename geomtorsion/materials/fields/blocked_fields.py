@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,11 @@ from geomtorsion import checks
 from geomtorsion.errors import GridError
 from geomtorsion.files import check_resumption
 from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.materials.burgers import noise_level
-from geomtorsion.materials.fields import BlockMap, blocked_map
-from geomtorsion.materials.fields.blocked_map import Parts, run_in
+from geomtorsion.materials.burgers import Json
+from geomtorsion.materials.fields.blocked_map import BlockMap, Parts, blocked_map, run_in
 from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigma, opened
-from geomtorsion.materials.measured.fields import SampledField, layer_names
-from geomtorsion.materials.measured.opening import is_array, open_measured
-from geomtorsion.materials.measured.results import Survey, summary
+from geomtorsion.materials.fields.sampled import SampledFrame
+from geomtorsion.materials.survey import Survey
 
 # Nodes of a block where nobody says how many: some ten megabytes with its halo.
 NODES = 8 * PIECE
@@ -47,8 +46,8 @@ class BlockedField:
     vector_unit: str
 
     @property
-    def about(self) -> tuple[str, ...]:
-        """What it is."""
+    def description(self) -> tuple[str, ...]:
+        """Lines about its size and its noise."""
         shape = LargeArray.of(self.given).shape
         sizes = " x ".join(map(str, shape[2:]))
         levels = " to ".join(dict.fromkeys(f"{f(self.sigma):.3g}" for f in (np.min, np.max)))
@@ -63,52 +62,41 @@ class BlockedField:
         return round(NODES ** (1 / len(self.names)))
 
 
-def open_in_blocks(
+def array_in_blocks(
     path: Path,
-    *,
-    steps: Sequence[float] | None = None,
-    unit: str = "",
-    sigma: float | str | None = None,
-    order: int | None = None,
+    steps: Sequence[float] | None,
+    unit: str,
+    sigma: float | str | None,
+    order: int | None,
 ) -> BlockedField:
-    """The field in an .npy or Zarr array, or in any file of a sampled frame.
+    """The field in an .npy or Zarr array; see `readers.open_in_blocks`."""
+    source = LargeArray.of(path)
+    d = len(source.shape) - 2
+    spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
+    if sigma is None or isinstance(sigma, str):
+        checks.choice(sigma or "estimate", ["estimate"], "sigma", GridError)
+        noise = estimated_sigma(source)
+        origin = "the median of sixth differences along the axes, in a sample of the field"
+    else:
+        value = checks.number(sigma, "sigma", GridError)
+        noise, origin = np.full((source.shape[0], d), value), "given"
+    return BlockedField(
+        str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise, origin,
+        4 if order is None else order, (False,) * d, unit, unit,
+    )  # fmt: skip
 
-    steps, unit: of the axes, of arrays, which do not say them.
+
+def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
+    """A sampled frame in memory; name: of its file, for messages.
 
     Raises
     ------
-    FileFormatError
-        The file is missing or damaged.
     GridError
-        It is no grid, or its noise is not the same everywhere.
+        It is made of a displacement, or its noise is not the same everywhere.
     """
-    if is_array(path):
-        source = LargeArray.of(path)
-        d = len(source.shape) - 2
-        spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
-        if sigma is None or isinstance(sigma, str):
-            checks.choice(sigma or "estimate", ["estimate"], "sigma", GridError)
-            noise = estimated_sigma(source)
-            said = "the median of sixth differences along the axes, in a sample of the field"
-        else:
-            value = checks.number(sigma, "sigma", GridError)
-            noise, said = np.full((source.shape[0], d), value), "given"
-        return BlockedField(
-            str(path), (0.0,) * d, tuple(map(float, spacing)), tuple("xyzuvw"[:d]), noise, said,
-            4 if order is None else order, (False,) * d, unit, unit,
-        )  # fmt: skip
-    if steps is not None:
-        raise GridError(f"steps: {path.name} says them itself. Leave them out.")
-    field = open_measured(path, sigma=sigma, order=order)
-    if not isinstance(field, SampledField):
-        raise GridError(
-            f"blocks: they belong to sampled frames, but {path.name} is something else, of which a "
-            "map is made at once. Leave out blocks and resume."
-        )
-    frame = field.frame
     if frame.displacement is not None:
         raise GridError(
-            f"blocks: expected a coframe or a distortion, got a displacement in {path.name}, whose "
+            f"blocks: expected a coframe or a distortion, got a displacement in {name}, whose "
             "circuits are sums of its jumps. Leave out --blocks."
         )
     noise = np.zeros((frame.rows, frame.dimension))
@@ -118,8 +106,8 @@ def open_in_blocks(
         low, noise = known.min(axis=-1), known.max(axis=-1)
         if (low < noise).any():
             raise GridError(
-                "sigma: of a field in blocks the noise must be the same everywhere, but that of "
-                f"the file is {low.min():.3g} to {noise.max():.3g}. Give one number."
+                "sigma: expected the same noise everywhere for a map in blocks, got "
+                f"{low.min():.3g} to {noise.max():.3g} in {name}. Give one number."
             )
     if frame.covariance is not None:
         raise GridError(
@@ -185,7 +173,7 @@ class BlockedSurvey:
         one, two = (abs(self.field.steps[k]) for k in self.result.plane)
         return one * two * self.result.size[0] ** 2
 
-    def survey(self, drawn: int = 1000) -> tuple[Survey, dict[str, Any]]:
+    def survey(self, drawn: int = 1000) -> tuple[Survey, Json]:
         """A thinned survey for a picture, of the layer of the largest b, and a summary of all,
         whose median and floor are those of the thinned survey.
 
@@ -193,62 +181,56 @@ class BlockedSurvey:
         """
         field, plane, places = self.field, self.result.plane, self.result.places
         side = self.result.size[0]
-        rows = self.result.source.shape[0]
-        others = [k for k in range(len(field.names)) if k not in plane]
         counts = np.zeros(2, dtype=np.int64)
         # Of equally large b that of the first place, whatever the blocks.
         best = (-1.0, [0] * len(field.names))
         for number, parts in self.result:
-            sizes = np.linalg.norm(parts.vectors, axis=0)
-            known = np.isfinite(sizes)
-            far = parts.significance > noise_level(rows)
-            counts += (int(known.sum()), int((far & known).sum()))
+            span = self.result.span(number)
+            whole = self._survey(parts, [np.arange(*ends) for ends in span])
+            known = whole.known
+            counts += (int(known.sum()), int((whole.significant & known).sum()))
             if known.any():
+                sizes = whole.magnitude
                 place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
-                first = [begin for begin, _ in self.result.span(number)]
-                there = [-int(k + n) for k, n in zip(first, place, strict=True)]
+                there = [-int(k + n) for (k, _), n in zip(span, place, strict=True)]
                 best = max(best, (float(sizes[place]), there))
         at = [-k for k in best[1]]
-        cut: list[Any] = list(at)
-        every = [-(-places[k] // drawn) for k in plane]
-        for k, step in zip(plane, every, strict=True):
-            cut[k] = slice(None, None, step)
-        part = self.result.part((slice(None), *cut))
-        if plane[0] > plane[1]:
-            part = part.swapaxes(1, 2)
-        part = part[..., None]
-        half = side / 2
-        first, second = (
-            field.starts[k] + field.steps[k] * (half + step * np.arange(n))
-            for k, step, n in zip(plane, every, part.shape[1:3], strict=True)
+        chosen = [np.array([k]) for k in at]
+        for k in plane:
+            chosen[k] = np.arange(0, places[k], -(-places[k] // drawn))
+        cut = tuple(
+            slice(line[0], line[-1] + 1, line[1] - line[0] if len(line) > 1 else 1)
+            for line in chosen
         )
-        parts = Parts.of(part)
-        vectors = parts.vectors
-        flat = set(plane) == {0, 1} and rows > 1
-        layer = layer_names([field.names[k] for k in others],
-                            [field.starts[k] + field.steps[k] * at[k] for k in others])  # fmt: skip
-        survey = Survey(
-            size=(side, side),
-            centres=(first, second),
-            names=(field.names[plane[0]], field.names[plane[1]]),
-            layers=(layer,),
-            vectors=vectors,
-            components=tuple(f"b{k}" for k in range(rows)),
-            arrows=vectors[list(plane)] if flat else None,
-            sigma=np.linalg.norm(parts.sigmas, axis=0),
-            grid_error=parts.interpolation,
-            significance=parts.significance,
-            area=self.area,
-            unit=field.unit,
-            vector_unit=field.vector_unit,
-            missing="touch a hole",
-        )
-        found = summary(survey) | {
+        survey = self._survey(Parts.of(self.result.part((slice(None), *cut))), chosen)
+        found = survey.summary() | {
             "circuits": int(np.prod(places)),
             "known": int(counts[0]),
             "significant": int(counts[1]),
         }
         if counts[0]:
-            place = [field.starts[k] + field.steps[k] * (at[k] + half) for k in plane]
+            place = [field.starts[k] + field.steps[k] * (at[k] + side / 2) for k in plane]
+            layer = survey.layers[0]
             found |= {"largest": best[0] / self.area, "place": place, "layer": layer}
         return survey, found
+
+    def _survey(self, parts: Parts, places: Sequence[np.ndarray]) -> Survey:
+        """The survey of some places, numbered along each axis."""
+        field, plane, side = self.field, self.result.plane, self.result.size[0]
+        lines = [
+            start + step * (line + (side / 2 if k in plane else 0))
+            for k, (start, step, line) in enumerate(
+                zip(field.starts, field.steps, places, strict=True)
+            )
+        ]
+        return Survey(
+            parts.vectors,
+            tuple(np.meshgrid(*lines, indexing="ij", sparse=True)),
+            self.area,
+            (side, side),
+            partial(getattr, parts, "errors"),
+            field.names,
+            plane,
+            unit=field.unit,
+            vector_unit=field.vector_unit,
+        )
