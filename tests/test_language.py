@@ -1,4 +1,4 @@
-"""Plain English: the words of `tests.language` become fewer in every package, and none are added."""
+"""Plain English: the counts of `tests.language` may only fall, in every package."""
 
 from pathlib import Path
 

@@ -101,12 +101,12 @@ CEILINGS = {
 BUDGET = {
     "accuracy": 450,
     "action": 1450,
-    "cli": 3200,
+    "cli": 3300,
     "codegen": 2350,
-    "curves": 3150,
+    "curves": 3350,
     "exact": 6700,
     "geometry": 4900,
-    "gravity": 1650,
+    "gravity": 1850,
     "loops": 5750,
     "materials": 14400,
     "ode": 5100,
@@ -116,7 +116,7 @@ BUDGET = {
     "rigid": 650,
     "scenes": 3850,
     "spaces": 3350,
-    "support files": 2100,
+    "support files": 2150,
     "teaching": 10950,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")

@@ -29,7 +29,6 @@ from geomtorsion.materials.maps.lattice_edges import (
     spread_of,
 )
 from geomtorsion.materials.maps.map_formats import read_map_file
-from geomtorsion.materials.maps.map_points import MapFile
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import MapBurgers, angstrom_in
 from geomtorsion.materials.maps.slip import FAMILIES as SLIP
