@@ -298,9 +298,7 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = run.last
-                if shake:
-                    last = _shaken(stage, last, shake, len(segments))
+                last = _shaken(stage, run.last, shake, len(segments)) if shake else run.last
                 last = last if stage.kept is None else stage.kept(last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
@@ -331,11 +329,9 @@ def integrate(
 def _shaken(stage: Stage, state: State, part: float, number: int) -> np.ndarray:
     """The last state of a stage with each component changed by a relative part, up or down.
 
-    A component that has not changed since the stage began has not been rounded either: it stays, as
-    a clock does.
-
-    number: of the place on the way. Changes of one sign would add up in proportion to the number of
-    places, and roundings do not.
+    A component that has not changed since the stage began has not been rounded either, nor has a
+    clock: they stay. number: of the place on the way. Changes of one sign would add up in
+    proportion to the number of places, and roundings do not.
     """
     values, system = np.asarray(state), stage.system
     sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
