@@ -162,7 +162,7 @@ def test_what_is_no_file_is_told(tmp_path: Path):
     (tmp_path / "a.unknown").write_text("hello\n")
     for name, message in (
         ("none.xyz", "cannot be read"),
-        (".", "no regular file"),
+        (".", "not a regular file"),
         ("empty.xyz", "holds no atoms"),
         ("a.xyz.gz", "damaged or truncated"),
         ("a.unknown", "not known by its name"),
