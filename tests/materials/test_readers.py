@@ -3,6 +3,7 @@
 # Tests give what users give, wrong things included, and read what may be missing.
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
+import gzip
 import re
 
 import numpy as np
@@ -22,6 +23,7 @@ from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.readers import is_source, open_source
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.test_map_files import ctf, write
+from tests.materials.maps.test_map_points import h5oina
 
 
 def grid(folder, name="field.npz", **options):
@@ -141,3 +143,28 @@ def test_sizes_of_pixels_and_names_of_files(tmp_path):
             open_source(path, pixel=pixel)
     with pytest.raises(ArgumentError, match="path: expected the name of a file, got 5"):
         open_source(5)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.txt", "a.csv.gz"])
+def test_endings_that_maps_and_fields_share(tmp_path, name):
+    """A table of angles is a map, by its row of names; one of a coframe a field."""
+    rows = ["phi1,Phi,phi2,x,y", *(f"1,2,{c},{c},{r}" for r in range(5) for c in range(6))]
+    path = tmp_path / name
+    content = "\n".join(rows).encode()
+    path.write_bytes(gzip.compress(content) if name.endswith("gz") else content)
+    found = open_source(path, laue={0: "m-3m"}, sigma=0.1)
+    assert isinstance(found, OrientationMap)
+    assert found.shape == (5, 6)
+    if name == "a.csv":
+        grid(tmp_path, "b.csv")
+        assert isinstance(open_source(tmp_path / "b.csv"), SampledFrame)
+        with pytest.raises(GridError, match=r"laue: expected a file of orientation maps"):
+            open_source(tmp_path / "b.csv", laue={0: "m-3m"})
+
+
+def test_packed_and_new_maps(tmp_path):
+    """A map packed by gzip, and one of Oxford's HDF5, by their endings."""
+    text = "\n".join(ctf()) + "\n"
+    (tmp_path / "a.ctf.gz").write_bytes(gzip.compress(text.encode()))
+    assert isinstance(open_source(tmp_path / "a.ctf.gz", sigma=0.1), OrientationMap)
+    assert isinstance(open_source(h5oina(tmp_path / "a.h5oina"), sigma=0.1), OrientationMap)

@@ -14,7 +14,7 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import read_pixels
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.readers import IMAGE, READERS, suffixes_of
+from geomtorsion.materials.readers import IMAGE, READERS, is_map, suffixes_of
 from geomtorsion.teaching.lab.settings import PAGE
 
 # First bytes of formats that are something else -> what they are.
@@ -109,7 +109,7 @@ def read_map(
         try:
             if kind in IMAGES:
                 return _lattice(path)
-            found = _orientations(path, threshold, laue) if kind in TEXT_MAPS else _frame(path)
+            found = _orientations(path, threshold, laue) if is_map(path) else _frame(path)
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
             # Of the same class: a limit stays a limit.
