@@ -108,7 +108,7 @@ BUDGET = {
     "geometry": 4900,
     "gravity": 1850,
     "loops": 5750,
-    "materials": 14700,
+    "materials": 14900,
     "ode": 5100,
     "paper": 750,
     "pictures": 3650,
