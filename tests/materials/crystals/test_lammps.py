@@ -59,6 +59,8 @@ DUMPS = {
     "no flags": dump("id type x y z", "{k} {t} {x} {y} {z}", box=""),
     "trailing blanks": dump("id type x y z ", "{k} {t} {x} {y} {z} "),
     "element": dump("id element xu yu zu", "{k} Cu {x} {y} {z}"),
+    "labels": dump("id type x y z", "{k} Cu {x} {y} {z}"),
+    "typelabel": dump("id type typelabel x y z", "{k} {t} Cu {x} {y} {z}"),
     "velocities": dump("id type x y z vx vy vz", "{k} {t} {x} {y} {z} 0 1 2"),
     "scaled": dump("id type xs ys zs", "{k} {t} {x} {y} {z}", places=SITES / SIZE),
     "scaled, unwrapped": dump("id xsu ysu zsu", "{k} {x} {y} {z}", places=SITES / SIZE + 1),
