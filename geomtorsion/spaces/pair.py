@@ -297,7 +297,7 @@ def _solved(
     except ChartEdgeError as error:
         if not isinstance(error.solution, Solution) or len(error.solution.times) < 2:
             raise
-        stops[name] = str(error).removesuffix(" What was computed is in the error's `solution`.")
+        stops[name] = str(error).removesuffix(" The computed part is in the error's `solution`.")
         return error.solution
     except AccuracyError as error:
         raise AccuracyError(f"{name}: {error}") from None

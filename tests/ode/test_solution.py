@@ -280,7 +280,7 @@ def test_table():
 @every_engine
 def test_where_it_cannot_go_on(engine):
     """x' = x^2 ends at t = 1: an error that says so and carries what there is."""
-    with pytest.raises(StuckError, match=r"cannot go on at t = (1|0\.99)") as caught:
+    with pytest.raises(StuckError, match=r"cannot continue at t = (1|0\.99)") as caught:
         solve(ODE.of({"x": "x**2"}, [1]), 2.0, 1e-8, engine)
     partial = caught.value.solution
     assert not partial.complete
@@ -294,7 +294,7 @@ def test_where_it_cannot_go_on(engine):
 def test_where_it_cannot_begin(engine, rate, start, says):
     """A rate without a value at the start is named; there is nothing that could have drifted."""
     begun = ODE.of({"x": rate, "y": "x"}, [start, 1], invariants={"far": "x**2"})
-    with pytest.raises(StuckError, match=f"cannot go on at t = 0.*; x' = {says}") as caught:
+    with pytest.raises(StuckError, match=f"cannot continue at t = 0.*; x' = {says}") as caught:
         solve(begun, 2.0, 1e-8, engine)
     assert len(caught.value.solution.times) <= 1
     assert caught.value.solution.drift.get("far", 0) == 0
@@ -459,7 +459,7 @@ def test_what_was_declared_is_saved(tmp_path):
 @pytest.mark.parametrize(
     ("declared", "message"),
     [
-        ({"k": ["evil"]}, r"declared\.k\[0\]: one of even, "),
+        ({"k": ["evil"]}, r"declared\.k\[0\]: expected one of even, "),
         ({"k": ["positive", "negative"]}, "metadata: problem"),
         ({"k": ["negative"]}, "k was declared .*negative"),
     ],
