@@ -50,7 +50,10 @@ PATTERNS: dict[str, tuple[str, str]] = {
     "left out": (r"\b(?:leave|leaves|left|leaving) out\b", "omit"),
     "that of": (r"\b[Tt](?:hat|hose) of\b|\b[Tt]he same of\b", "name the thing"),
     "film": (r"\bfilms?\b", "animation"),
-    "floor": (r"\bfloors?\b(?! and ceil|, ceil)|\brooms?\b", "package, layer; memory, space"),
+    "floor": (
+        r"\b(?:lowest|higher|later|lower|same|one) floors?\b|\brooms?\b",
+        "package, layer; memory, space",
+    ),
     "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
     "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
 }

@@ -152,9 +152,9 @@ BAD_RATES = {
     "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
     "Abs": {"x": "sqrt(x**2)"},
     "not finite|no finite": {"x": float("nan")},
-    "no expression": {"x": None},
+    "neither an expression": {"x": None},
     "expressions are not code": {"x": "__import__('os').system('true')"},
-    "no name": {"x y": 0},
+    "not a name": {"x y": 0},
     "at least one state": {},
     "named twice": {"k": 0},
 }

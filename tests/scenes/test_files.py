@@ -229,7 +229,7 @@ quaternion = [1, 0, 0, 0]
         (
             "momentum = 0.1",
             'momentum = "t"',
-            "rotor.momentum = 't': expected a finite number",
+            "line 10: rotor.momentum = 't': .* number",
         ),
         ("[0, 1]", "[1, 0.5]", "line 2: times are not sorted"),
         ("quaternion = [1, 0, 0, 0]", "", None),
