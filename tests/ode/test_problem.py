@@ -151,7 +151,7 @@ BAD_RATES = {
     "kk is neither": {"x": "-kk*x"},
     "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
     "Abs": {"x": "sqrt(x**2)"},
-    "not finite|no finite": {"x": float("nan")},
+    "nor a finite number": {"x": float("nan")},
     "neither an expression": {"x": None},
     "expressions are not code": {"x": "__import__('os').system('true')"},
     "not a name": {"x y": 0},
