@@ -131,7 +131,7 @@ def factored(poly: fmpq_mpoly, largest: int) -> Factors:
     The other process factors polynomials with too many terms times degrees.
     """
     degrees = poly.degrees()
-    # A polynomial of degree 1 in a variable is irreducible up to common factors of its two coefficients.
+    # With degree 1 in a variable it is irreducible up to common factors of its two coefficients.
     slopes = [poly.derivative(k) for k, degree in enumerate(degrees) if degree == 1]
     slope = min(slopes, key=len, default=None)
     # One term shares nothing where no variable divides the whole.
