@@ -112,7 +112,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 600,
     "scenes": 3850,
-    "spaces": 3350,
+    "spaces": 3850,
     "support files": 2050,
     "teaching": 10650,
 }
