@@ -103,7 +103,7 @@ BUDGET = {
     "curves": 2950,
     "exact": 6350,
     "geometry": 4150,
-    "gravity": 1650,
+    "gravity": 1700,
     "loops": 5750,
     "materials": 13500,
     "ode": 5050,

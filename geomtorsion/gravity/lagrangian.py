@@ -27,7 +27,7 @@ MATTER = {
 names |= {name: sp.Symbol(name) for name in MATTER}
 
 _NAME = re.compile(r"[^\W\d]\w*")
-_FAMILY = re.compile(r"[TRQP]\d+(bar|_[2-9])?")
+_FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
 _SUFFIX = re.compile(r"(.+?)(bar|_[2-9])")
 # Geometry that a theory assumes: what a connection has to be, in words.
 GEOMETRIES = {

@@ -153,3 +153,9 @@ def test_a_long_scalar_is_not_written_out() -> None:
     finally:
         Element.sympy = original
     assert not written
+
+
+def test_a_scale_with_the_number_zero_is_a_parameter() -> None:
+    """R0 and T0 are no invariants: their numbers begin at one."""
+    found = g.equations(CARTAN, "T + T**2/T0 + R0*R_0")
+    assert {"T0", "R0", "R_0"} <= {symbol.name for symbol in found.L[()].free_symbols}
