@@ -115,7 +115,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3850,
-    "spaces": 3350,
+    "spaces": 3850,
     "support files": 2150,
     "teaching": 10950,
 }

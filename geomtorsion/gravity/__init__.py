@@ -1,6 +1,7 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
 from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
@@ -30,6 +31,7 @@ __all__ = [
     "gauss_bonnet",
     "general_relativity",
     "holst",
+    "inertial",
     "killing_equations",
     "maxwell",
     "names",
