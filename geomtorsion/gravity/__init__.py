@@ -3,6 +3,8 @@
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
     einstein_cartan,
@@ -19,6 +21,7 @@ from geomtorsion.gravity.theories import (
 __all__ = [
     "FieldEquations",
     "Lagrangian",
+    "NewmanPenrose",
     "Symmetries",
     "einstein_cartan",
     "equations",
@@ -31,8 +34,10 @@ __all__ = [
     "maxwell",
     "names",
     "new_gr",
+    "newman_penrose",
     "poincare",
     "scalar_field",
+    "statistical",
     "stegr",
     "symmetries",
     "tegr",
