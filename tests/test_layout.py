@@ -101,12 +101,12 @@ CEILINGS = {
 BUDGET = {
     "accuracy": 450,
     "action": 1350,
-    "cli": 3050,
+    "cli": 3200,
     "codegen": 2350,
     "curves": 3150,
     "exact": 6700,
     "geometry": 5150,
-    "gravity": 1750,
+    "gravity": 2250,
     "loops": 5750,
     "materials": 13500,
     "ode": 5050,
@@ -115,7 +115,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 600,
     "scenes": 3850,
-    "spaces": 3350,
+    "spaces": 3850,
     "support files": 2100,
     "teaching": 10650,
 }

@@ -16,6 +16,7 @@ class Commands(LazyGroup):
     summaries: ClassVar = {
         "spaces": "List the shipped spaces.",
         "geometry": "Show metric, connections, torsion and curvature.",
+        "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
         "plan": "Show what a quantity of a space, or a scene, needs, and what is left out.",
         "report": "Write geometry, motions and a loop of a space as a page.",

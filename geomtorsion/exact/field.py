@@ -348,6 +348,7 @@ class Field(Tower):
     # The functions that do it are the methods themselves.
     root = root
     derivative = derivative
+    jet = jet
 
     def conjugate(self, element: Element) -> Element:
         """The element with I replaced by -I, also inside roots, logs and exponents."""

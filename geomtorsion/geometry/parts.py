@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import permutations
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from geomtorsion.exact import Element
 from geomtorsion.geometry.components import (
@@ -14,16 +16,42 @@ from geomtorsion.geometry.components import (
     antisymmetric,
     symmetric,
 )
-from geomtorsion.geometry.tensor import Tensor
 
 HALF = Fraction(1, 2)
 PAIRS: Symmetry = antisymmetric(4) + antisymmetric(4, 2, 3)
 
-# A term of a sum: a rational number, a tensor, the order in which it takes the indices.
-Term = tuple[Fraction | int, Tensor, Sequence[int]]
+
+class Array(Protocol):
+    """A tensor, as far as its parts need it: connections, made of tensors, have these parts."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def frame(self) -> Any:
+        """The frame of the tensor."""
+        ...
+
+    @property
+    def slots(self) -> str:
+        """The kinds of its indices."""
+        ...
+
+    @property
+    def components(self) -> Any:
+        """The array behind it."""
+        ...
 
 
-def torsion_parts(torsion: Tensor) -> Mapping[str, Tensor]:
+T = TypeVar("T", bound=Array)
+Rule = Callable[[Index], Element]
+
+
+def _like(tensor: T, slots: str, rule: Rule, symmetry: Symmetry = (), name: str = "") -> T:
+    """A tensor of the same kind with other components."""
+    return replace(tensor, slots=slots, source=rule, symmetry=symmetry, name=name, anchored=())
+
+
+def torsion_parts(torsion: T) -> Mapping[str, T]:
     """Tensor, vector and axial part of T_abc, all indices down.
 
     vector: (v_a g_bc - v_b g_ac) / (n - 1), v_a = T_ab^b. axial: T_[abc]. tensor: the rest.
@@ -36,18 +64,18 @@ def torsion_parts(torsion: Tensor) -> Mapping[str, Tensor]:
     def of_vector(index: Index) -> Element:
         a, b, c = index
         v, g = vector.components.get, metric.components.get
-        return torsion.frame.field.sum(
-            [(share, v((a,)), g((b, c))), (-share, v((b,)), g((a, c)))]
-        )
+        return torsion.frame.field.sum([(share, v((a,)), g((b, c))), (-share, v((b,)), g((a, c)))])
 
-    first = Tensor(torsion.frame, torsion.slots, of_vector, antisymmetric(3), "T", "vector part")
+    first = _like(torsion, torsion.slots, of_vector, antisymmetric(3), "vector part")
     cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-    axial = _sum([(Fraction(1, 3), torsion, order) for order in cycles], alternating(3), "T", "axial part")
+    axial = _sum(
+        [(Fraction(1, 3), torsion, order) for order in cycles], alternating(3), "axial part"
+    )
     rest = _rest(torsion, (first, axial), antisymmetric(3), "tensor part")
     return {"tensor": rest, "vector": first, "axial": axial}
 
 
-def nonmetricity_parts(nonmetricity: Tensor) -> Mapping[str, Tensor]:
+def nonmetricity_parts(nonmetricity: T) -> Mapping[str, T]:
     """Symmetric, mixed, Lambda and Weyl part of Q_abc, all indices down.
 
     Weyl: g_bc q_a / n, q_a = Q_ab^b. Lambda: of the vector L_c = (Q - g q/n)^a_ac,
@@ -63,7 +91,7 @@ def nonmetricity_parts(nonmetricity: Tensor) -> Mapping[str, Tensor]:
         a, b, c = index
         return frame.field.sum([(Fraction(1, n), g((b, c)), q((a,)))])
 
-    weyl = Tensor(frame, nonmetricity.slots, of_weyl, even, "Q", "Weyl part")
+    weyl = _like(nonmetricity, nonmetricity.slots, of_weyl, even, "Weyl part")
     free = _rest(nonmetricity, (weyl,), even, "")
     second = _trace(free, 0, 1).components.get
     share = Fraction(2 * n, (n - 1) * (n + 2)) if n > 1 else Fraction(0)
@@ -78,16 +106,16 @@ def nonmetricity_parts(nonmetricity: Tensor) -> Mapping[str, Tensor]:
             ]
         )
 
-    vector = Tensor(frame, nonmetricity.slots, of_lambda, even, "Q", "Lambda part")
+    vector = _like(nonmetricity, nonmetricity.slots, of_lambda, even, "Lambda part")
     left = _rest(nonmetricity, (weyl, vector), even, "")
     cycles = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
     whole = symmetric(3) + symmetric(3, 1, 2)
-    total = _sum([(Fraction(1, 3), left, order) for order in cycles], whole, "Q", "symmetric part")
+    total = _sum([(Fraction(1, 3), left, order) for order in cycles], whole, "symmetric part")
     mixed = _rest(nonmetricity, (weyl, vector, total), even, "mixed part")
     return {"symmetric": total, "mixed": mixed, "Lambda": vector, "Weyl": weyl}
 
 
-def curvature_parts(curvature: Tensor, *, is_metric: bool) -> Mapping[str, Tensor]:
+def curvature_parts(curvature: T, *, is_metric: bool) -> Mapping[str, T]:
     """Six parts of R_abcd, all indices down: weyl, paircom, pseudoscalar, ricci, antiricci, scalar.
 
     Where the connection is not metric, they add up to R_ab[cd], and strain is R_ab(cd). With
@@ -96,37 +124,41 @@ def curvature_parts(curvature: Tensor, *, is_metric: bool) -> Mapping[str, Tenso
     pseudoscalar R_[abcd]; weyl and paircom: the rest of the half that is symmetric, and of the
     half that is antisymmetric, under the exchange of the pairs.
     """
-    frame, n = curvature.frame, curvature.frame.dimension
+    n = curvature.frame.dimension
     one, swapped, exchanged = (0, 1, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)
     turning = curvature
-    found: dict[str, Tensor] = {}
+    found: dict[str, T] = {}
     if not is_metric:
-        turning = _sum([(HALF, curvature, one), (-HALF, curvature, swapped)], PAIRS, "R", "")
+        turning = _sum([(HALF, curvature, one), (-HALF, curvature, swapped)], PAIRS)
         strain = [(HALF, curvature, one), (HALF, curvature, swapped)]
-        found["strain"] = _sum(strain, antisymmetric(4) + symmetric(4, 2, 3), "R", "strain part")
+        found["strain"] = _sum(strain, antisymmetric(4) + symmetric(4, 2, 3), "strain part")
     metric = _metric(curvature)
     ricci = _trace(turning, 0, 3)
     scalar = _trace(ricci, 0, 1)
-    traceless = _sum(
-        [(HALF, ricci, (0, 1)), (HALF, ricci, (1, 0)), (Fraction(-1, n), metric * scalar, (0, 1))],
+    whole = _like(
+        metric,
+        metric.slots,
+        lambda index: metric.components.get(index) * scalar.components.get(()),
         symmetric(2),
-        "R",
-        "",
     )
-    odd = _sum([(HALF, ricci, (0, 1)), (-HALF, ricci, (1, 0))], antisymmetric(2), "R", "")
+    traceless = _sum(
+        [(HALF, ricci, (0, 1)), (HALF, ricci, (1, 0)), (Fraction(-1, n), whole, (0, 1))],
+        symmetric(2),
+    )
+    odd = _sum([(HALF, ricci, (0, 1)), (-HALF, ricci, (1, 0))], antisymmetric(2))
     share = Fraction(1, n - 2) if n > 2 else Fraction(0)
     of_scalar = Fraction(1, 2 * n * (n - 1)) if n > 1 else Fraction(0)
     of = {
         "ricci": _kulkarni(traceless, share, "ricci part"),
         "antiricci": _kulkarni(odd, share, "antiricci part"),
-        "scalar": _kulkarni(metric * scalar, of_scalar, "scalar part"),
+        "scalar": _kulkarni(whole, of_scalar, "scalar part"),
     }
     signed = [(Fraction(_sign(order), 24), turning, order) for order in permutations(range(4))]
-    of["pseudoscalar"] = _sum(signed, alternating(4), "R", "pseudoscalar part")
+    of["pseudoscalar"] = _sum(signed, alternating(4), "pseudoscalar part")
     halves = {}
     for sign in (1, -1):
         terms = [(HALF, turning, one), (sign * HALF, turning, exchanged)]
-        halves[sign] = _sum(terms, (*PAIRS, (exchanged, sign)), "R", "")
+        halves[sign] = _sum(terms, (*PAIRS, (exchanged, sign)))
     even = [of[name] for name in ("pseudoscalar", "ricci", "scalar")]
     parts = {
         "weyl": _rest(halves[1], even, PAIRS, "weyl part"),
@@ -136,7 +168,7 @@ def curvature_parts(curvature: Tensor, *, is_metric: bool) -> Mapping[str, Tenso
     return parts | found
 
 
-def _kulkarni(h: Tensor, share: Fraction, name: str) -> Tensor:
+def _kulkarni(h: T, share: Fraction, name: str) -> T:
     """share * KN(h)."""
     g, get = _metric(h).components.get, h.components.get
 
@@ -151,15 +183,15 @@ def _kulkarni(h: Tensor, share: Fraction, name: str) -> Tensor:
             ]
         )
 
-    return Tensor(h.frame, h.slots * 2, rule, PAIRS, "R", name)
+    return _like(h, h.slots * 2, rule, PAIRS, name)
 
 
-def _metric(tensor: Tensor) -> Tensor:
+def _metric(tensor: T) -> T:
     """The metric of the basis in which a tensor has its indices."""
     return tensor.frame.eta if "D" in tensor.slots else tensor.frame.metric
 
 
-def _trace(tensor: Tensor, first: int, second: int) -> Tensor:
+def _trace(tensor: T, first: int, second: int) -> T:
     """The trace over two lower indices."""
     frame, get = tensor.frame, tensor.components.get
     inverse = frame.inverse_eta if "D" in tensor.slots else frame.inverse_metric
@@ -173,12 +205,14 @@ def _trace(tensor: Tensor, first: int, second: int) -> Tensor:
             terms.append((1, x, get(tuple(place))))
         return frame.field.sum(terms)
 
-    return Tensor(frame, tensor.slots[:-2], rule)
+    return _like(tensor, tensor.slots[:-2], rule)
 
 
-def _sum(terms: Sequence[Term], symmetry: Symmetry, symbol: str, name: str) -> Tensor:
-    """A sum of multiples of tensors with their indices in other orders."""
-    frame, slots = terms[0][1].frame, terms[0][1].slots
+def _sum(
+    terms: Sequence[tuple[Fraction | int, T, Sequence[int]]], symmetry: Symmetry, name: str = ""
+) -> T:
+    """A sum of tensors: a factor, a tensor, and the order in which it takes the indices."""
+    frame = terms[0][1].frame
 
     def rule(index: Index) -> Element:
         return frame.field.sum(
@@ -188,14 +222,13 @@ def _sum(terms: Sequence[Term], symmetry: Symmetry, symbol: str, name: str) -> T
             ]
         )
 
-    return Tensor(frame, slots, rule, symmetry, symbol, name)
+    return _like(terms[0][1], terms[0][1].slots, rule, symmetry, name)
 
 
-def _rest(whole: Tensor, parts: Sequence[Tensor], symmetry: Symmetry, name: str) -> Tensor:
+def _rest(whole: T, parts: Sequence[T], symmetry: Symmetry, name: str) -> T:
     """What is left of a tensor without some parts."""
     order = tuple(range(len(whole.slots)))
-    terms: list[Term] = [(1, whole, order), *((-1, part, order) for part in parts)]
-    return _sum(terms, symmetry, whole.symbol, name)
+    return _sum([(1, whole, order), *((-1, part, order) for part in parts)], symmetry, name)
 
 
 def _sign(order: Sequence[int]) -> int:

@@ -17,12 +17,15 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
+from geomtorsion.gravity.translations import TABLE as translations
+from geomtorsion.gravity.translations import Translation
 
 __all__ = [
     "FieldEquations",
     "Lagrangian",
     "NewmanPenrose",
     "Symmetries",
+    "Translation",
     "einstein_cartan",
     "equations",
     "f_of",
@@ -42,5 +45,6 @@ __all__ = [
     "symmetries",
     "tegr",
     "torsion_from_spin",
+    "translations",
     "weyssenhoff",
 ]

@@ -18,7 +18,13 @@ from geomtorsion.gravity.invariants import INVARIANTS
 
 names: Mapping[str, sp.Symbol] = {name: sp.Symbol(name) for name in INVARIANTS}
 names |= {name + "bar": sp.Symbol(name + "bar") for name in INVARIANTS}
-names |= {name: sp.Symbol(name) for name in ("X", "F2", "phi")}
+# Names of matter fields, and what brings them.
+MATTER = {
+    "X": "gravity.scalar_field(phi)",
+    "phi": "gravity.scalar_field(phi)",
+    "F2": "gravity.maxwell(A)",
+}
+names |= {name: sp.Symbol(name) for name in MATTER}
 
 _NAME = re.compile(r"[^\W\d]\w*")
 _FAMILY = re.compile(r"[TRQP]\d+(bar|_[2-9])?")
@@ -104,28 +110,25 @@ class Reading:
                     "connection. Give another Lagrangian or connection."
                 )
             return base ** int(expression.exp)
-        (read,) = self.frame.read([("lagrangian", self._written(expression))])
+        if isinstance(expression, AppliedUndef | sp.Derivative | sp.Subs):
+            return self._unknown(expression)
+        values = [self.element(one).sympy for one in expression.args]
+        (read,) = self.frame.read([("lagrangian", expression.func(*values))])
         return read
 
-    def _written(self, expression: sp.Expr) -> sp.Expr:
-        """A function of invariants, with their values written in."""
+    def _unknown(self, expression: AppliedUndef | sp.Derivative | sp.Subs) -> Element:
+        """An unknown function, or a partial derivative of it, at the values of its arguments."""
+        places: dict[sp.Expr, sp.Expr] = {}
+        if isinstance(expression, sp.Subs):
+            places = dict(zip(expression.variables, expression.point, strict=True))
+            expression = expression.expr
+        counts: dict[sp.Expr, int] = {}
         if isinstance(expression, sp.Derivative):
-            return self._derivative(expression)
-        if expression in self.values:
-            return self.values[expression].sympy  # type: ignore[index]
-        if not expression.args:
-            return expression
-        return expression.func(*[self.element(one).sympy for one in expression.args])
-
-    def _derivative(self, expression: sp.Derivative) -> sp.Expr:
-        """A derivative of an opaque function at the values of its arguments."""
-        function = expression.expr
-        slots = tuple(sp.Dummy(f"xi{k}") for k in range(len(function.args)))
-        twins = dict(zip(function.args, slots, strict=True))
-        slope = sp.Derivative(
-            function.func(*slots), *((twins[x], n) for x, n in expression.variable_count)
-        )
-        return sp.Subs(slope, slots, tuple(self.element(x).sympy for x in function.args))
+            counts = {x: int(n) for x, n in expression.variable_count}
+            expression = expression.expr
+        orders = tuple(counts.get(x, 0) for x in expression.args)
+        values = tuple(self.element(x.xreplace(places)) for x in expression.args)
+        return self.frame.field.jet(expression.func, orders, values)
 
 
 def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
@@ -181,15 +184,17 @@ def _parsed(
     functions: dict[str, sp.Basic] = {
         generator.argument[0].__name__: generator.shown
         for generator in frame.field.generators
-        if generator.kind == "jet" and isinstance(generator.shown, AppliedUndef)
+        if generator.kind == "jet"
+        and isinstance(generator.shown, AppliedUndef)
+        and all(place.is_Symbol for place in generator.shown.args)
     }
     symbols = {}
     for word in dict.fromkeys(_NAME.findall(text)):
-        if word in functions:
-            continue
         if re.search(rf"\b{word}\s*\(", text):
             if word not in words.FUNCTIONS and word not in words.SPECIAL and word not in known:
                 functions[word] = sp.Function(word)
+        elif word in functions and word not in known:
+            continue
         elif word in own and word not in known:
             symbols[word] = own[word]
         elif word in known or word not in words.CONSTANTS:
@@ -209,11 +214,18 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
         return
     if name in own:
         return
+    if not known:
+        return
     suffixed = _SUFFIX.fullmatch(name)
     if suffixed and suffixed[1] in INVARIANTS:
         raise GravityError(
             f"lagrangian: expected invariants of the given connections, got {name}. Give the "
             "other connection also: equations([gt.cartan(frame), gt.levi_civita(frame)], ...)."
+        )
+    if name in MATTER:
+        raise GravityError(
+            f"lagrangian: expected the matter that {name} belongs to, got none. Give matter="
+            f"{MATTER[name]}, or another name to a parameter."
         )
     if name in INVARIANTS:
         dimension = INVARIANTS[name].only
@@ -221,8 +233,6 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
             f"lagrangian: {name} exists in {dimension} dimensions only. Use a frame of dimension "
             f"{dimension}, or other invariants."
         )
-    if not known:
-        return
     near = checks.close_names(name, [one for one in known if len(one) > 2], cutoff=0.75)
     same = [one for one in known if one.lower() == name.lower()]
     if near or same or _FAMILY.fullmatch(name):

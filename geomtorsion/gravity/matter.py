@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import sympy as sp
 
@@ -17,9 +17,23 @@ from geomtorsion.geometry import Connection, Frame, Tensor
 from geomtorsion.gravity.fields import FIRST_PAIR, HALF, FrameFields, Index, Terms, along
 from geomtorsion.gravity.lagrangian import scalar_of
 
-if TYPE_CHECKING:
-    from geomtorsion.gravity.equations import FieldEquations
 
+class Varied(Protocol):
+    """Field equations, as far as matter needs them."""
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of all connections."""
+        ...
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """The connections, the first one leading."""
+        ...
+
+    def slope(self, name: str) -> Element:
+        """dL/dI of a name in the Lagrangian."""
+        ...
 
 
 class MatterField(ABC):
@@ -41,15 +55,15 @@ class MatterField(ABC):
         """The value of one of its names."""
 
     @abstractmethod
-    def coframe_terms(self, equations: FieldEquations, i: int, n: int) -> Terms:
+    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
         """Terms of E_i^n from its invariants, but for L itself."""
 
     @abstractmethod
-    def equation(self, equations: FieldEquations) -> Tensor:
+    def equation(self, equations: Varied) -> Tensor:
         """(1/e) d(eL)/d(field)."""
 
     @abstractmethod
-    def noether_terms(self, equations: FieldEquations, i: int) -> Terms:
+    def noether_terms(self, equations: Varied, i: int) -> Terms:
         """Minus its part of the right side of the identity of translations."""
 
 
@@ -83,13 +97,13 @@ class ScalarField(MatterField):
         slope = self._slope(frame)
         return (slope @ slope.raised()).element()
 
-    def coframe_terms(self, equations: FieldEquations, i: int, n: int) -> Terms:
+    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
         """- 2 dL/dX d_i phi d^n phi."""
         slope = self._slope(equations.frame)
         lower, upper = slope.components.get, slope.raised().components.get
         return [(-2, equations.slope("X"), lower((i,)), upper((n,)))]
 
-    def equation(self, equations: FieldEquations) -> Tensor:
+    def equation(self, equations: Varied) -> Tensor:
         """dL/dphi - (1/e) d_m(2 e dL/dX d^m phi), rank 0."""
         frame = equations.frame
         weight, upper = equations.slope("X"), self._slope(frame).raised().components.get
@@ -102,7 +116,7 @@ class ScalarField(MatterField):
 
         return frame.scalar(rule, "phi", "scalar field equation")
 
-    def noether_terms(self, equations: FieldEquations, i: int) -> Terms:
+    def noether_terms(self, equations: Varied, i: int) -> Terms:
         """- (d(eL)/dphi)/e d_i phi."""
         slope = self._slope(equations.frame).components.get((i,))
         return [(-1, self.equation(equations).element(), slope)]
@@ -147,14 +161,14 @@ class Maxwell(MatterField):
         get = strength.components.get
         return frame.field.sum([(1, x, get(index)) for index, x in upper.items()])
 
-    def coframe_terms(self, equations: FieldEquations, i: int, n: int) -> Terms:
+    def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
         """- 4 dL/dF2 F_ib F^nb."""
         strength, weight = self.strength(equations.frame), equations.slope("F2")
         lower, upper = strength.components.get, strength.raised().components.get
         legs = range(equations.frame.dimension)
         return [(-4, weight, lower((i, b)), upper((n, b))) for b in legs]
 
-    def equation(self, equations: FieldEquations) -> Tensor:
+    def equation(self, equations: Varied) -> Tensor:
         """- (4/e) d_m(e dL/dF2 F^mn), slots U."""
         frame, weight = equations.frame, equations.slope("F2")
         upper = self.strength(frame).raised().components.get
@@ -162,7 +176,7 @@ class Maxwell(MatterField):
         fields = FrameFields(equations.connections[0])
         return fields.divergence(flow, paired=True)
 
-    def noether_terms(self, equations: FieldEquations, i: int) -> Terms:
+    def noether_terms(self, equations: Varied, i: int) -> Terms:
         """- F_in (d(eL)/dA_n)/e."""
         lower = self.strength(equations.frame).components.get
         current = self.equation(equations).components.get
@@ -238,7 +252,10 @@ class Fluid:
         n = range(frame.dimension)
         velocity = self._velocity(frame)
         u, lower = velocity.components.get, velocity.lowered().components.get
-        rho, p = scalar_of(frame, self.density, "density"), scalar_of(frame, self.pressure, "pressure")
+        rho, p = (
+            scalar_of(frame, self.density, "density"),
+            scalar_of(frame, self.pressure, "pressure"),
+        )
         sign = -1 if (self._square(frame) - 1).is_zero else 1
         turning = FrameFields(connection).divergence(self._flow(frame)).components.get
 

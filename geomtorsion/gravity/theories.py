@@ -92,7 +92,7 @@ def poincare(
     Examples
     --------
     >>> poincare("a", "Lambda", tensor="b", curvature=(0, 0, 0, 0, 0, "w"))
-    Poincare gauge theory: L = P6*w + a*(R - 2*Lambda) + b*tensor2
+    Poincare gauge theory: L = P6*w + a*(-2*Lambda + R) + b*tensor2
     """
     squares = checks.entries(curvature, "curvature", GravityError)
     if len(squares) != 6:
@@ -116,7 +116,9 @@ def holst(barbero_immirzi: Number = "gamma") -> Lagrangian:
     >>> holst()
     Holst: L = R - holst/(2*gamma)
     """
-    return Lagrangian(names["R"] - names["holst"] / (2 * _number(barbero_immirzi)), "metric", "Holst")
+    return Lagrangian(
+        names["R"] - names["holst"] / (2 * _number(barbero_immirzi)), "metric", "Holst"
+    )
 
 
 def _number(value: Number) -> sp.Expr:

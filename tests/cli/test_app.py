@@ -20,7 +20,7 @@ def test_version_is_that_of_the_package():
 
 def test_help_lists_the_commands():
     """No command is missing from the overview."""
-    assert len(COMMANDS) == 23
+    assert len(COMMANDS) == 24
     for group, commands in GROUPS.items():
         text = run(*group.split(), "--help").stdout
         for name in commands.summaries:
