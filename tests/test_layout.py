@@ -106,7 +106,7 @@ BUDGET = {
     "curves": 3150,
     "exact": 6700,
     "geometry": 5150,
-    "gravity": 2250,
+    "gravity": 2000,
     "loops": 5750,
     "materials": 13500,
     "ode": 5050,
