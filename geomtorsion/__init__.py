@@ -26,6 +26,7 @@ from geomtorsion.geometry import (
     Form,
     Frame,
     IdentityCheck,
+    Surface,
     Tensor,
     Torsion,
     blend,
@@ -39,6 +40,7 @@ from geomtorsion.geometry import (
     levi_civita,
     lie,
     lie_bracket,
+    surface,
 )
 from geomtorsion.spaces import read_file as read
 
@@ -254,6 +256,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Surface",
     "Symmetries",
     "Taylor",
     "Tensor",
@@ -316,6 +319,7 @@ __all__ = [
     "solve_many",
     "spaces",
     "spinning",
+    "surface",
     "symmetries",
     "variation",
 ]

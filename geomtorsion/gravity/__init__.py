@@ -4,6 +4,8 @@ from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.inertial import inertial
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
     einstein_cartan,
@@ -22,6 +24,7 @@ from geomtorsion.gravity.translations import Translation
 __all__ = [
     "FieldEquations",
     "Lagrangian",
+    "NewmanPenrose",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -36,8 +39,10 @@ __all__ = [
     "maxwell",
     "names",
     "new_gr",
+    "newman_penrose",
     "poincare",
     "scalar_field",
+    "statistical",
     "stegr",
     "symmetries",
     "tegr",
