@@ -50,9 +50,11 @@ if TYPE_CHECKING:
     )
     from geomtorsion.action import (
         EquationsOfMotion,
+        Linearization,
         Variation,
         conserved_quantities,
         equations_of_motion,
+        linearized,
         variation,
     )
     from geomtorsion.curves import (
@@ -153,8 +155,8 @@ if TYPE_CHECKING:
 _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
-        "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
-        "variation",
+        "EquationsOfMotion", "Linearization", "Variation", "conserved_quantities",
+        "equations_of_motion", "linearized", "variation",
     ),
     "ode": (
         "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
@@ -228,6 +230,7 @@ __all__ = [
     "LatticeImage",
     "LatticePhases",
     "LineArrays",
+    "Linearization",
     "LogMap",
     "Loop",
     "Network",
@@ -289,6 +292,7 @@ __all__ = [
     "images",
     "levi_civita",
     "limits",
+    "linearized",
     "log_map",
     "numpy_function",
     "parallel_dislocations",
