@@ -149,6 +149,7 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
 # Imported when first asked for, so that geometry alone starts as fast as sympy does.
@@ -181,6 +182,7 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
+    "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -224,8 +226,10 @@ __all__ = [
     "ExactBurgersVector",
     "Frame",
     "FreeTop",
+    "Frequencies",
     "GeomtorsionError",
     "IdentityCheck",
+    "KerrOrbit",
     "LatticeBurgers",
     "LatticeImage",
     "LatticePhases",
@@ -290,6 +294,7 @@ __all__ = [
     "holonomy",
     "identities",
     "images",
+    "kerr_orbit",
     "levi_civita",
     "limits",
     "linearized",

@@ -111,7 +111,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3850,
-    "spaces": 3350,
+    "spaces": 3550,
     "support files": 2050,
     "teaching": 10650,
 }

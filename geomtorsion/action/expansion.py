@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from geomtorsion import checks
 from geomtorsion.allowance import check_limits
 from geomtorsion.errors import LagrangianError
 
@@ -70,6 +71,8 @@ class Expansion:
             if part in self._known:
                 waiting.pop()
                 continue
+            if not isinstance(part, sp.Expr):
+                raise self._not_smooth(part)
             parts = part.args if set(self.variables) & part.free_symbols else ()
             missing = [x for x in parts if x not in self._known]
             if missing:
@@ -100,7 +103,9 @@ class Expansion:
             return found
         if isinstance(part, sp.Pow) and part.exp == 2:
             return self._product(jets[0], jets[0])
-        return self._function(part, jets)
+        if isinstance(part, sp.Pow | sp.Function):
+            return self._function(part, jets)
+        raise self._not_smooth(part)
 
     def _sum(self, jets: Sequence[Jet]) -> Jet:
         first: dict[int, list] = {}
@@ -164,10 +169,16 @@ class Expansion:
 
     def _at(self, term: sp.Expr, table: Mapping[sp.Symbol, sp.Expr], part: sp.Expr) -> Element:
         """A derivative at the point."""
+        # Of an unknown function no derivative has a value.
+        if term.has(sp.Derivative, sp.Subs):
+            raise self._not_smooth(part)
         found = term.xreplace(dict(table)).doit()
-        if found.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.Derivative, sp.Subs):
-            raise LagrangianError(
-                f"expected an expression that is smooth at this state, got {part}. Linearise at "
-                "another state, or write it without its singularity."
-            )
+        if found.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            raise self._not_smooth(part)
         return self.field.read(found)
+
+    def _not_smooth(self, part: sp.Basic) -> LagrangianError:
+        return LagrangianError(
+            f"expected an expression that is smooth at this state, got {checks.cut(str(part))}. "
+            "Linearise at another state, or write it without its singularity."
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import mpmath
 import numpy as np
@@ -230,7 +230,7 @@ class Point:
         u = self.state.bundle.symbols.velocities
         names = [symbol.name for symbol in u]
         if velocities is not None:
-            chosen = [str(x) for x in velocities]
+            chosen = [checks.cut(str(x)) for x in checks.entries(velocities, "velocities")]
             wrong = [x for x in chosen if x not in names]
             if wrong or len(set(chosen)) != len(u) - len(rows):
                 raise ConstraintError(
@@ -323,7 +323,7 @@ class Point:
         """E_i^mu of the frame."""
         return self.state.bundle.frame.legs.components
 
-    def array(self, values: Any) -> Grid:
+    def array(self, values: object) -> Grid:
         """An array of elements; numbers of an empty sum become the field's."""
         found = np.array(values, dtype=object)
         for place, value in np.ndenumerate(found):
