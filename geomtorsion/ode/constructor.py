@@ -81,7 +81,7 @@ def read(
     )
 
 
-def named(name: Any) -> Any:
+def named(name: str | sp.Symbol) -> str:
     """The name of a symbol; anything else as it is.
 
     Examples
@@ -89,7 +89,7 @@ def named(name: Any) -> Any:
     >>> named(sp.Symbol("x")), named("y")
     ('x', 'y')
     """
-    return name.name if isinstance(name, sp.Symbol) else name
+    return str(name) if isinstance(name, sp.Symbol) else name
 
 
 def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) -> None:
