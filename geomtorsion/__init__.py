@@ -306,11 +306,8 @@ __all__ = [
     "holonomy",
     "identities",
     "images",
-<<<<<<< HEAD
-    "killing_equations",
-=======
     "kerr_orbit",
->>>>>>> mechanics
+    "killing_equations",
     "levi_civita",
     "lie",
     "lie_bracket",
