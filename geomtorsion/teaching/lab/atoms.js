@@ -121,8 +121,11 @@
     svg.append(line(points, color, 0.13));
     const end = points[points.length - 1];
     // As in every picture of the page: a black dot is the start. A ring is the place reached.
-    svg.append(dot(points[0], 0.2, INK));
-    svg.append(element("circle", { cx: end[0], cy: -end[1], r: 0.33, fill: "none", stroke: color, "stroke-width": 0.1 }));
+    // Clicks go to the atoms below.
+    const marks = element("g", { "pointer-events": "none" });
+    marks.append(dot(points[0], 0.2, INK));
+    marks.append(element("circle", { cx: end[0], cy: -end[1], r: 0.33, fill: "none", stroke: color, "stroke-width": 0.1 }));
+    svg.append(marks);
   }
   function arrow(svg, from, to) {
     const [dx, dy] = [to[0] - from[0], to[1] - from[1]], long = Math.hypot(dx, dy);

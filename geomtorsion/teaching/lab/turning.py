@@ -87,7 +87,7 @@ def turnable(scene: Film) -> str:
     >>> from geomtorsion.pictures.style import SERIES
     >>> line = Curve([(0, 0, 0), (1, 1, 1)], SERIES[0], "a line")
     >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
-    >>> "http" in page, page.count("<canvas")
+    >>> "http" in page.replace("http://www.w3.org", ""), page.count("<canvas")
     (False, 2)
     """
     data = {
