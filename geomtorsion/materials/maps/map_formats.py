@@ -52,9 +52,8 @@ FORMATS: dict[str, MapFormat] = {
     ".cpr": MapFormat(read_channel5),
     ".crc": MapFormat(read_channel5),
     ".txt": MapFormat(read_map_table, seems_table),
+    ".csv": MapFormat(read_map_table, seems_table),
 }
-# Endings that files of fields have as well.
-_SHARED: dict[str, MapFormat] = {".csv": MapFormat(read_map_table, seems_table)}
 
 
 def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
@@ -71,10 +70,9 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
     """
     path = Path(path)
     suffix = ending(path)
-    every = FORMATS | _SHARED
-    if suffix not in every:
+    if suffix not in FORMATS:
         raise FileFormatError(
-            f"{path.name}: expected a map ending in {' or '.join(every)}, got "
+            f"{path.name}: expected a map ending in {' or '.join(FORMATS)}, got "
             f"{suffix or 'no ending'!r}. Export the map as .ctf or .ang."
         )
-    return every[suffix].read(path, laue)
+    return FORMATS[suffix].read(path, laue)
