@@ -104,7 +104,7 @@ BUDGET = {
     "exact": 6350,
     "geometry": 4000,
     "loops": 5750,
-    "materials": 13500,
+    "materials": 13450,
     "ode": 5050,
     "paper": 750,
     "pictures": 3550,
