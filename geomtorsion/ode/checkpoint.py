@@ -148,12 +148,17 @@ class Checkpoint:
         self._took = self._written - began
 
     def runner(
-        self, engine: Engine, tolerance: float, perturbation: float, longest: float
+        self,
+        engine: Engine,
+        tolerance: float,
+        perturbation: float,
+        longest: float,
+        pattern: int,
     ) -> Runner:
         """What makes the parts of one run, or takes them from the file."""
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
-            name = part_name(engine, tolerance, perturbation, k)
+            name = part_name(engine, tolerance, perturbation, k, pattern)
             found = self.known(name, engine, stage, times)
             if found is None:
                 found = run_stage(stage, times, tolerance, engine, longest=longest)
@@ -163,9 +168,12 @@ class Checkpoint:
         return run
 
 
-def part_name(engine: Engine, tolerance: float, perturbation: float, k: int) -> str:
-    """The name of a part of a run."""
-    return f"{engine.name} {tolerance!r} {perturbation!r} {k}"
+def part_name(
+    engine: Engine, tolerance: float, perturbation: float, k: int, pattern: int = 0
+) -> str:
+    """The name of a part of a run; pattern: of the signs of changes on the way."""
+    number = f"{k}/{pattern}" if pattern else f"{k}"
+    return f"{engine.name} {tolerance!r} {perturbation!r} {number}"
 
 
 def _plain(array: np.ndarray) -> np.ndarray:

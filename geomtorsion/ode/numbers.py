@@ -132,18 +132,19 @@ def perturbed(
 
 
 @cache
-def random_signs(number: int, size: int) -> np.ndarray:
+def random_signs(place: tuple[int, int], size: int) -> np.ndarray:
     """Signs that look random and are the same in each call: roundings add up as such signs do.
 
     Examples
     --------
-    >>> random_signs(0, 4).tolist(), random_signs(1, 4).tolist()
-    ([-1.0, 1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0])
+    >>> random_signs((1, 0), 4).tolist(), random_signs((1, 1), 4).tolist()
+    ([-1.0, -1.0, 1.0, 1.0], [1.0, 1.0, 1.0, -1.0])
     """
+    pattern, number = place
     found = []
     for k in range(size):
         # Bits are mixed by the last steps of MurmurHash3.
-        bits = (number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
+        bits = (pattern << 20 | number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
         bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
         bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
         found.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)

@@ -188,11 +188,11 @@ class _Runs:
     @property
     def parts(self) -> tuple[float, ...]:
         """Times at which the way is divided into equal parts."""
-        return self._divided(PARTS)
+        return tuple(self._at(k / PARTS) for k in range(1, PARTS))
 
-    def _divided(self, count: int) -> tuple[float, ...]:
-        """Times that divide the way into so many equal parts."""
-        return tuple(float(self.grid[-1]) * k / count for k in range(1, count))
+    def _at(self, share: float) -> float:
+        """The time after a share of the way."""
+        return float(self.grid[-1]) * share
 
     def run(
         self,
@@ -201,25 +201,26 @@ class _Runs:
         part: float,
         *,
         limited: bool = False,
-        everywhere: bool = False,
+        pattern: int = 0,
     ) -> Trajectory:
         longest = self.limit if limited else math.inf
         cuts = self.cuts
-        if everywhere:
-            # It meets what the answer meets: the cuts of both.
-            cuts = tuple(sorted({*cuts, *self._divided(PLACES)}, key=abs))
+        if pattern:
+            # The roundings of each part move the state in the middle of that part. The cuts of the
+            # answer stay, so that both meet the same features.
+            middles = {self._at((k + 0.5) / PLACES) for k in range(PLACES)}
+            cuts = tuple(sorted({*cuts, *middles}, key=abs))
         try:
             return integrate(
-                # Moved on the way, it is moved by the roundings of a part at the end of that part.
-                self.problem.first_stage(engine.precision, 0.0 if everywhere else part),
+                self.problem.first_stage(engine.precision, 0.0 if pattern else part),
                 self.grid,
                 tolerance,
                 engine,
                 # Cut where the answer is cut, both would pass over the same.
                 cuts=() if limited and self.kept is None else cuts,
-                shake=part if everywhere else 0.0,
+                shake=(part, pattern) if pattern else None,
                 longest=longest,
-                runner=self.kept and self.kept.runner(engine, tolerance, part, longest),
+                runner=self.kept and self.kept.runner(engine, tolerance, part, longest, pattern),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:

@@ -249,7 +249,7 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
-    shake: float = 0.0,
+    shake: tuple[float, int] | None = None,
     longest: float = math.inf,
     runner: Runner | None = None,
     watch: Watch | None = None,
@@ -265,7 +265,7 @@ def integrate(
     cuts
         times at which a stage ends and continues, so that a file can keep its parts.
     shake
-        relative change of the state at each cut, of a sign that changes at random.
+        relative change of the state at each cut, and number of the pattern of its signs.
     longest
         the longest step in time.
     runner
@@ -326,16 +326,15 @@ def integrate(
         stage = after
 
 
-def _shaken(stage: Stage, state: State, part: float, number: int) -> np.ndarray:
+def _shaken(stage: Stage, state: State, shake: tuple[float, int], number: int) -> np.ndarray:
     """The last state of a stage with each component changed by a relative part, up or down.
 
     A component that has not changed since the stage began has not been rounded either, nor has a
-    clock: they stay. number: of the place on the way. Changes of one sign would add up in
-    proportion to the number of places, and roundings do not.
+    clock: they stay. shake: the part and the pattern of signs; number: of the place on the way.
     """
     values, system = np.asarray(state), stage.system
-    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
-    signs = sizes * random_signs(number, len(values))
+    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * shake[0]
+    signs = sizes * random_signs((shake[1], number), len(values))
     signs[values == np.asarray(stage.start)] = 0.0
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
