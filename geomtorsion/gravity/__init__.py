@@ -2,6 +2,7 @@
 
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.theories import (
@@ -15,11 +16,11 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
-from geomtorsion.gravity.translations import TABLE as translations
-from geomtorsion.gravity.translations import Translation
+from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
     "FieldEquations",
+    "Invariant",
     "Lagrangian",
     "Translation",
     "einstein_cartan",
@@ -30,6 +31,7 @@ __all__ = [
     "general_relativity",
     "holst",
     "inertial",
+    "invariants",
     "maxwell",
     "names",
     "new_gr",

@@ -19,6 +19,7 @@ TUTORIALS = (
     "from_data",
     "top_and_effects",
     "own_torsion",
+    "gravity",
     "accuracy",
 )
 TASKS = (
