@@ -2,6 +2,7 @@
 
 from geomtorsion.gravity.equations import FieldEquations, equations
 from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
 from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
@@ -18,11 +19,11 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
-from geomtorsion.gravity.translations import TABLE as translations
-from geomtorsion.gravity.translations import Translation
+from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
     "FieldEquations",
+    "Invariant",
     "Lagrangian",
     "NewmanPenrose",
     "Symmetries",
@@ -35,6 +36,7 @@ __all__ = [
     "general_relativity",
     "holst",
     "inertial",
+    "invariants",
     "killing_equations",
     "maxwell",
     "names",

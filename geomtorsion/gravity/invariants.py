@@ -363,6 +363,17 @@ TABLE = (
 INVARIANTS = {one.name: one for one in TABLE}
 
 
+def invariants() -> tuple[Invariant, ...]:
+    """The invariants that a Lagrangian may name, with their formulas.
+
+    Examples
+    --------
+    >>> [one.name for one in invariants() if one.only == 4]
+    ['euler', 'pontryagin', 'holst', 'nieh_yan']
+    """
+    return TABLE
+
+
 @dataclass(frozen=True, eq=False)
 class Scalars:
     """The invariants of one connection: their values, and the images of the fields."""

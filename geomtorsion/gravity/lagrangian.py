@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -16,15 +16,44 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.gravity.invariants import INVARIANTS
 
-names: Mapping[str, sp.Symbol] = {name: sp.Symbol(name) for name in INVARIANTS}
-names |= {name + "bar": sp.Symbol(name + "bar") for name in INVARIANTS}
 # Names of matter fields, and what brings them.
 MATTER = {
     "X": "gravity.scalar_field(phi)",
     "phi": "gravity.scalar_field(phi)",
     "F2": "gravity.maxwell(A)",
 }
-names |= {name: sp.Symbol(name) for name in MATTER}
+
+
+class Names(Mapping[str, sp.Symbol]):
+    """The symbols of invariants and matter fields for Lagrangians written in sympy.
+
+    Examples
+    --------
+    >>> names["T"] + names["T"] ** 2
+    T**2 + T
+    >>> names["Rbar"], "tensor2" in names
+    (Rbar, True)
+    """
+
+    _known = (*INVARIANTS, *(f"{name}bar" for name in INVARIANTS), *MATTER)
+
+    def __getitem__(self, name: str) -> sp.Symbol:
+        return sp.Symbol(checks.known_name(name, self._known, "name", GravityError))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    def __repr__(self) -> str:
+        return f"names of invariants: {', '.join(self._known)}"
+
+
+names = Names()
 
 _NAME = re.compile(r"[^\W\d]\w*")
 _FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")

@@ -297,3 +297,14 @@ TABLE = (
         lambda c: contract("mnc,ac->amn", c.torsion.T, c.frame.coframe),
     ),
 )
+
+
+def translations() -> tuple[Translation, ...]:
+    """The symbols of other papers and programs in those of this package.
+
+    Examples
+    --------
+    >>> print(translations()[1])
+    Maluf: T^a = T^b_b^a; here -v^a
+    """
+    return TABLE
