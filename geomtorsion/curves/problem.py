@@ -21,7 +21,14 @@ from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
-from geomtorsion.curves.stops import Stop, check_stops, in_chart, stopped, with_stops
+from geomtorsion.curves.stops import (
+    Stop,
+    check_stops,
+    in_chart,
+    stopped,
+    terms_in_chart,
+    with_stops,
+)
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
@@ -348,6 +355,11 @@ class CurveProblem:
         event = Event(None, follow, self._ender(label, floats(states)), stop)
         groups = equations.groups
         return Stage(label, system, states, numbers, begin, (event,), groups=groups)
+
+    def stop_terms(self, label: str) -> list[sp.Expr]:
+        """The conditions that end the curve, over the states of a chart."""
+        equations = self.equations(label)
+        return terms_in_chart(self.stops, self.atlas, label, equations, self.time_unit)
 
     def system(self, label: str) -> System:
         """What engines integrate in a chart, with the conditions that end the curve."""

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.errors import ChartEdgeError, ExpressionError, StartError
+from geomtorsion.errors import ChartEdgeError, ExpressionError, ProofError, StartError
 from tests.ode.engines import every_engine
 
 KERR = gt.spaces.load("kerr").frame
@@ -145,3 +145,15 @@ def test_a_null_tetrad_names_from_metric():
     there = gt.solve(gt.geodesic(real, *PLUNGE, parameters=HOLE), 5.0)
     here = gt.solve(plunge(), 5.0)
     assert there.coordinates[-1] == pytest.approx(here.coordinates[-1], rel=1e-8)
+
+
+def test_the_end_is_proved():
+    """The place at which a condition has stopped a curve, in balls; of several conditions, none."""
+    start = {"frame_velocity": [1.25, -0.75, 0, 0], "parameters": {"M": 1.0}}
+    hole = gt.spaces.load("schwarzschild").frame
+    fall = gt.solve(gt.geodesic(hole, [0.0, 6.0, 1.5, 0.0], stop="r - 3", **start), 5.0)
+    proof = gt.prove(fall)
+    assert proof.holds
+    two = gt.geodesic(hole, [0.0, 6.0, 1.5, 0.0], stop=["r - 3", "r - 5"], **start)
+    with pytest.raises(ProofError, match="at most one condition to stop, .* stop = r - 3, r - 5"):
+        gt.prove(gt.solve(two, 5.0))
