@@ -100,7 +100,7 @@ BUDGET = {
     "action": 1950,
     "cli": 3050,
     "codegen": 2350,
-    "curves": 3150,
+    "curves": 3200,
     "exact": 6350,
     "geometry": 4000,
     "loops": 5750,

@@ -659,7 +659,8 @@ def _advice(frame: Frame, point: Mapping[str, float]) -> str:
     values = {symbol: point[symbol.name] for symbol in symbols}
     outside = broken_relations(frame.domain, values)
     if not outside:
-        return f"{_charts_around(frame, point)}Start beside the edge of the chart."
+        around = _charts_around(frame, point)
+        return f"{around}Start {'there, or ' if around else ''}beside the edge of the chart."
     return f"The domain is {', '.join(map(str, outside))}. Start inside."
 
 
@@ -677,13 +678,11 @@ def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
         values = {key: float(x) + 0.0 for key, x in zip(chart.names, there, strict=True)}
         if np.isfinite(there).all() and not (chart.at_edges({**point, **values}) <= 0).any():
             listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
-            found.append(f"chart {name!r} holds there, at {listed}")
-    if not found:
-        return ""
-    return (
-        f"Of this space {'; '.join(found)}. Its frame, for a start there, is "
-        "problem.atlas.chart(name).frame of any curve of this space. "
-    )
+            found.append(
+                f"Chart {name!r} holds there, at {listed}; its frame is "
+                f"problem.atlas.chart({name!r}).frame of any curve of this space. "
+            )
+    return "".join(found)
 
 
 def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
