@@ -71,7 +71,8 @@ def read_stops(
                 f"{where}: expected an expression that changes along the curve, got {read}. "
                 f"Use {', '.join(names)}."
             )
-        found.append(Stop(str(read), read.xreplace(values)))
+        text = term.strip() if isinstance(term, str) else str(read)
+        found.append(Stop(text, read.xreplace(values)))
     return tuple(found)
 
 

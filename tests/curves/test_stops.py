@@ -54,6 +54,7 @@ def test_a_stop_behind_a_change_of_charts():
     free = gt.solve(plunge(), 22.0)
     stopped = gt.solve(plunge(stop="r - 1.7"), 22.0)
     assert stopped.charts == ("kerr", "ingoing")
+    assert stopped.stopped_by == "r - 1.7"
     assert stopped.times[-1] == pytest.approx(free.event_times("r - 1.7")[0], abs=1e-8)
     # r = sqrt(x^2 + y^2 + z^2) in the chart that goes on.
     hole = gt.spaces.load("schwarzschild").frame
