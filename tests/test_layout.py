@@ -100,7 +100,7 @@ CEILINGS = {
 # A change that needs more edits its number and says in the commit what users get for it.
 BUDGET = {
     "accuracy": 450,
-    "action": 1950,
+    "action": 2000,
     "cli": 3300,
     "codegen": 2350,
     "curves": 3350,

@@ -361,7 +361,8 @@ def conserved_quantities(
     The search covers a stated ansatz: the energy; momenta p_k xi^k of coordinates, of legs, of
     right-invariant fields on a Lie group, and of all fields xi = sum c f(q) E_k with constant c
     and a few functions f (products of 1, x, cos(x), sin(x) as they fit the coordinates, or 1 and
-    the coordinates where there would be too many); Casimirs; and sums of c f(q) p_k p_l for the
+    the coordinates where there would be too many), or xi = sum c f(q) d_mu with polynomials f of
+    degree 2; Casimirs; and sums of c f(q) p_k p_l for the
     terms f of which the coframe is made, such as Carter's constant. `ansatz` of the result, which
     is printed with it, lists the functions. All rational combinations within the ansatz are found,
     and the derivative of each along the motion is exactly zero. Others may exist.
@@ -383,6 +384,7 @@ def conserved_quantities(
       energy p_k u^k - L
       sums of c*p(xi), the momenta along coordinates and legs
       sums of c*f(q)*p_k, f a product of one of each (1, r) (1, phi, cos(phi), sin(phi))
+      sums of c*f(q)*p(q), the momenta of coordinates, f of degree 2 in r, phi
       sums of c*f(q)*p_k*p_l, f one of (1, r**2)
 
     Carter's constant of Kerr's space, in Carter's tetrad:
