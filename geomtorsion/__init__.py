@@ -1,9 +1,9 @@
-"""Give it any tetrad; get its geometry, its motions and its defects: exactly and fast.
+"""Geometry, motions and Burgers vectors of any frame field (tetrad), exact where possible.
 
 Start with `Frame` or `spaces.load`, then `cartan`, `levi_civita`, `solve`, `burgers_vector` or
-`Scene`. The documentation is in examples/site of the sources, and README says how to build it. Of
-its pages tutorials/first_tetrad is the place to begin, howto/tetrad_file is for spaces of your own,
-and api/index lists every public name; `error.page` of an error names the one that helps.
+`Scene`. The documentation is in examples/site of the sources; README.md explains how to build it.
+Begin with the page "Your first tetrad". "How to write a tetrad file" explains spaces of your own,
+and "Reference" lists every public name by topic. The page `error.page` helps with an error.
 """
 
 # ruff: noqa: E402  # Ctrl-C ends the command quietly from here on, whatever takes long to load
@@ -23,6 +23,7 @@ from geomtorsion.geometry import (
     Connection,
     Curvature,
     DependencyGraph,
+    Form,
     Frame,
     IdentityCheck,
     Tensor,
@@ -36,13 +37,15 @@ from geomtorsion.geometry import (
     from_torsion,
     identities,
     levi_civita,
+    lie,
+    lie_bracket,
 )
 from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import pictures, scenes
+    from geomtorsion import gravity, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -69,10 +72,12 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        spinning,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
+    from geomtorsion.gravity import Symmetries, killing_equations, symmetries
     from geomtorsion.loops import (
         AffineMap,
         BurgersMap,
@@ -149,7 +154,7 @@ if TYPE_CHECKING:
     )
     from geomtorsion.teaching import exercises
 
-# Imported when first asked for, so that geometry alone starts as fast as sympy does.
+# Imported on first use, so that geometry starts as fast as sympy.
 _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
@@ -163,9 +168,10 @@ _LATER = {
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport",
+        "log_map", "parallel_transport", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
+    "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
@@ -187,7 +193,7 @@ _LATER = {
 # Packages that users reach by a public name, imported on first use.
 _PACKAGES = {
     "crystals": "materials.crystals", "exercises": "teaching.exercises",
-    "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+    "gravity": "gravity", "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
 }  # fmt: skip
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
@@ -220,6 +226,7 @@ __all__ = [
     "Ensemble",
     "EquationsOfMotion",
     "ExactBurgersVector",
+    "Form",
     "Frame",
     "FreeTop",
     "GeomtorsionError",
@@ -247,6 +254,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Symmetries",
     "Taylor",
     "Tensor",
     "Torsion",
@@ -284,10 +292,14 @@ __all__ = [
     "from_torsion",
     "geodesic",
     "geodesic_deviation",
+    "gravity",
     "holonomy",
     "identities",
     "images",
+    "killing_equations",
     "levi_civita",
+    "lie",
+    "lie_bracket",
     "limits",
     "log_map",
     "numpy_function",
@@ -303,6 +315,8 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "spinning",
+    "symmetries",
     "variation",
 ]
 
@@ -311,7 +325,7 @@ __all__ = [
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
-        """A name of a later floor, imported on first use."""
+        """A name of a higher package, imported on first use."""
         if name == "__version__":
             return _version()
         if name in _PACKAGES:
@@ -319,13 +333,13 @@ if not TYPE_CHECKING:
         if name not in _HOME:
             raise AttributeError(f"module 'geomtorsion' has no attribute {name!r}")
         found = getattr(import_module(f"geomtorsion.{_HOME[name]}"), name)
-        # Kept, since asking anew costs as much as a short solution.
+        # Kept, because a second import costs as much as a short solution.
         globals()[name] = found
         return found
 
 
 def _version() -> str:
-    """The version, which stands in pyproject.toml alone."""
+    """The version, which only pyproject.toml states."""
     # Loading these takes as long as a short solution, and few ask.
     import tomllib
     from importlib.metadata import version

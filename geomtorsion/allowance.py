@@ -1,7 +1,7 @@
 """Allowance: time and memory that exact work may take, looked at in its loops.
 
-A limit either raises or does nothing: no result depends on it.  What was finished before stays
-where it is, in frames, tensors and fields, and the next call goes on from there.
+A limit either raises or does nothing: no result depends on it. Frames, tensors and fields keep
+their finished quantities, and the next call continues from there.
 """
 
 from __future__ import annotations
@@ -57,8 +57,7 @@ class Limits:
         now, before = time.monotonic(), resident()
         if self.megabytes is not None and before is None:
             raise LimitError(
-                "megabytes: this system does not tell how much memory a process has. "
-                "Give seconds alone"
+                "megabytes: this system does not report the memory of a process. Give only seconds"
             )
         self._before = before or 0
         self._end = float("inf") if self.seconds is None else now + self.seconds
@@ -83,7 +82,7 @@ class Limits:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Stop counting; say which quantity met which limit."""
+        """Stop counting; name the quantity that exceeded a limit."""
         _BLOCKS.set(_BLOCKS.get()[:-1])
         if isinstance(error, _Met) and error.block is self:
             quantity, place = _where(trace)
@@ -91,8 +90,8 @@ class Limits:
             clear_frames(trace)
             at = f"; it was at {place}" if place else ""
             raise AllowanceError(
-                f"{quantity} takes more than {error.what}{at}. What was finished is kept: "
-                "ask again with larger limits, for less, or for numbers with .at(point)",
+                f"{quantity} takes more than {error.what}{at}. Finished quantities are kept: "
+                "repeat with larger limits, request less, or numbers with .at(point)",
                 quantity,
             ) from None
 
@@ -101,8 +100,8 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     """A block in which work ends with an error when it has taken so much time or memory.
 
     For geometry, printing, actions, reading and proofs: all exact work of the thread that enters
-    the block. A limit raises or does nothing; answers never depend on it. What was finished is
-    kept, so that the same call with larger limits continues from there.
+    the block. A limit raises or does nothing; answers never depend on it. Finished quantities
+    are kept, so that the same call with larger limits continues from there.
 
     The limits are looked at between the operations of exact work. A single call of python-flint or
     sympy ends before they are: products are bounded beforehand (`geomtorsion.exact.limits`), long
@@ -121,7 +120,7 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     AllowanceError
         On leaving the block, if a limit was met; it names the quantity that was worked out.
     ArgumentError
-        Neither is given, or one is no positive number.
+        Neither is given, or one is not a positive number.
 
     Examples
     --------
@@ -134,8 +133,7 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     """
     if seconds is None and megabytes is None:
         raise ArgumentError(
-            "limits: seconds, megabytes or both were needed, but none came. Write "
-            "limits(seconds=10)."
+            "limits: expected seconds, megabytes or both, got none. Write limits(seconds=10)."
         )
     return Limits(
         None if seconds is None else checks.positive(seconds, "seconds", ArgumentError),
@@ -172,7 +170,7 @@ def _pages(number: str) -> int:
 
 
 def _where(trace: TracebackType | None) -> tuple[str, str]:
-    """(what was asked for, which part of it was being worked out) from the calls that ended."""
+    """(requested quantity, part in progress), from the calls that ended."""
     asked, tensors, index = "the work", [], None
     for frame, _ in walk_tb(trace):
         module = frame.f_globals.get("__name__", "")
@@ -184,7 +182,7 @@ def _where(trace: TracebackType | None) -> tuple[str, str]:
             tensors.append(f"{getattr(names['self'], 'name', '')} {label}".strip())
         elif asked == "the work":
             called = frame.f_code.co_qualname.removesuffix(".__init__")
-            # What has a name of its own that users know.
+            # Only public names, which users know.
             if not any(part.startswith(("_", "<")) for part in called.split(".")):
                 asked = called
         place = names.get("representative", names.get("index"))

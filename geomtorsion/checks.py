@@ -1,11 +1,11 @@
-"""Checks: what comes from outside, looked at once: numbers, arrays, names, words.
+"""Checks: validators of all input: numbers, arrays, names, words.
 
-Every function takes the value, the subject (how messages call it: "radius", "start[2]") and the
-class of error to raise. Where the usual sentence does not fit, give another: a text in which
-``{subject}`` and ``{value}`` stand for the two, and whatever else the function lists.
+Every function takes the value, the subject (its name in messages: "radius", "start[2]") and the
+class of error to raise. If the usual sentence does not fit, pass another: a text with
+``{subject}``, ``{value}`` and the other fields that the function lists.
 
-Nothing here reads text. A text in the place of a number is refused, and so is a list: sympy would
-run it as code. Who accepts text reads it first with `geomtorsion.exact.parse_expression`.
+Nothing here reads text. A text or a list instead of a number is refused, because sympy would run it
+as code. Callers that accept text first read it with `geomtorsion.exact.parse_expression`.
 """
 
 from __future__ import annotations
@@ -35,24 +35,24 @@ if TYPE_CHECKING:
     import numpy as np
 
 ErrorClass = type[GeomtorsionError]
-# Bytes of all arrays of one result, or of one file: what is saved can be read again.
+# Bytes of all arrays of one result, or of one file, so that every saved file can be read.
 LARGEST_ARRAYS = 2_000_000_000
 Kind = TypeVar("Kind")
 
-NUMBER = "{subject}: a number was needed, but {value} came."
-FINITE = "{subject}: a finite number was needed, but {value} came."
-POSITIVE = "{subject}: a positive number was needed, but {value} came."
-LISTED = "{subject}: a list of numbers was needed, but {value} came."
-COUNTED = "{subject}: {wanted} numbers were needed, but {came} came."
-SHAPED = "{subject}: shape {wanted} was needed, but {came} came."
-WHOLE = "{subject}: a whole number {range} was needed, but {value} came."
-FLAG = "{subject}: True or False was needed, but {value} came."
-WORD = "{subject}: one of {known} was needed, but {value} came."
-TEXT = "{subject}: a text was needed, but {value} came."
+NUMBER = "{subject}: expected a number, got {value}."
+FINITE = "{subject}: expected a finite number, got {value}."
+POSITIVE = "{subject}: expected a positive number, got {value}."
+LISTED = "{subject}: expected a list of numbers, got {value}."
+COUNTED = "{subject}: expected {wanted} numbers, got {came}."
+SHAPED = "{subject}: expected shape {wanted}, got {came}."
+WHOLE = "{subject}: expected a whole number {range}, got {value}."
+FLAG = "{subject}: expected True or False, got {value}."
+WORD = "{subject}: expected one of {known}, got {value}."
+TEXT = "{subject}: expected a text, got {value}."
 UNKNOWN = "{subject}: {value} is not known. {hint}Known are {known}."
-EXPRESSION = "{subject}: one expression was needed, but {value} came."
-# What sympy is told of a symbol, and what its values have to be then. Zero is where values end that
-# are positive, or not zero.
+EXPRESSION = "{subject}: expected one expression, got {value}."
+# Assumption of a symbol in sympy, and the property that its values need. Zero is the limit of
+# positive values.
 DECLARED = {
     "positive": "nonnegative",
     "negative": "nonpositive",
@@ -105,7 +105,7 @@ def shown(value: object) -> str:
     ("'r'", 200)
     """
     try:
-        # Of a long text the beginning is enough: its repr would be as long again.
+        # The beginning of a long text is enough; its repr would be as long as the text.
         start = value[: LONGEST_SHOWN + 1] if isinstance(value, str | bytes) else value
         return cut(repr(start))
     except Exception:  # noqa: BLE001
@@ -129,7 +129,7 @@ def plain(value: object) -> Any:
     if type(found) in (float, int):
         return found
     if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
-        # What is masked is not known, whatever number lies under the mask.
+        # A masked value is unknown, whatever number is under the mask.
         found = math.nan if bool(getattr(found, "mask", False)) else found.item()
     inner = getattr(found, "sympy", None) if hasattr(type(found), "sympy") else None
     return inner if isinstance(inner, sp.Expr) else found
@@ -229,7 +229,7 @@ def _is_above(value: sp.Basic, most: float) -> bool:
     try:
         real, imaginary = value.evalf(15).as_real_imag()
         return bool(abs(real) > most or abs(imaginary) > most)
-    # More digits than there is room for, or no number at all, such as 0/0.
+    # Too many digits, or not a number, such as 0/0.
     except OverflowError:
         return True
     except TypeError:
@@ -270,7 +270,7 @@ def number(
 ) -> float:
     """A finite float.
 
-    message, infinite: what is said of what is no real number, and of nan and infinity.
+    message, infinite: the messages for values that are not real numbers, and for nan and infinity.
 
     Examples
     --------
@@ -279,7 +279,7 @@ def number(
     0.5
     >>> number(["1"], "radius", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: radius: a number was needed, but ['1'] came.
+    geomtorsion.errors.LoopError: radius: expected a number, got ['1'].
     """
     size = real(value)
     if size is None:
@@ -323,7 +323,7 @@ def positive(
     >>> from geomtorsion.errors import LoopError
     >>> positive(0, "radius", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: radius: a positive number was needed, but 0 came.
+    geomtorsion.errors.LoopError: radius: expected a positive number, got 0.
     """
     size = number(value, subject, error, message=number_message, infinite=infinite)
     if size <= 0:
@@ -363,7 +363,7 @@ def count(
     7
     >>> count(2.5, "seed", TimeError, 1, 10**6)
     Traceback (most recent call last):
-    geomtorsion.errors.TimeError: seed: a whole number from 1 to 1,000,000 was needed, but 2.5 came.
+    geomtorsion.errors.TimeError: seed: expected a whole number from 1 to 1,000,000, got 2.5.
     """
     found = whole(value)
     if found is not None and low <= found and (high is None or found <= high):
@@ -373,7 +373,7 @@ def count(
 
 
 def fraction(value: object) -> Fraction | None:
-    """A rational number or a float as the fraction that it is; None for what is no fraction.
+    """A rational number or a float as an exact fraction; None for other values.
 
     Examples
     --------
@@ -442,8 +442,8 @@ def expression(
 ) -> sp.Expr:
     """One sympy expression: a number, an expression or an exact element.
 
-    This is what stands where others write ``sympify``: that runs text as Python, also text in
-    lists, and the text that ``str`` makes of an object it does not know.
+    Used instead of ``sympify``, which runs text as Python, also text in lists, and the text that
+    ``str`` makes of unknown objects.
 
     read: reads text, such as a `parse_expression` that knows the names; without it text is refused.
 
@@ -454,7 +454,7 @@ def expression(
     (1/2, pi)
     >>> expression(["1"], "curve[0]")
     Traceback (most recent call last):
-    geomtorsion.errors.ExpressionError: curve[0]: one expression was needed, but ['1'] came.
+    geomtorsion.errors.ExpressionError: curve[0]: expected one expression, got ['1'].
     """
     found = plain(value)
     if isinstance(found, sp.Expr) and not getattr(found, "is_Matrix", False):
@@ -477,9 +477,9 @@ def expression(
 
 
 def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
-    """What was declared of a symbol that a value is not.
+    """The assumptions of a symbol that a value contradicts.
 
-    Zero is where positive values end: what is finite there is what it was next to it.
+    Zero is accepted as the limit of positive values.
 
     Examples
     --------
@@ -495,14 +495,14 @@ def against(symbol: sp.Symbol, value: sp.Expr) -> list[str]:
 
 
 def check_declared(symbol: sp.Symbol, value: object) -> None:
-    """Refuse a value that contradicts what was declared of a parameter.
+    """Refuse a value that contradicts the assumptions of a parameter.
 
     sympy has used that already: sqrt(M**2) is M, which would be wrong without a word.
 
     Raises
     ------
     CoordinateError
-        it does; the message says what was declared.
+        The value does; the message names the assumption.
 
     Examples
     --------
@@ -531,18 +531,18 @@ Give another value, or declare k without it.
 def instance(
     value: object, kind: type[Kind], subject: str, error: ErrorClass = ArgumentError
 ) -> Kind:
-    """A thing of a class, such as a frame; the message says by its name what was needed.
+    """An instance of a class, such as a frame; the message names the class.
 
     Examples
     --------
     >>> instance([1], sp.Symbol, "symbol")
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: symbol: a Symbol was needed, but [1] came.
+    geomtorsion.errors.ArgumentError: symbol: expected a Symbol, got [1].
     """
     if isinstance(value, kind):
         return value
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
-    raise error(f"{subject}: {article} {kind.__name__} was needed, but {shown(value)} came.")
+    raise error(f"{subject}: expected {article} {kind.__name__}, got {shown(value)}.")
 
 
 def file_name(value: object, subject: str = "path", error: ErrorClass = ArgumentError) -> Path:
@@ -554,12 +554,12 @@ def file_name(value: object, subject: str = "path", error: ErrorClass = Argument
     'a.npz'
     >>> file_name(None)
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: path: the name of a file was needed, but None came.
+    geomtorsion.errors.ArgumentError: path: expected the name of a file, got None.
     """
     found = value.__fspath__() if isinstance(value, PathLike) else value
     if isinstance(found, str):
         return Path(found)
-    raise error(f"{subject}: the name of a file was needed, but {shown(value)} came.")
+    raise error(f"{subject}: expected the name of a file, got {shown(value)}.")
 
 
 def flag(
@@ -571,7 +571,7 @@ def flag(
     --------
     >>> flag("no", "complex")
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: complex: True or False was needed, but 'no' came.
+    geomtorsion.errors.ArgumentError: complex: expected True or False, got 'no'.
     """
     found = plain(value)
     if isinstance(found, bool):
@@ -584,7 +584,7 @@ def entries(
     subject: str,
     error: ErrorClass = ArgumentError,
     *,
-    message: str = "{subject}: a list was needed, but {value} came. Put it in brackets.",
+    message: str = "{subject}: expected a list, got {value}. Put it in brackets.",
 ) -> list[Any]:
     """The entries of a list, tuple, array or matrix (by rows); no text, table or set is one.
 
@@ -631,7 +631,7 @@ def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> di
         return {}
     if isinstance(values, Mapping):
         return dict(values)
-    _fail(error, "{subject}: names with values were needed, but {value} came.", subject, values)
+    _fail(error, "{subject}: expected names with values, got {value}.", subject, values)
 
 
 def check_room(numbers: int, subject: str, remedy: str) -> None:
@@ -683,7 +683,7 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
 
 
 def _written(key: object) -> str:
-    """A key as it is written, with what is assumed of a symbol."""
+    """A key as text, with the assumptions of a symbol."""
     return cut(sp.srepr(key)) if isinstance(key, sp.Symbol) else shown(key)
 
 
@@ -702,10 +702,10 @@ def numbers(
     message: str = NUMBER,
     infinite: str = FINITE,
 ) -> tuple[Any, ...]:
-    """A list of so many finite real numbers (None: of any number), kept as they came.
+    """A list of finite real numbers of a given length (None: any), unchanged.
 
-    shape_error: for what is no list, or one of another length. listed, counted: what is said then;
-    they may use {wanted} and {came}. The subject of an entry is ``subject[k]``.
+    shape_error: raised for values that are not lists or have another length. listed, counted: its
+    messages; they may use {wanted} and {came}. The subject of an entry is ``subject[k]``.
 
     Examples
     --------
@@ -714,7 +714,7 @@ def numbers(
     (1, Fraction(1, 2))
     >>> numbers([1, "2"], 2, "start", StartError)
     Traceback (most recent call last):
-    geomtorsion.errors.StartError: start[1]: a number was needed, but '2' came.
+    geomtorsion.errors.StartError: start[1]: expected a number, got '2'.
     """
     wrong = shape_error or error
     more = {"wanted": wanted, "came": ""}
@@ -740,17 +740,17 @@ def array(
     *,
     shape: tuple[int | None, ...] | None = None,
     shape_error: ErrorClass | None = None,
-    message: str = "{subject}: an array of real numbers was needed, but {value} came.",
+    message: str = "{subject}: expected an array of real numbers, got {value}.",
     shaped: str = SHAPED,
     infinite: str | None = "{subject}{place} = {value} is not finite. Give finite numbers.",
 ) -> np.ndarray:
-    """An array of finite doubles; None in the shape stands for any length.
+    """An array of finite doubles; None in the shape means any length.
 
-    Masked entries are nan: nothing is known there.
+    Masked entries become nan, because they are unknown.
 
-    message is used for what is no array of real numbers: text, rows of different lengths, complex
-    numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as [0, 2], its value
-    being the entry there; infinite=None lets nan and infinity through.
+    message is used for values that are not arrays of real numbers: text, rows of different
+    lengths, complex numbers. shaped may use {wanted} and {came}; infinite may use {place}, such as
+    [0, 2], its value being the entry there; infinite=None lets nan and infinity through.
 
     Examples
     --------
@@ -833,7 +833,7 @@ def close_names(name: str, known: Iterable[str], most: int = 1, cutoff: float = 
     >>> close_names("kerr_schildd", ["kerr", "kerr_schild", "flat"], most=2)
     ['kerr_schild']
     """
-    # Long texts are no misspelt names, and would take long to compare.
+    # Long texts are not misspelt names, and would take long to compare.
     return get_close_matches(name[:LONGEST_SHOWN], list(known), n=most, cutoff=cutoff)
 
 
@@ -910,7 +910,7 @@ def known_keys(
     {'M': 1}
     """
     if not isinstance(given, Mapping):
-        _fail(error, "{subject}: names with values were needed, but {value} came.", subject, given)
+        _fail(error, "{subject}: expected names with values, got {value}.", subject, given)
     words = list(known)
     for key in given:
         known_name(key, words, subject, error, message=message)
@@ -925,7 +925,7 @@ def choice(value: object, words: Sequence[str], subject: str, error: ErrorClass)
     >>> from geomtorsion.errors import LoopError
     >>> choice("lines", ["line", "flux"], "method", LoopError)
     Traceback (most recent call last):
-    geomtorsion.errors.LoopError: method: one of line, flux was needed, but 'lines' came.
+    geomtorsion.errors.LoopError: method: expected one of line, flux, got 'lines'.
     """
     if isinstance(value, str) and value in words:
         return value
@@ -942,7 +942,7 @@ def text(
     >>> from geomtorsion.errors import SceneError
     >>> text(3, "name", SceneError)
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: name: a text was needed, but 3 came.
+    geomtorsion.errors.SceneError: name: expected a text, got 3.
     """
     if isinstance(value, str) and len(value) <= longest:
         return value

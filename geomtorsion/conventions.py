@@ -1,7 +1,7 @@
 """Conventions: index order, signs and factors, stated once; everything else cites this file.
 
-They are those of [FizievKleinert1994] (READING.md). tests/geometry/test_conventions.py holds the
-package to each of them with arithmetic of its own, tests/test_conventions.py the signs of Burgers
+The package follows [FizievKleinert1994] (READING.md). tests/geometry/test_conventions.py checks
+each convention with independent arithmetic, tests/test_conventions.py the signs of Burgers
 vectors, on atoms.
 """
 
@@ -118,17 +118,17 @@ CONVENTIONS = (
         "nye",
         "alpha^{ik} = eps^{kab} d_a e^i_b, b^i = alpha^{ik} n_k A",
         "First index: Burgers vector; second: normal of the area, as Nye, Kroener and MTEX. Mura "
-        "writes the transpose. Its sign follows that of b.",
+        "writes the transpose. Its sign follows the sign of b.",
     ),
 )
 
 
 @dataclass(frozen=True)
 class BurgersConvention:
-    """A way to say which closure failure is the Burgers vector.
+    """The sign convention of a Burgers vector.
 
-    names: what it is called; sign: its b over that of this package, for one line and one sense.
-    meaning: how it is found.
+    names: its names; sign: its b over the b of this package, for one line and one sense.
+    meaning: its definition.
     """
 
     names: tuple[str, ...]
@@ -186,7 +186,7 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
     UnknownNameError
         No convention has this name; the message lists them.
     ArgumentError
-        The vector is no list of numbers.
+        The vector is not a list of numbers.
 
     Examples
     --------
@@ -198,17 +198,17 @@ def burgers(vector: Sequence[Any] | np.ndarray, name: str) -> np.ndarray:
 
     signs = {each: one.sign for one in BURGERS for each in one.names}
     known = checks.known_name(name, signs, "convention", UnknownNameError)
-    message = "{subject}: a Burgers vector was needed, but {value} came."
+    message = "{subject}: expected a Burgers vector, got {value}."
     found = np.asarray(checks.entries(vector, "vector", message=message))
     if found.dtype.kind not in "iufcO":
-        raise ArgumentError(f"vector: numbers were needed, but {checks.shown(vector)} came.")
+        raise ArgumentError(f"vector: expected numbers, got {checks.shown(vector)}.")
     return signs[known] * found
 
 
 class Signed:
-    """A result with a Burgers vector `vector`, which it gives in other conventions of sign, too."""
+    """A result with a Burgers vector `vector`, convertible to other sign conventions."""
 
-    # Some have the vector as a field, some work it out: no one type says so.
+    # Some classes have the vector as a field, others compute it; one type cannot express both.
     def in_convention(self: Any, name: str) -> np.ndarray:
         """The vector in another convention of sign, such as "FS/RH"; see `conventions.burgers`.
 

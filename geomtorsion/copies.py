@@ -7,10 +7,10 @@ from typing import Any
 
 
 def only_fields(self: Any) -> dict[str, Any]:
-    """The fields of a dataclass, private tables empty: what is kept between calls is left out.
+    """The fields of a dataclass, with empty private tables: cached values are omitted.
 
-    A class takes it as its `__getstate__`. Locks and compiled code stay behind; copies work out
-    anew what they need, to the same bit.
+    A class takes it as its `__getstate__`. Locks and compiled code are omitted; copies compute
+    them again, to the same bit.
 
     Examples
     --------

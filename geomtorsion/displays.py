@@ -1,4 +1,4 @@
-"""displays: what a value shows in a notebook; those who draw stand floors above it."""
+"""displays: hooks for the notebook display of a value; packages above register the drawing."""
 
 from __future__ import annotations
 

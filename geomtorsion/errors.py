@@ -1,12 +1,12 @@
-"""Errors: every failure a user can cause, each saying what was needed, what came, what to do.
+"""Errors: every failure a user can cause. A message reads "expected X, got Y. <remedy>".
 
-Pages of the documentation in examples/site say more; each error names its own (`error.page`).
+`error.page` of an error names the page of the documentation (examples/site) that helps.
 """
 
 import re
 from typing import Any, ClassVar
 
-# Longer values are cut in messages: what came is recognised by its beginning and its end.
+# Longer values are cut in messages to their beginning and their end.
 LONGEST_SHOWN = 200
 _LONG_WORD = re.compile(rf"\S{{{LONGEST_SHOWN + 1},}}")
 
@@ -18,7 +18,7 @@ def _cut(text: str, most: int) -> str:
 
 
 def _shortened(message: str) -> str:
-    """A message without the middle of what is endless in it, whatever came."""
+    """A message without the middle of its longest words, so that it is never endless."""
     words = _LONG_WORD.sub(lambda word: _cut(word[0], LONGEST_SHOWN), message)
     return _cut(words, 10 * LONGEST_SHOWN)
 
@@ -59,7 +59,7 @@ class LimitError(GeomtorsionError, ValueError):
 
 
 class AllowanceError(LimitError):
-    """Work took more time or memory than `limits` allows; `quantity` is what was asked for."""
+    """Work took more time or memory than `limits` allows; `quantity` is the requested quantity."""
 
     def __init__(self, message: str, quantity: str = "") -> None:
         super().__init__(message)
@@ -79,7 +79,7 @@ class CoordinateError(GeomtorsionError, ValueError):
 
 
 class MetricError(GeomtorsionError, ValueError):
-    """A metric is not symmetric, degenerate, or not of the signature asked for."""
+    """A metric is not symmetric, degenerate, or not of the requested signature."""
 
     page = "howto/tetrad_file"
 
@@ -114,7 +114,7 @@ class MissingValueError(GeomtorsionError, KeyError):
 
 
 class SingularPointError(GeomtorsionError, ArithmeticError):
-    """A quantity has no finite value at the point asked for."""
+    """A quantity has no finite value at the requested point."""
 
 
 class BranchError(SingularPointError):
@@ -137,7 +137,7 @@ class UnknownNameError(GeomtorsionError, KeyError):
     A KeyError, by which mappings such as `Moment` know that a name is not in them.
     """
 
-    # That of KeyError puts the message in quotes.
+    # KeyError.__str__ would put the message in quotes.
     __str__ = Exception.__str__
 
 
@@ -150,7 +150,7 @@ class PackageError(GeomtorsionError, OSError):
 
 
 class LoopError(GeomtorsionError, ValueError):
-    """A path is no loop (it does not close, has no length), or cannot be integrated over."""
+    """A path is not a loop (it is open or has no length), or an integral along it fails."""
 
     page = "tutorials/loops_that_do_not_close"
 
@@ -164,10 +164,10 @@ class TimeError(GeomtorsionError, ValueError):
 
 
 class AccuracyError(GeomtorsionError, ArithmeticError):
-    """The accuracy asked for is no accuracy, or cannot be reached with the engine asked for.
+    """The requested accuracy is invalid, or cannot be reached with the requested engine.
 
     ensemble: the members of an ensemble that do reach it, or None.
-    solution: what was computed of a motion that comes closer to an edge than rounding errors, or
+    solution: the computed part of a motion that comes closer to an edge than rounding errors, or
         None.
     """
 
@@ -190,7 +190,7 @@ class ChartEdgeError(GeomtorsionError, ArithmeticError):
 
 
 class StuckError(GeomtorsionError, ArithmeticError):
-    """A flow cannot go on; `solution` holds everything computed so far, or None."""
+    """A motion cannot continue; `solution` holds everything computed so far, or None."""
 
     def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
@@ -198,7 +198,7 @@ class StuckError(GeomtorsionError, ArithmeticError):
 
 
 class CheckpointError(GeomtorsionError, ValueError):
-    """A checkpoint cannot be read, or is that of another run."""
+    """A checkpoint cannot be read, or belongs to another run."""
 
 
 class ProofError(GeomtorsionError, ArithmeticError):
@@ -225,7 +225,7 @@ class NetworkError(GeomtorsionError, ValueError):
 
 
 class CrystalError(GeomtorsionError, ValueError):
-    """Atoms form no crystal, or not the one that was named: the message says what fits."""
+    """Atoms form no crystal, or another one than named; the message names the one that fits."""
 
     page = "tutorials/from_data"
 
@@ -243,7 +243,7 @@ class OrientationError(GeomtorsionError, ValueError):
 
 
 class ImageError(GeomtorsionError, ValueError):
-    """An image shows no lattice, or too little of one where it was asked for."""
+    """An image shows no lattice, or too little of it at the requested position."""
 
     page = "tutorials/from_data"
 
@@ -259,15 +259,21 @@ class BodyError(GeomtorsionError, ValueError):
 
 
 class SceneError(GeomtorsionError, ValueError):
-    """A scene contradicts itself or lacks something: effects, start, or what is watched."""
+    """A scene contradicts itself or lacks something: effects, start, or outputs."""
 
     page = "tutorials/top_and_effects"
 
 
 class LagrangianError(GeomtorsionError, ValueError):
-    """A Lagrangian or force holds a symbol that means nothing here, or is no expression."""
+    """A Lagrangian or force holds an unknown symbol, or is not an expression."""
 
     page = "tutorials/top_and_effects"
+
+
+class GravityError(GeomtorsionError, ValueError):
+    """A Lagrangian of gravity, its connection or its matter do not fit together."""
+
+    page = "tutorials/gravity"
 
 
 class KineticMatrixError(GeomtorsionError, ValueError):

@@ -6,20 +6,24 @@ where there is one, the line or the part.
 
 from __future__ import annotations
 
+import bz2
 import errno
+import gzip
 import hashlib
+import io
 import json
 import math
 import os
 import re
 import tomllib
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
-from typing import Any, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 from geomtorsion import checks
 from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
@@ -91,12 +95,106 @@ def finite_number(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+# How packed files begin -> what unpacks them, and what their names end in.
+_PACKED = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open}
+_PACKED_ENDS = (".gz", ".bz2")
+# Packed files that are not read, and the program that unpacks each.
+_FOREIGN_PACKED = {b"\x28\xb5\x2f\xfd": "zstd -d", b"\xfd7zXZ\x00": "xz -d"}
+
+
+def ending(path: object) -> str:
+    """End of the name of a file in small letters, without that of a packed one.
+
+    Raises
+    ------
+    ArgumentError
+        It is no name of a file.
+
+    Examples
+    --------
+    >>> ending("map.CTF"), ending("run.dump.gz"), ending("POSCAR")
+    ('.ctf', '.dump', '')
+    """
+    name = checks.file_name(path)
+    packed = name.suffix.lower() in _PACKED_ENDS
+    return Path(name.stem if packed else name.name).suffix.lower()
+
+
+class _Unpacked(io.RawIOBase):
+    """Bytes of a packed file, up to a number of them."""
+
+    def __init__(self, name: str, source: BinaryIO, most: int) -> None:
+        self.name, self.source, self.most, self.left = name, source, most, most
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        try:
+            content = self.source.read(len(buffer))
+        except (OSError, EOFError, zlib.error):
+            raise FileFormatError(
+                f"{self.name}: expected a whole packed file, got one that is damaged or truncated. "
+                "Copy it again."
+            ) from None
+        self.left -= len(content)
+        if self.left < 0:
+            raise LimitError(
+                f"{self.name}: expected at most {self.most:,} bytes when it is unpacked, got more. "
+                "Unpack it, then read that."
+            )
+        buffer[: len(content)] = content
+        return len(content)
+
+
+@contextmanager
+def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[BinaryIO]:
+    """The bytes of a file, unpacked where it is packed by gzip or bzip2.
+
+    most: bytes to which it may unpack; in proportion to its length if not given.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such file, it is a pipe or a device, packed otherwise, or damaged.
+    LimitError
+        It unpacks to more.
+    """
+    path = checks.file_name(path)
+    try:
+        # A pipe or a device would never end.
+        if not S_ISREG(path.stat().st_mode):
+            raise OSError(0, "this is not a regular file")
+        file = path.open("rb")
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    except ValueError:
+        raise FileFormatError(f"{shown(str(path))}: this is not the name of a file.") from None
+    with file:
+        first = file.peek(6)
+        for mark, program in _FOREIGN_PACKED.items():
+            if first.startswith(mark):
+                raise FileFormatError(
+                    f"{path.name}: expected a file that is plain or packed by gzip or bzip2, got "
+                    f"one packed otherwise. Unpack it: {program} {path.name}"
+                )
+        unpack = next((u for mark, u in _PACKED.items() if first.startswith(mark)), None)
+        if unpack is None:
+            yield file
+            return
+        size = BOUNDS.unpacked + BOUNDS.unpacked_each * path.stat().st_size
+        bound = min(checks.LARGEST_ARRAYS, size) if most is None else most
+        with unpack(file) as source:
+            yield io.BufferedReader(_Unpacked(path.name, source, bound))
+
+
 def read_text(
     path: str | PathLike[str], largest: int = LARGEST_TEXT, *, otherwise: str | None = None
 ) -> str:
     """The text of a file (UTF-8) of at most so many bytes.
 
-    otherwise: the encoding of what is no UTF-8, such as "latin-1", in which every byte is a letter.
+    otherwise: the encoding of files that are not UTF-8, such as "latin-1" (every byte is valid).
 
     Raises
     ------
@@ -107,32 +205,24 @@ def read_text(
     """
     path = checks.file_name(path)
     try:
-        # A pipe or a device would never end.
-        if not S_ISREG(path.stat().st_mode):
-            raise OSError(0, "this is no regular file")
-        with path.open("rb") as file:
+        with opened(path, largest) as file:
             content = file.read(largest + 1)
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            if otherwise is None:
-                raise
-            text = content.decode(otherwise)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    if len(content) > largest:
+        raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
+    try:
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
+        if otherwise is not None:
+            return content.decode(otherwise)
         raise FileFormatError(
             f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
         ) from None
-    except ValueError:
-        raise FileFormatError(f"{shown(str(path))}: this is no name of a file.") from None
-    if len(content) > largest:
-        raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
-    return text
 
 
-# What the system says of a disk that has no room, or a file that may not grow.
+# Error codes of a full disk, or of a file that may not grow.
 _FULL = frozenset({errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)})
 
 
@@ -146,9 +236,9 @@ def written(path: object, *, is_folder: bool = False) -> Iterator[Path]:
     Raises
     ------
     ArgumentError
-        It is no name.
+        It is not a name.
     FileFormatError
-        The system does not let it be written there: the message says why.
+        The system refuses to write there; the message gives the reason.
 
     Examples
     --------
@@ -160,7 +250,7 @@ directory. Name a file in a folder that is there.
     """
     found = checks.file_name(path)
     if "\0" in str(found) or not (found.name or is_folder):
-        raise FileFormatError(f"{shown(str(path))}: this is no name of a file.")
+        raise FileFormatError(f"{shown(str(path))}: this is not the name of a file.")
     try:
         if is_folder:
             found.mkdir(parents=True, exist_ok=True)
@@ -172,7 +262,7 @@ directory. Name a file in a folder that is there.
         if isinstance(error, GeomtorsionError):
             raise
         remedy = "Name another folder" if is_folder else "Name a file in a folder that is there"
-        # NumPy says of a full disk only that an element was not written.
+        # On a full disk NumPy reports only that an element was not written.
         if error.errno is None or error.errno in _FULL:
             remedy = "Make room, or name another disk"
         raise FileFormatError(
@@ -193,7 +283,7 @@ def _beside(path: Path) -> Iterator[Path]:
         yield part
         part.replace(place)
     except GeomtorsionError as error:
-        # Whoever writes knows the other name alone.
+        # The writer knows only the temporary name.
         error.args = tuple(str(said).replace(str(part), str(path)) for said in error.args)
         raise
     finally:
@@ -230,7 +320,7 @@ def check_resumption(
     overwrite: bool,
     options: str = "--resume",
 ) -> None:
-    """Refuse to start over a stopped run without being told to, or to resume where there is none.
+    """Refuse to overwrite a stopped run without `--overwrite`, or to resume where there is none.
 
     where: the directory or file. run: the kind of run. begun: whether a stopped run is there.
     options: those that ask for it, in messages.
@@ -274,14 +364,14 @@ def write_text(path: str | PathLike[str], text: str) -> None:
 
 
 class Decimal(str):
-    """A decimal number as it stands in a file, so that its exact value can be offered."""
+    """A decimal number as written in a file, so that messages can offer its exact value."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True)
 class TomlFile:
-    """The content of a TOML file that can say where it stands.
+    """The content of a TOML file, with the line of each key.
 
     name: of the file, for messages. data: what tomllib reads. lines: key -> line, from 1.
     """
@@ -305,7 +395,7 @@ class TomlFile:
         return self.lines.get(path, 0)
 
     def fail(self, key: Sequence[str | int], message: str) -> NoReturn:
-        """Refuse what stands at a key, saying the file and the line."""
+        """Refuse the value of a key; the message names the file and the line."""
         line = self.line(key)
         where = f"{self.name}: line {line}: " if line else f"{self.name}: "
         raise FileFormatError(f"{where}{message}")
@@ -319,11 +409,11 @@ class TomlFile:
 def read_toml(
     path: str | PathLike[str],
     *,
-    advice: str = "Texts stand in quotes.",
+    advice: str = "Put texts in quotes.",
     decimals: bool = False,
     largest: int = LARGEST_TEXT,
 ) -> TomlFile:
-    """Read a TOML file and note where its keys stand.
+    """Read a TOML file and record the lines of its keys.
 
     advice: what the message for bad TOML ends with. decimals: keep 0.1 as the text `Decimal`.
 
@@ -339,7 +429,7 @@ def read_toml(
 
 
 def read_toml_text(
-    text: str, name: str, *, advice: str = "Texts stand in quotes.", decimals: bool = False
+    text: str, name: str, *, advice: str = "Put texts in quotes.", decimals: bool = False
 ) -> TomlFile:
     """Read the text of a TOML file; see `read_toml`.
 
@@ -384,7 +474,7 @@ def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError
         return FileFormatError(f"{name}: this is no TOML file: {cut(reason)}. {advice}")
     line, column = int(found[1]), int(found[2])
     row = text.replace("\r\n", "\n").split("\n")[line - 1]
-    # Of a long line the part before the mark is shown.
+    # Show only the part of a long line before the mark.
     first = max(0, column - 1 - 150)
     return FileFormatError(
         f"{name}: line {line}, column {column}: this is no TOML: "
@@ -427,7 +517,7 @@ def _words(dotted: str) -> Key:
 
 
 def _inside(row: str, depth: int, until: str) -> tuple[int, str]:
-    """Brackets that are open behind a row, and the quotes of a text that goes on."""
+    """Open brackets after a row, and the quotes of a text that continues."""
     place = 0
     if until:
         end = row.find(until)
@@ -470,7 +560,7 @@ def read_json_text(text: str, name: str) -> Any:
     """
 
     def refuse(word: str) -> NoReturn:
-        raise FileFormatError(f"{name}: {word} is no number that JSON knows.")
+        raise FileFormatError(f"{name}: {word} is not a number in JSON.")
 
     try:
         return json.loads(text, parse_constant=refuse)
@@ -503,7 +593,7 @@ def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormat
     {'steps': 3, 'names': ['x']}
     >>> conforming({"steps": "3"}, {"steps": int}, "a.npz")
     Traceback (most recent call last):
-    geomtorsion.errors.FileFormatError: a.npz: steps: a whole number was needed, but '3' came.
+    geomtorsion.errors.FileFormatError: a.npz: steps: expected a whole number, got '3'.
     """
     reason = _differs(value, form, "")
     if reason:
@@ -512,19 +602,19 @@ def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormat
 
 
 def _differs(value: Any, form: Any, where: str) -> str:
-    """What is wrong with a value, or nothing."""
+    """The first error in a value, or nothing."""
     place = f"{where}: " if where else ""
     if isinstance(form, tuple):
         reasons = [_differs(value, part, where) for part in form]
         return "" if "" in reasons else reasons[0]
     if isinstance(form, list):
         if not isinstance(value, list):
-            return f"{place}a list was needed, but {shown(value)} came."
+            return f"{place}expected a list, got {shown(value)}."
         found = (_differs(part, form[0], f"{where}[{k}]") for k, part in enumerate(value))
         return next((reason for reason in found if reason), "")
     if isinstance(form, dict):
         if not isinstance(value, dict):
-            return f"{place}a table was needed, but {shown(value)} came."
+            return f"{place}expected a table, got {shown(value)}."
         dot = f"{where}." if where else ""
         if str in form:
             found = (_differs(x, form[str], f"{dot}{cut(k, 60)}") for k, x in value.items())
@@ -539,14 +629,14 @@ def _differs(value: Any, form: Any, where: str) -> str:
                 return f"{place}{name} is missing."
         return ""
     if isinstance(form, frozenset):
-        known = f"{place}one of {', '.join(sorted(form))} was needed, but {shown(value)} came."
+        known = f"{place}expected one of {', '.join(sorted(form))}, got {shown(value)}."
         return "" if isinstance(value, str) and value in form else known
     if isinstance(form, range):
         whole = isinstance(value, int) and not isinstance(value, bool) and value in form
         needed = f"a whole number from {form.start:,} to {form.stop - 1:,}"
-        return "" if whole else f"{place}{needed} was needed, but {shown(value)} came."
+        return "" if whole else f"{place}expected {needed}, got {shown(value)}."
     if form is None:
-        return "" if value is None else f"{place}nothing was needed, but {shown(value)} came."
+        return "" if value is None else f"{place}expected nothing, got {shown(value)}."
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if form is float and is_number and (isinstance(value, int) or math.isfinite(value)):
         return ""
@@ -555,4 +645,4 @@ def _differs(value: Any, form: Any, where: str) -> str:
     if form in (str, bool) and isinstance(value, form):
         return ""
     words = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
-    return f"{place}{words[form]} was needed, but {shown(value)} came."
+    return f"{place}expected {words[form]}, got {shown(value)}."

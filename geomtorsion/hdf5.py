@@ -1,4 +1,4 @@
-"""HDF5: whether a file from outside is whole, and holds itself what its names stand for."""
+"""HDF5: checks that a file is whole and holds all of its data itself."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.files import BOUNDS
 from geomtorsion.npz import DENSEST, unpacked_size
 
-# First bytes of such a file.
+# First bytes of a file.
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
@@ -26,9 +26,9 @@ def check_hdf5(path: Path, h5py: Any) -> list[str]:
     Raises
     ------
     FileFormatError
-        The file is damaged, or a name in it stands for something in another file.
+        The file is damaged, or a name in it refers to another file.
     LimitError
-        A data set says that it is larger than what is stored of it can be.
+        A data set declares a size that its stored bytes cannot hold.
     """
     try:
         with h5py.File(path, "r") as file:
@@ -53,12 +53,12 @@ def _walk(path: Path, file: Any, h5py: Any) -> None:
         if depth > BOUNDS.groups:
             raise LimitError(
                 f"{path}: expected groups at most {BOUNDS.groups} deep, got "
-                f"{cut(group.name, 60)}. Copy what is needed into a file of its own."
+                f"{cut(group.name, 60)}. Copy the data into a separate file."
             )
         for key in group:
             link, name = group.get(key, getlink=True), f"{group.name}/{key}".lstrip("/")
             _check_link(path, name, link, h5py)
-            # A soft link leads to what has a hard one, or nowhere.
+            # The target of a soft link has a hard link, or does not exist.
             if not isinstance(link, h5py.HardLink):
                 continue
             found = group[key]
@@ -76,22 +76,22 @@ def _check_link(path: Path, name: str, link: Any, h5py: Any) -> None:
     """Refuse a link that leaves the file."""
     if isinstance(link, h5py.ExternalLink):
         raise FileFormatError(
-            f"{path}: {cut(name)} is a link to {cut(str(link.filename))}; data in this file itself "
-            "were needed. Copy them into it."
+            f"{path}: {cut(name)}: expected data in this file, got a link to "
+            f"{cut(str(link.filename))}. Copy the data into this file."
         )
 
 
 def _check_data_set(path: Path, name: str, found: Any) -> None:
-    """Refuse a data set that lies in other files, or whose size cannot be."""
+    """Refuse a data set that refers to other files, or whose size is impossible."""
     if found.is_virtual or found.external:
         raise FileFormatError(
-            f"{path}: {cut(name)} lies in other files; data in this file itself were needed. Copy "
-            "them into it."
+            f"{path}: {cut(name)}: expected data in this file, got a reference to other files. "
+            "Copy the data into this file."
         )
     size = prod(found.shape or ()) * found.dtype.itemsize
     if size > LARGEST_ARRAYS and size > DENSEST * found.id.get_storage_size():
         raise LimitError(
-            f"{path}: {cut(name)} would take {size:,} bytes, more than what is stored of it can "
+            f"{path}: {cut(name)} would take {size:,} bytes, more than its stored bytes can "
             "hold. Write the file again."
         )
     chunk = prod(found.chunks or ()) * found.dtype.itemsize

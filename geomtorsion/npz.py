@@ -54,7 +54,7 @@ _NPY = re.compile(
     rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
     rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
 )
-# zlib packs a byte into no less than an eighth of a bit: a larger size is a lie.
+# zlib packs a byte into at least an eighth of a bit: a larger declared size is wrong.
 DENSEST = 1032
 
 
@@ -72,8 +72,8 @@ def most_unpacked(size: int) -> int:
 def unpacked_size(unpacker: Any, given: bytes, most: int) -> int:
     """How many bytes something packed unpacks to, counted in portions up to a little above `most`.
 
-    unpacker: a decompressor of zlib or lzma. What is damaged is counted up to there: its reader
-    refuses it, in its own words.
+    unpacker: a decompressor of zlib or lzma. Damaged data are counted up to the damage; their
+    reader refuses them.
 
     Examples
     --------
@@ -105,8 +105,8 @@ def read_npz(
 ) -> dict[str, np.ndarray]:
     """Arrays of an NPZ file, each checked against its form before memory is taken for it.
 
-    forms: name -> form; a name that ends in a star stands for all names that begin like it.
-    Arrays that no form names are not read. message: what is said, with {path} and {reason}.
+    forms: name -> form; a name that ends in a star matches all names with this beginning.
+    Arrays without a form are not read. message: the text of the error, with {path} and {reason}.
 
     Examples
     --------
@@ -124,11 +124,11 @@ def read_npz(
     arrays: dict[str, np.ndarray] = {}
     try:
         if not S_ISREG(path.stat().st_mode):
-            raise ValueError("this is no regular file")
+            raise ValueError("this is not a regular file")
         with path.open("rb") as stream, zipfile.ZipFile(stream) as archive:
             members = {m.filename.removesuffix(".npy"): m for m in archive.infolist()}
             if len(members) != len(archive.infolist()):
-                raise ValueError("a name stands in it twice")
+                raise ValueError("it contains a name twice")
             left = largest
             for name, form in forms.items():
                 stem = name.removesuffix("*")
@@ -165,7 +165,7 @@ def _array(
     with archive.open(member) as stream:
         begin = stream.read(10)
         if begin[:6] != b"\x93NUMPY" or len(begin) < 10 or begin[6] not in (1, 2, 3):
-            raise ValueError(f"{name} is no array")
+            raise ValueError(f"{name} is not an array")
         length = int.from_bytes(
             begin[8:10] if begin[6] == 1 else begin[8:] + stream.read(2), "little"
         )
@@ -175,10 +175,10 @@ def _array(
         dtype = np.dtype(header[1].decode())
         shape = tuple(int(part) for part in header[3].split(b",") if part.strip())
         if dtype.kind not in form.kinds or dtype.hasobject:
-            raise ValueError(f"{name} holds {dtype}, not what is needed there")
+            raise ValueError(f"{name} holds {dtype}, which does not fit")
         _check_shape(name, shape, form, lengths)
         size = prod(shape) * dtype.itemsize
-        # One text alone is parsed later, which takes many times its size.
+        # A single text is parsed later, which takes many times its size.
         left = min(left, 4 * LARGEST_TEXT) if form == TEXT_FORM else left
         if size > min(left, DENSEST * max(member.compress_size, 1)):
             raise ValueError(f"{name} would take {size:,} bytes, more than can be in this file")
@@ -190,7 +190,7 @@ def _array(
             filled += len(part)
         # Reading to the end compares the checksum.
         if filled != size or stream.read(1):
-            raise ValueError(f"{name} has not as many numbers as its shape {cut(str(shape))} says")
+            raise ValueError(f"{name} holds another count of numbers than {cut(str(shape))}")
     found = content.view(dtype).reshape(shape, order="F" if header[2] == b"True" else "C")
     return found.astype(dtype.newbyteorder("="), copy=False)
 
@@ -198,7 +198,7 @@ def _array(
 def _check_shape(
     name: str, shape: tuple[int, ...], form: ArrayForm, lengths: dict[str, int]
 ) -> None:
-    """Refuse a shape that is not of the form, or not that of the arrays before it."""
+    """Refuse a shape that does not fit the form or the arrays before it."""
     if form.shape is None:
         return
     axes = [n for n in form.shape if not isinstance(n, EllipsisType)]
@@ -251,8 +251,8 @@ def json_in(
     error: ErrorClass = FileFormatError,
     message: str,
 ) -> Any:
-    """The JSON in one array of an NPZ file, of a given form; what is wrong is said as `read_npz`
-    says it.
+    """The JSON in one array of an NPZ file, of a given form; errors are worded as by
+    `read_npz`.
     """
     try:
         return conforming(read_json_text(text_of(arrays[key]), key), form, key)

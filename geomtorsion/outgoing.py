@@ -5,6 +5,8 @@ One function for each target. JSON is escaped by `json.dumps`.
 
 from __future__ import annotations
 
+import cmath
+import math
 import re
 import sys
 import unicodedata
@@ -43,6 +45,34 @@ def terminal_text(text: str, *, styled: bool = True) -> str:
     parts = _STYLE.split(text) if styled else [text]
     written = [_UNSEEN.sub(lambda sign: ascii(sign[0])[1:-1], part) for part in parts]
     return "".join(part + style for part, style in zip(written, [*styles, ""], strict=True))
+
+
+def size_text(value: float, digits: int = 1) -> str:
+    """The size of an error or a difference; zero is 0, never 0e+00.
+
+    Examples
+    --------
+    >>> size_text(4.8e-17), size_text(0.0), size_text(2e-9, 0)
+    ('4.8e-17', '0', '2e-09')
+    """
+    return f"{value:.{digits}e}" if value else "0"
+
+
+def number_text(value: complex, error: float, most: int = 15) -> str:
+    """A number with the digits that its error allows; 0 where it is not larger than its error.
+
+    Examples
+    --------
+    >>> number_text(0.123456789, 2e-5), number_text(7e-16, 5e-15), number_text(1.0, 5e-15)
+    ('0.12346', '0', '1')
+    """
+    if not cmath.isfinite(value) or not math.isfinite(error):
+        return f"{value:.{most}g}"
+    if abs(value) <= error:
+        return "0"
+    # One digit beyond the first that is uncertain.
+    allowed = math.log10(abs(value) / error) + 1 if error else most
+    return f"{value:.{max(1, min(most, round(allowed)))}g}"
 
 
 def one_line(text: str) -> str:
@@ -90,7 +120,7 @@ _ACTING = re.compile(
 def latex_formula(text: str) -> str:
     r"""A formula in LaTeX, without its dollar signs, whose names came from outside.
 
-    Commands that show something stay, such as those of a symbol called "\\bar{x}".
+    Commands with a visible effect stay, as in the symbol "\\bar{x}".
 
     Examples
     --------
@@ -134,7 +164,7 @@ def mathematica_comment(text: str) -> str:
     >>> mathematica_comment("a *) Quit[] (* b")
     '(* a * ) Quit[] ( * b *)'
     """
-    # A bracket or star at either end would meet those of the comment.
+    # A bracket or star at either end would join the marks of the comment.
     inner = one_line(text).replace("(*", "( *").replace("*)", "* )").replace("(*", "( *")
     return f"(* {inner} *)"
 
@@ -162,7 +192,7 @@ def csv_cell(text: str) -> str:
 
 
 def figure_text(text: str) -> str:
-    r"""Text in a figure of matplotlib, which sets what stands between two $ as mathematics.
+    r"""Text in a figure of matplotlib, which sets text between two $ as mathematics.
 
     Examples
     --------
@@ -173,9 +203,9 @@ def figure_text(text: str) -> str:
 
 
 class PlainStream:
-    """A stream that writes nothing which a terminal obeys, but bold and colours.
+    """A stream that removes control sequences of terminals except bold and colours.
 
-    Everything that a command says goes through it: names, titles and messages hold text of files.
+    All output of a command passes through it: names, titles and messages hold text of files.
     """
 
     def __init__(self, stream: TextIO) -> None:

@@ -18,19 +18,19 @@ import mpmath
 # The distance from 1 to the next double; rounding changes a number by half of it at most.
 EPS = sys.float_info.epsilon
 # Half of the digits of a double: an error below this share may be rounding that grew on its way, as
-# under a root or in a quotient, one above it is none.
+# under a root or in a quotient; a larger difference is real.
 HALF = math.sqrt(EPS)
-# By so much numbers printed with seven digits may miss what they should be: what is nearer is taken
-# for rounded, what is farther for a mistake.
+# Largest error of numbers printed with seven digits: a smaller deviation counts as rounding, a
+# larger one as a mistake.
 PRINTED = 1e-6
 # And by so much those that came out of a calculation with doubles: a few thousand roundings. Points
 # nearer than this share of a loop are one point, a velocity with such a norm is null.
 CALCULATED = 1e-12
-# Places at multiples of the golden section fall together with those of no frequency.
+# Points at multiples of the golden section are in phase with no frequency.
 GOLDEN = (math.sqrt(5) - 1) / 2
 # Bits of constants that are worked out once: two doubles, and as many again to spare.
 CONSTANT_BITS = 180
-# Bits of numbers that are no fractions where something is decided exactly: no engine has more.
+# Bits of numbers that are not fractions in exact decisions: no engine has more.
 EXACT_BITS = 400
 _LOCK = RLock()
 

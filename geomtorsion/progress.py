@@ -21,7 +21,7 @@ PATIENCE = 2.0
 
 
 class Show(Protocol):
-    """Takes what is done, from 0 to the total, and perhaps what is being done."""
+    """Receives the progress, from 0 to the total, and perhaps the name of the current step."""
 
     def __call__(self, done: float, what: str = "") -> None:
         """Show it."""
@@ -95,7 +95,7 @@ def _opened(what: str, total: float, *, kept: bool) -> Progress:
 
 
 def time_left(done: float, elapsed: float) -> str:
-    """The time that the rest takes if it goes on as it went on average, or nothing at first.
+    """The remaining time at the average speed so far; empty at the beginning.
 
     Examples
     --------

@@ -94,7 +94,7 @@ def unit(text: str) -> Unit:
     Raises
     ------
     UnitError
-        A part of it is no unit that is known here; the message names the nearest.
+        A part of it is not a known unit; the message names the nearest.
 
     Examples
     --------
@@ -110,15 +110,15 @@ def unit(text: str) -> Unit:
     while place < len(text):
         piece = _PIECE.match(text, place)
         if piece is None:
-            raise UnitError(f"{text!r} is no unit. Write for instance m/s^2, kg m^2 or rad/s.")
+            raise UnitError(f"{text!r} is not a unit. Write for instance m/s^2, kg m^2 or rad/s.")
         sign, one, name, exponent = piece.groups()
         place = piece.end()
-        # As in 1/s: the 1 itself is no unit.
+        # In 1/s, the 1 itself is not a unit.
         if one:
             continue
         if name not in UNITS:
             hint = did_you_mean(name, UNITS)
-            raise UnitError(f"{name!r} is no unit. {hint}Known are {', '.join(UNITS)}.")
+            raise UnitError(f"{name!r} is not a unit. {hint}Known are {', '.join(UNITS)}.")
         size, kind = UNITS[name]
         try:
             power = int(exponent or 1) * (-1 if sign == "/" else 1)
@@ -145,7 +145,7 @@ def with_unit(text: str) -> tuple[str, Unit | None]:
     if _PLAIN.fullmatch(text):
         return text, None
     for head, tail in _splits(text):
-        # Two words side by side are no expression: the second can only be meant as a unit.
+        # Two adjacent words do not form an expression: the second must be a unit.
         if re.match(r"[^\W0-9_]|°|1\s*/", tail) and _is_unit(tail):
             return head, unit(tail)
     return text, None
@@ -216,7 +216,7 @@ def quantity(value: object, field: str = "") -> float:
     UnitError
         The unit is unknown, or measures something else.
     ExpressionError
-        The text is no number.
+        The text is not a number.
 
     Examples
     --------
@@ -229,7 +229,7 @@ def quantity(value: object, field: str = "") -> float:
     # True is an int for Python, and no number for anybody else.
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ExpressionError(
-            f'a number was needed, {value!r} came. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'
+            f'expected a number, got {value!r}. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'
         )
     if not isinstance(value, str):
         number: float = value
@@ -241,7 +241,7 @@ def quantity(value: object, field: str = "") -> float:
         number = number * scale_of(given, field)
     if not abs(number) <= sys.float_info.max:
         written = value if isinstance(value, str) else shown(value)
-        raise ExpressionError(f"a finite number was needed, {cut(written)} came.")
+        raise ExpressionError(f"expected a finite number, got {cut(written)}.")
     return number
 
 
@@ -251,6 +251,6 @@ def _value(text: str) -> float:
         return float(text)
     read = parse_expression(text, {}, {}, where="number", decimals=True)
     if not read.is_real:
-        raise ExpressionError(f"a real number was needed, {text!r} came.")
+        raise ExpressionError(f"expected a real number, got {text!r}.")
     # Thirty digits first, so that the double is the nearest one.
     return float(read.evalf(30))

@@ -54,7 +54,7 @@ def test_a_limit_of_time_is_met_in_time():
     assert isinstance(caught.value, LimitError)
     assert caught.value.quantity
     assert caught.value.quantity in str(caught.value)
-    assert "What was finished is kept" in str(caught.value)
+    assert "Finished quantities are kept" in str(caught.value)
 
 
 def again_and_again():

@@ -95,7 +95,7 @@ def test_positions_that_are_none():
     """Of a network without a graph."""
     places: Any = [["a", 0], [1, 0]]
     network = gt.Network(gt.Frame([x, y], UNIT), gt.EdgeList(places, np.array([[0, 1]])))
-    with pytest.raises(NetworkError, match="positions: an array of real numbers was needed"):
+    with pytest.raises(NetworkError, match="positions: expected an array of real numbers"):
         _ = network.cycle_count
 
 

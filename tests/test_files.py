@@ -164,7 +164,7 @@ def test_json():
     assert read_json_text("[1, {}]", "a.json") == [1, {}]
     for text, says in [
         ("[1, ", "line 1, column 5: this is no JSON"),
-        ("[NaN]", "NaN is no number that JSON knows"),
+        ("[NaN]", "NaN is not a number in JSON"),
         ("[" * 10**5, "nested too deeply|no JSON"),
         ("1" * 5000, "more digits"),
     ]:
@@ -178,19 +178,19 @@ def test_forms():
     good = {"a": 1, "b": [1, 2], "c": {"x": "y", "z": None}, "extra": 3}
     assert conforming(good, form, "f") is good
     for change, says in [
-        ({"a": "1"}, "f: a: a finite number was needed, but '1' came"),
-        ({"a": float("nan")}, "f: a: a finite number"),
-        ({"a": True}, "f: a: a finite number"),
-        ({"b": 3}, "f: b: a list was needed"),
-        ({"b": [1, 2.5]}, r"f: b\[1\]: a whole number was needed"),
-        ({"b": [True]}, r"f: b\[0\]: a whole number"),
-        ({"c": []}, "f: c: a table was needed"),
-        ({"c": {"x": 1}}, "f: c.x: a text was needed"),
-        ({"d": 1}, "f: d: true or false was needed"),
+        ({"a": "1"}, "f: a: expected a finite number, got '1'"),
+        ({"a": float("nan")}, "f: a: expected a finite number"),
+        ({"a": True}, "f: a: expected a finite number"),
+        ({"b": 3}, "f: b: expected a list"),
+        ({"b": [1, 2.5]}, r"f: b\[1\]: expected a whole number"),
+        ({"b": [True]}, r"f: b\[0\]: expected a whole number"),
+        ({"c": []}, "f: c: expected a table"),
+        ({"c": {"x": 1}}, "f: c.x: expected a text"),
+        ({"d": 1}, "f: d: expected true or false"),
     ]:
         with pytest.raises(FileFormatError, match=says):
             conforming(good | change, form, "f")
     with pytest.raises(CheckpointError, match="f: a is missing"):
         conforming({"b": [], "c": {}}, form, "f", CheckpointError)
-    with pytest.raises(FileFormatError, match="f: a table was needed"):
+    with pytest.raises(FileFormatError, match="f: expected a table"):
         conforming([], form, "f")

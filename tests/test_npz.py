@@ -124,10 +124,10 @@ def test_json_inside_an_array():
     for text, says in [
         ("{", "about: line 1, column 2: this is no JSON: .*"),
         ("[" * 10**5, "about: lists are nested too deeply to be read"),
-        ('{"steps": 10}', "about: steps: a whole number from 0 to 9 was needed, but 10 came"),
-        ('{"steps": true}', "about: steps: a whole number from 0 to 9 was needed, but True came"),
-        ('{"steps": 1, "how": "c"}', "about: how: one of a, b was needed, but 'c' came"),
-        ('{"steps": 1, "how": ["a"]}', "about: how: one of a, b was needed, but .* came"),
+        ('{"steps": 10}', "about: steps: expected a whole number from 0 to 9, got 10"),
+        ('{"steps": true}', "about: steps: expected a whole number from 0 to 9, got True"),
+        ('{"steps": 1, "how": "c"}', "about: how: expected one of a, b, got 'c'"),
+        ('{"steps": 1, "how": ["a"]}', "about: how: expected one of a, b, got .*"),
     ]:
         with pytest.raises(CheckpointError, match=f"^no a.npz: {says}[!?]"):
             json_in({"about": np.array(text)}, "about", form, **known)

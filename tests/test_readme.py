@@ -1,4 +1,4 @@
-"""The README is executed: its Python, its tetrad file and its commands."""
+"""The README and pages of the site are executed: their Python, a scene file and the commands."""
 
 import doctest
 import re
@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 
 import geomtorsion
 from geomtorsion.cli.app import app
-from geomtorsion.spaces import read_file
 from tests.materials.crystals.making import copper_screw, written
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.synthetic import bent
@@ -21,19 +20,32 @@ from tests.materials.maps.test_map_files import ctf, write
 FIELD = np.broadcast_to(np.eye(2)[:, :, None, None], (2, 2, 24, 20)).copy()
 PICTURE = crystal(256, "square").values.astype("float32")
 ROOT = Path(__file__).parent.parent
-TEXT = (ROOT / "README.md").read_text("utf-8")
-EXPECTED_PYTHON = 45
-EXPECTED_COMMANDS = 19
+README = ROOT / "README.md"
+TEXT = README.read_text("utf-8")
+LONGEST_README = 200
+# Pages of the site that are Markdown, and those whose Python is written with its results.
+PAGES = sorted((ROOT / "examples" / "site").glob("**/*.md"))
+PAGES = [page for page in PAGES if page.parent.name != "pages"]
+EXAMPLES = [page for page in (README, *PAGES) if "```pycon" in page.read_text("utf-8")]
+EXPECTED_PYTHON = 120
+EXPECTED_COMMANDS = 33
 
 
-def blocks(language: str) -> list[str]:
+def blocks(language: str, text: str = TEXT) -> list[str]:
     """Fenced blocks of a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def examples(page: Path) -> doctest.DocTest:
+    """The Python of a page, with its results."""
+    text = "\n".join(blocks("pycon", page.read_text("utf-8")))
+    return doctest.DocTestParser().get_doctest(text, {}, page.name, str(page), 0)
 
 
 COMMANDS = [
     line.split("#")[0].strip()
-    for block in blocks("sh")
+    for page in (README, ROOT / "examples" / "site" / "howto" / "commands.md")
+    for block in blocks("sh", page.read_text("utf-8"))
     for line in block.splitlines()
     if line.startswith("geomtorsion ")
 ]
@@ -46,30 +58,37 @@ LONG = (
 INSTALLING = [line for block in blocks("sh") for line in block.splitlines() if "venv" in line]
 
 
-def test_python_is_true():
-    """What the README shows in Python is what happens."""
-    text = "\n".join(blocks("pycon"))
-    test = doctest.DocTestParser().get_doctest(text, {}, "README.md", "README.md", 0)
-    assert len(test.examples) >= EXPECTED_PYTHON
+def test_it_is_short():
+    """The README is at most 200 lines long; details are on the site."""
+    assert len(TEXT.splitlines()) <= LONGEST_README
+
+
+def test_links_lead_to_files():
+    """Each file that the README links or shows exists."""
+    linked = re.findall(r"\]\(([^)#]+)\)", TEXT)
+    assert len(linked) > 20
+    assert not [name for name in linked if not (ROOT / name).is_file()]
+
+
+@pytest.mark.parametrize("page", EXAMPLES, ids=lambda page: page.stem)
+def test_python_is_true(page):
+    """Each result that the README or a page shows is the result of its code."""
     report: list[str] = []
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS, verbose=False)
-    runner.run(test, out=report.append)
+    runner.run(examples(page), out=report.append)
     assert not runner.failures, "".join(report)
 
 
-def test_the_tetrad_file_is_read(tmp_path):
-    """The file in the README is a tetrad file, and its story is true."""
-    text, _ = blocks("toml")
-    file = tmp_path / "own.toml"
-    file.write_text(text, "utf-8")
-    frame = read_file(file).frame
-    assert frame.quantity("riemann").is_zero
-    assert not frame.quantity("torsion").is_zero
+def test_python_is_found():
+    """The pages hold as many examples as they should."""
+    assert README in EXAMPLES
+    assert sum(len(examples(page).examples) for page in EXAMPLES) >= EXPECTED_PYTHON
 
 
 def test_the_scene_file_is_read(tmp_path):
-    """The other file in the README is a scene, and it runs."""
-    _, text = blocks("toml")
+    """The scene file of its page is a scene, and it runs."""
+    page = ROOT / "examples" / "site" / "howto" / "scene_file.md"
+    [text] = blocks("toml", page.read_text("utf-8"))
     file = tmp_path / "top.toml"
     file.write_text(text, "utf-8")
     result = geomtorsion.scenes.read_file(file).run()
@@ -78,7 +97,7 @@ def test_the_scene_file_is_read(tmp_path):
 
 
 def test_commands_are_found():
-    """As many as the README should show."""
+    """The README and the page of commands show as many as they should."""
     assert len(COMMANDS) >= EXPECTED_COMMANDS
     assert set(LONG) <= set(COMMANDS)
 
@@ -105,15 +124,18 @@ def test_commands_run(command, tmp_path, monkeypatch):
 
 def test_the_flow_names_every_package():
     """Each package has a row, and each row is a package."""
-    rows = set(re.findall(r"^\| `(\w+)/` \|", TEXT, re.MULTILINE))
+    text = (ROOT / "examples" / "site" / "design.md").read_text("utf-8")
+    rows = set(re.findall(r"^\| `(\w+)/` \|", text, re.MULTILINE))
     folders = {path.parent.name for path in Path(geomtorsion.__file__).parent.glob("*/__init__.py")}
     assert rows == folders
 
 
 def test_what_measured_the_figures_is_there():
-    """Every test and benchmark that the README names can be run."""
-    named = set(re.findall(r"\btests/[\w/]+(?:\.py)?", TEXT))
-    named |= {name.replace(".", "/") + ".py" for name in re.findall(r"-m (tests\.[\w.]+\w)", TEXT)}
+    """Every test and benchmark that the README or a page names can be run."""
+    text = "\n".join(page.read_text("utf-8") for page in (README, *PAGES))
+    named = set(re.findall(r"\btests/[\w/]+(?:\.py)?", text))
+    names = re.findall(r"-m\s(tests\.[\w.]+\w)", text)
+    named |= {name.replace(".", "/") + ".py" for name in names}
     assert len(named) >= 8
     assert not [name for name in named if not (ROOT / name).exists()]
 

@@ -370,7 +370,7 @@ def test_the_file_that_ran_code(tmp_path, monkeypatch):
     Path("evil.json").write_text(json.dumps(evil))
     result = CliRunner().invoke(app, ["burgers", "so3", "--loops", "evil.json"])
     assert result.exit_code == 2
-    assert "one expression was needed, but [" in result.output
+    assert "expected one expression, got [" in result.output
     assert not Path("PWNED").exists()
 
 
@@ -420,6 +420,7 @@ def test_no_array_file_is_run(kind, tmp_path):
 
 COMMANDS = {
     "geometry": ["s2"],
+    "gravity": ["s2"],
     "check": ["s2"],
     "plan": ["s2"],
     "curve": ["s2", "--t", "0.1", "--accuracy", "1e-6"],

@@ -105,4 +105,3 @@ def test_the_version_is_told_alike():
     readme = (ROOT / "README.md").read_text("utf-8")
     assert f"version = {{{version}}}" in readme
     assert f"date    = {{{date}}}" in readme
-    assert f"version: {version}\ndate-released: {date}" in readme

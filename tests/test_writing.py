@@ -80,7 +80,7 @@ def test_what_is_no_name(what: str, given: object):
     """Said as an argument of another kind, by each that writes and each that reads."""
     for table in (FILES, FOLDERS, READERS):
         if what in table:
-            with pytest.raises((ArgumentError, ImageError), match="the name of a file was needed"):
+            with pytest.raises((ArgumentError, ImageError), match="expected the name of a file"):
                 table[what](given)
 
 
@@ -98,7 +98,7 @@ def test_places_where_no_file_can_be(tmp_path: Path, what: str):
         with pytest.raises(FileFormatError, match=f"it cannot be written: {reason}. Name a file"):
             FILES[what](place)
     for place in ("", ".", "a\0.npz"):
-        with pytest.raises(FileFormatError, match="this is no name of a file"):
+        with pytest.raises(FileFormatError, match="this is not the name of a file"):
             FILES[what](place)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.npz"]
 

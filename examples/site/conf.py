@@ -10,10 +10,10 @@ from pathlib import Path
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE / "extensions"), str(ROOT)]
-# Cells run in processes of their own, which are to find the package of this checkout, too.
+# Cells run in other processes, which have to import the package of this checkout.
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
 
-# The profile of whoever builds is left alone; what a kernel says of its transport is no news.
+# The build does not touch the user's profile, and hides messages of kernels about their transport.
 PROFILE = Path(tempfile.mkdtemp(prefix="geomtorsion-site-"))
 atexit.register(shutil.rmtree, PROFILE, ignore_errors=True)
 (PROFILE / "profile_default").mkdir()
@@ -41,6 +41,8 @@ extensions = [
     "tables",
     "classroom",
     "laws",
+    "steps",
+    "topics",
 ]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 exclude_patterns = ["extensions", "style"]
@@ -65,7 +67,7 @@ myst_heading_anchors = 3
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-# Else every array is told by all that numpy can make one of.
+# Otherwise every array would be documented by the whole union of types that numpy accepts.
 autodoc_type_aliases = {"ArrayLike": "ArrayLike"}
 autodoc_default_options = {"members": True}
 add_module_names = False

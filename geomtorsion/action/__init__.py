@@ -5,9 +5,11 @@ from geomtorsion.action.equations import (
     conserved_quantities,
     equations_of_motion,
 )
+from geomtorsion.action.invariants import ConservedQuantities
 from geomtorsion.action.variations import Variation, variation
 
 __all__ = [
+    "ConservedQuantities",
     "EquationsOfMotion",
     "Variation",
     "conserved_quantities",

@@ -16,7 +16,7 @@ from geomtorsion.action.hamel import (
     hamel_of,
     torsion_over,
 )
-from geomtorsion.action.invariants import conserved
+from geomtorsion.action.invariants import ConservedQuantities, conserved
 from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.caching import cached_property
@@ -183,7 +183,7 @@ class EquationsOfMotion:
         return tuple(every[k] for k in self.hamel.free)
 
     @cached_property
-    def invariants(self) -> Mapping[str, sp.Expr]:
+    def invariants(self) -> ConservedQuantities:
         """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
@@ -323,12 +323,16 @@ def conserved_quantities(
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
     connection: Connection | None = None,
-) -> Mapping[str, sp.Expr]:
+) -> ConservedQuantities:
     """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
 
-    Energy; momenta of coordinates, of legs, of right-invariant fields on a Lie group, and of
-    other Killing fields that a finite ansatz finds; Casimirs. Each is proved by exact zero;
-    what is not found may still exist.
+    The search covers a stated ansatz: the energy; momenta p_k xi^k of coordinates, of legs, of
+    right-invariant fields on a Lie group, and of all fields xi = sum c f(q) E_k with constant c
+    and a few functions f (products of 1, x, cos(x), sin(x) as they fit the coordinates, or 1 and
+    the coordinates where there would be too many); Casimirs; and sums of c f(q) p_k p_l for the
+    terms f of which the coframe is made, such as Carter's constant. `ansatz` of the result, which
+    is printed with it, lists the functions. All rational combinations within the ansatz are found,
+    and the derivative of each along the motion is exactly zero. Others may exist.
 
     Parameters
     ----------
@@ -338,13 +342,22 @@ def conserved_quantities(
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> found = conserved_quantities(load("flat_polar").frame, "(u1**2 + u2**2)/2")
-    >>> for name, value in found.items():
-    ...     print(f"{name}: {value}")
+    >>> conserved_quantities(load("flat_polar").frame, "(u1**2 + u2**2)/2")
     energy: u1**2/2 + u2**2/2
     momentum of phi: r*u2
     killing 1: u1*sin(phi) + u2*cos(phi)
     killing 2: u1*cos(phi) - u2*sin(phi)
+    searched:
+      energy p_k u^k - L
+      sums of c*p(xi), the momenta along coordinates and legs
+      sums of c*f(q)*p_k, f a product of one of each (1, r) (1, phi, cos(phi), sin(phi))
+      sums of c*f(q)*p_k*p_l, f one of (1, r**2)
+
+    Carter's constant of Kerr's space, in Carter's tetrad:
+
+    >>> found = conserved_quantities(load("kerr").frame, "(-u1**2 + u2**2 + u3**2 + u4**2)/2")
+    >>> found["killing tensor 1"]
+    a**2*u1**2*cos(theta)**2 - a**2*u2**2*cos(theta)**2 + r**2*u3**2 + r**2*u4**2
     """
     found = equations_of_motion(
         frame, lagrangian, forces, principle, constraints,

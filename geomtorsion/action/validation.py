@@ -37,8 +37,8 @@ def force_entries(forces: object, n: int) -> Named:
         values = _listed(forces, "forces")
         if len(values) != n:
             raise ShapeError(
-                f"forces: {n} components F_k were needed, one for each form of the frame, "
-                f"{len(values)} came. Give {n}, or a mapping such as {{0: 'M1'}}."
+                f"forces: expected {n} components F_k, one for each form of the frame, "
+                f"got {len(values)}. Give {n}, or a mapping such as {{0: 'M1'}}."
             )
         given = dict(enumerate(values))
     wrong = [key for key in given if key not in range(n)]
@@ -67,7 +67,7 @@ def constraint_entries(constraints: object, n: int) -> Named:
 
 
 def _listed(values: object, what: str) -> list[Any]:
-    message = "{subject}: a list was needed, {value} came. Put it in brackets."
+    message = "{subject}: expected a list, got {value}. Put it in brackets."
     rows = checks.entries(values, what, ShapeError, message=message)
     return [row[0] if isinstance(row, list) and len(row) == 1 else row for row in rows]
 
@@ -131,7 +131,7 @@ def expressions(
 def _sympified(where: str, value: object) -> sp.Expr:
     """A number, element or expression of sympy; never a text."""
     message = (
-        f"{{subject}}: an expression was needed, {type(value).__name__} came: {{value}}. "
+        f"{{subject}}: expected an expression, got {type(value).__name__}: {{value}}. "
         "Give text, a number or a sympy expression."
     )
     return checks.expression(value, where, LagrangianError, message=message)

@@ -89,17 +89,15 @@ def numpy_function(
     def function(*values: ArrayLike) -> np.ndarray:
         if len(values) != len(symbols):
             raise MissingValueError(
-                f"{len(symbols)} arguments are needed ({', '.join(map(str, symbols))}), "
-                f"{len(values)} came"
+                f"expected {len(symbols)} arguments ({', '.join(map(str, symbols))}), "
+                f"got {len(values)}"
             )
         given = tuple(_argument(*pair, check) for pair in zip(names, values, strict=True))
         try:
             np.broadcast_shapes(*map(np.shape, given))
         except ValueError:
             came = shown(values)
-            raise ArgumentError(
-                f"numbers or arrays of one shape were needed, {came} came"
-            ) from None
+            raise ArgumentError(f"expected numbers or arrays of one shape, got {came}") from None
         if not check:
             result = inner(*given)
             if branches is not None:
@@ -124,7 +122,7 @@ def _argument(name: str, value: ArrayLike, is_finite: bool) -> ArrayLike:
     is_float = type(value) is float or (type(value) is np.ndarray and value.dtype == np.float64)
     if is_float and not (is_finite and not np.isfinite(value).all()):
         return value
-    message = "{subject}: a number or an array of real numbers was needed, but {value} came."
+    message = "{subject}: expected a number or an array of real numbers, got {value}."
     infinite = "{subject}{place} = {value} is not finite. Give finite numbers."
     return array(
         value, name, ArgumentError, message=message, infinite=infinite if is_finite else None

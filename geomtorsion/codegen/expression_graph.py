@@ -411,13 +411,13 @@ class BranchCheck:
             if name in needed
         )
         branch = self.branches[first[0]][1]
-        advice = "State a domain around the point: what may be read in several ways is read there."
+        advice = "State a domain around the point; several readings are decided there."
         if isinstance(branch.radical, sp.Pow):
             advice = (
                 "State a domain around the point (roots are read as they are there), or the value "
                 f"that is meant: branches={{{branch.radical}: ...}}."
             )
-        raise BranchError(f"{branch}; {point} came. {advice}")
+        raise BranchError(f"{branch}; got the point {point}. {advice}")
 
 
 @lru_cache(maxsize=64)

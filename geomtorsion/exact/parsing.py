@@ -86,7 +86,7 @@ def parse_expression(
     """
     if not isinstance(text, str):
         raise ExpressionError(
-            f"{where}: an expression as text was needed, but {type(text).__name__} came: "
+            f"{where}: expected an expression as text, got {type(text).__name__}: "
             f"{checks.shown(text)}. "
             'Write it in quotes, for instance "r*sin(theta)".'
         )
@@ -94,16 +94,16 @@ def parse_expression(
     for name, symbol in checks.table(symbols, "symbols").items():
         if not isinstance(name, str) or not isinstance(symbol, sympy.Expr):
             raise ArgumentError(
-                f"symbols: names with symbols were needed, but {checks.shown(name)}: "
-                f"{checks.shown(symbol)} came."
+                f"symbols: expected names with symbols, got {checks.shown(name)}: "
+                f"{checks.shown(symbol)}."
             )
     for name, function in checks.table(functions, "functions").items():
         if not isinstance(name, str) or not isinstance(
             function, sympy.Expr | sympy.core.function.FunctionClass
         ):
             raise ArgumentError(
-                f"functions: names with functions of sympy were needed, but {checks.shown(name)}: "
-                f"{checks.shown(function)} came."
+                f"functions: expected names with functions of sympy, got {checks.shown(name)}: "
+                f"{checks.shown(function)}."
             )
     source = Source(text, where)
     try:

@@ -590,9 +590,9 @@ def _is_plain_function(expr: sympy.Basic) -> bool:
 def _chosen_by_itself(root: sympy.Basic, value: sympy.Expr) -> ExpressionError:
     """The error for a root whose chosen value is made of the root."""
     return ExpressionError(
-        f"branches[{root}]: a value without this root was needed, such as -cos(x) for "
-        f"sqrt(1 - sin(x)**2), but {value} came. To take the other sign write -{root} in the place "
-        f"of {root}, in every entry where it is meant, and leave branches out."
+        f"branches[{root}]: expected a value without this root, such as -cos(x) for "
+        f"sqrt(1 - sin(x)**2), got {value}. To take the other sign, write -{root} instead of "
+        f"{root} in each entry concerned, and omit branches."
     )
 
 

@@ -421,6 +421,30 @@ class Tensor:
         way, *_ = approaches(symbol, point, None, self.frame.domain, field)
         return self._mapped(lambda x, at: Expansion(field, x, way, at).series(last), written=True)
 
+    def order(self, k: int) -> Tensor:
+        """The coefficient of the k-th power of the small parameter, over the frame at order zero.
+
+        For tensors over `frame.expanded(symbol, order)`.
+
+        Raises
+        ------
+        ArgumentError
+            The frame was not expanded, or not to this order.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y, epsilon = sp.symbols("x y epsilon")
+        >>> frame = Frame([x, y], [[1, epsilon * x], [0, 1]]).expanded("epsilon", 2)
+        >>> frame.inverse_metric.order(2).nonzero()
+        {(0, 0): x**2}
+        """
+        # An expansion makes tensors, so that the two files import each other.
+        from geomtorsion.geometry.expansion import coefficient
+
+        return coefficient(self, k)
+
     def _mapped(
         self,
         change: Callable[[sp.Expr, str], sp.Expr],

@@ -37,8 +37,8 @@ class AffineMap:
         turn, column = np.asarray(turn), np.asarray(translation)
         if turn.shape != (len(column), len(column)):
             raise ShapeError(
-                f"a motion needs a square matrix and a vector of its size, but shapes {turn.shape} "
-                f"and {column.shape} came."
+                f"expected a square matrix and a vector of its size, got shapes {turn.shape} "
+                f"and {column.shape}."
             )
         increment = np.zeros((len(column) + 1,) * 2, dtype=np.result_type(turn, column, float))
         increment[:-1, :-1], increment[:-1, -1] = turn, column

@@ -128,7 +128,7 @@ class Cochain:
         bounds = checks.array(errors, "errors", NetworkError, shape=(count,))
         if (bounds < 0).any():
             k = int(np.argmax(bounds < 0))
-            raise NetworkError(f"errors[{k}] = {bounds[k]:g}: bounds of zero or more were needed.")
+            raise NetworkError(f"errors[{k}] = {bounds[k]:g}: expected bounds of zero or more.")
         put("errors", bounds)
 
     # -- makers -----------------------------------------------------------------------------------
@@ -197,7 +197,7 @@ class Cochain:
         """
         if not hasattr(graph, "is_directed") or not graph.is_directed():
             raise NetworkError(
-                f"a networkx.DiGraph or MultiDiGraph was needed, but {type(graph).__name__} came: "
+                f"expected a networkx.DiGraph or MultiDiGraph, got {type(graph).__name__}: "
                 "a step has a sense, from its first node to its second."
             )
         labels = list(graph.nodes)
@@ -247,13 +247,13 @@ class Cochain:
             return steps
         if periods is None:
             raise NetworkError(
-                f"periods: what each of {images.shape[1]} periods adds to positions was needed, "
-                "shape (d, n), since the complex has images."
+                f"periods: expected the change of positions over {images.shape[1]} periods, "
+                "shape (d, n), because the complex has images; got None."
             )
         wanted = (images.shape[1], steps.values.shape[1])
         cell = value_rows(periods, "period", wanted[0])
         if cell.shape != wanted:
-            raise NetworkError(f"periods: shape {wanted} was needed, but {cell.shape} came.")
+            raise NetworkError(f"periods: expected shape {wanted}, got {cell.shape}.")
         return replace(steps, values=steps.values + images @ cell)
 
     # -- algebra ----------------------------------------------------------------------------------
@@ -272,7 +272,7 @@ class Cochain:
         if not isinstance(other, Cochain):
             return NotImplemented
         if other.complex is not self.complex or other.degree != self.degree:
-            raise NetworkError("cochains of one complex and one degree were needed to be added.")
+            raise NetworkError("sum: expected cochains of one complex and one degree.")
         if other.values.shape != self.values.shape:
             raise NetworkError(
                 f"cochains of {self.values.shape[1]} and {other.values.shape[1]} components cannot "
@@ -388,22 +388,22 @@ class Cochain:
             for k, number in zip(chains, numbers, strict=True):
                 if number is None or not 0 <= number < count:
                     raise NetworkError(
-                        f"chain: numbers of {name}s from 0 to {count - 1} were needed, but "
-                        f"{checks.shown(k)} came."
+                        f"chain: expected numbers of {name}s from 0 to {count - 1}, got "
+                        f"{checks.shown(k)}."
                     )
             columns = np.array(numbers, dtype=np.int64)
             signs = np.array(list(chains.values()))
             if not signs.size:
                 signs = np.zeros(0, dtype=np.int64)
             if signs.ndim != 1 or signs.dtype.kind not in "iu":
-                raise NetworkError("chain: whole multiples were needed: {edge: 1, other edge: -1}.")
+                raise NetworkError("chain: expected whole multiples: {edge: 1, other edge: -1}.")
             entries = signs, (np.zeros_like(columns), columns)
             return scipy.sparse.csr_array(entries, shape=(1, count))
         table = chains if scipy.sparse.issparse(chains) else np.atleast_2d(np.asarray(chains))
         if table.shape[-1] != count or table.dtype.kind not in "iu":
             raise NetworkError(
-                f"chains: whole numbers of shape (chains, {count}) were needed, but {table.dtype} "
-                f"of shape {table.shape} came."
+                f"chains: expected whole numbers of shape (chains, {count}), got {table.dtype} "
+                f"of shape {table.shape}."
             )
         # A copy, since sums of doubled entries would be made in the matrix that was given.
         found = scipy.sparse.csr_array(table, copy=True)
@@ -479,7 +479,7 @@ class Cochain:
         """Refuse what has no cycles."""
         if self.degree != 1:
             raise NetworkError(
-                f"values on {NAMES[self.degree]}s have no cycles: values on edges were needed."
+                f"values on {NAMES[self.degree]}s have no cycles: expected values on edges."
             )
 
     def __repr__(self) -> str:

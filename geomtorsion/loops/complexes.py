@@ -58,14 +58,14 @@ class Complex:
         object.__setattr__(self, "pairs", pairs)
         if len(pairs) and (pairs.min() < 0 or pairs.max() >= self.nodes):
             raise NetworkError(
-                f"edges: node numbers from 0 to {self.nodes - 1} were needed, but "
-                f"{pairs.min()} to {pairs.max()} came."
+                f"edges: expected node numbers from 0 to {self.nodes - 1}, got "
+                f"{pairs.min()} to {pairs.max()}."
             )
         images = whole(self.images, "images")
         if len(images) != len(pairs):
             raise NetworkError(
-                f"images: one row for each of {len(pairs)} edges was needed, but {len(images)} "
-                "came. Give whole periods from the first node of an edge to the second."
+                f"images: expected one row for each of {len(pairs)} edges, got {len(images)}. "
+                "Give whole periods from the first node of an edge to the second."
             )
         object.__setattr__(self, "images", images)
         # A range of numbers stays one: a list of a million names is made when they are asked for.
@@ -73,7 +73,7 @@ class Complex:
         object.__setattr__(self, "labels", labels)
         if labels and len(labels) != self.nodes:
             raise NetworkError(
-                f"labels: one for each of {self.nodes} nodes was needed, but {len(labels)} came."
+                f"labels: expected one for each of {self.nodes} nodes, got {len(labels)}."
             )
         for table, name in zip(self._up, ("faces", "cells"), strict=True):
             _check_table(table, name)
@@ -93,8 +93,8 @@ class Complex:
         here, below = self.boundary(degree), self.boundary(degree - 1)
         if here.shape[1] != below.shape[0]:
             raise NetworkError(
-                f"{name}s: a column for each of {below.shape[0]} {sides} was needed, but "
-                f"{here.shape[1]} came."
+                f"{name}s: expected a column for each of {below.shape[0]} {sides}, got "
+                f"{here.shape[1]}."
             )
         rest = here @ below
         rest.eliminate_zeros()
@@ -138,7 +138,7 @@ class Complex:
         corners = whole(simplices, "simplices")
         count = corners.shape[1]
         if count not in (3, 4):
-            raise NetworkError(f"simplices: 3 or 4 corners each were needed, but {count} came.")
+            raise NetworkError(f"simplices: expected 3 or 4 corners each, got {count}.")
         if (np.diff(np.sort(corners, axis=1), axis=1) == 0).any():
             raise NetworkError("simplices: the corners of each must differ.")
         found = int(corners.max(initial=-1)) + 1
@@ -176,8 +176,8 @@ class Complex:
         around = [checks.flag(x, "periodic", NetworkError) for x in around]
         if len(around) != len(sizes):
             raise NetworkError(
-                f"periodic: one truth value for each of {len(sizes)} axes was needed, but "
-                f"{len(around)} came."
+                f"periodic: expected one truth value for each of {len(sizes)} axes, got "
+                f"{len(around)}."
             )
         return _grid(cls, sizes, around)
 
@@ -333,7 +333,7 @@ class Complex:
         """
         chain = once_round(cycle, "cycle")
         if len(chain) < least:
-            raise NetworkError(f"a cycle of {least} nodes or more was needed, but {chain} came.")
+            raise NetworkError(f"expected a cycle of {least} nodes or more, got {chain}.")
         numbers = np.array([self.number(node) for node in chain], dtype=np.int64)
         return chain, *self.steps(numbers, np.roll(numbers, -1))
 
@@ -350,8 +350,8 @@ def _check_table(table: Any, subject: str) -> None:
         return
     if not (scipy.sparse.issparse(table) and table.dtype.kind in "iu"):
         raise NetworkError(
-            f"{subject}: a sparse matrix of whole numbers was needed, but {checks.shown(table)} "
-            "came. .with_faces(cycles) makes one."
+            f"{subject}: expected a sparse matrix of whole numbers, got {checks.shown(table)}. "
+            "Use .with_faces(cycles)."
         )
 
 

@@ -60,12 +60,12 @@ def parametric(
     names = {**(symbols or {}), str(symbol): symbol}
     if not checks.is_list(expressions) or len(expressions) < 2:
         raise LoopError(
-            "curve: at least two expressions were needed, one per coordinate, but "
-            f"{checks.shown(expressions)} came."
+            "curve: expected at least two expressions, one per coordinate, got "
+            f"{checks.shown(expressions)}."
         )
     read = tuple(_read(x, names, f"curve[{k}]") for k, x in enumerate(expressions))
     if not checks.is_list(interval) or len(interval) != 2:
-        raise LoopError(f"interval: two bounds were needed, but {checks.shown(interval)} came.")
+        raise LoopError(f"interval: expected two bounds, got {checks.shown(interval)}.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
     known = (symbol, *(symbols or {}).values())
     twins = counted_as(free_symbols([*read, start, end]), known, LoopError)
@@ -104,7 +104,7 @@ def _periods(
         column = checks.count(key, where, LoopError, 0, dimension - 1)
         period = _read(value, {}, where)
         if not (period.is_number and period.is_positive):
-            raise LoopError(f"{where}: a positive number was needed, but {period} came.")
+            raise LoopError(f"{where}: expected a positive number, got {period}.")
         found.append((column, float(period)))
     return tuple(found)
 
@@ -154,7 +154,7 @@ def _name(parameter: str | sp.Symbol) -> str:
     """The name of the parameter."""
     if not isinstance(parameter, str) or not parameter.isidentifier():
         came = checks.shown(parameter)
-        raise LoopError(f"parameter: a name or a symbol was needed, but {came} came.")
+        raise LoopError(f"parameter: expected a name or a symbol, got {came}.")
     return parameter
 
 
@@ -287,7 +287,7 @@ def circle(centre: Point, radius: Number, plane: Plane) -> Part:
 def ellipse(centre: Point, axes: Sequence[Number], plane: Plane) -> Part:
     """Ellipse with two semi-axes along two directions; see Loop.ellipse."""
     if not checks.is_list(axes) or len(axes) != 2:
-        raise LoopError(f"axes: two semi-axes were needed, but {axes!r} came.")
+        raise LoopError(f"axes: expected two semi-axes, got {axes!r}.")
     if validation.is_symbolic(centre, axes):
         return symbolic_ellipse(centre, axes, plane, validation.exact_rows)
     place = validation.vector(centre, "centre")
@@ -334,10 +334,10 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     place = validation.vector(corner, "corner")
     first, second = validation.rows(plane, len(place))
     if not checks.is_list(steps) or len(steps) != 2:
-        raise LoopError(f"steps: two steps were needed, but {steps!r} came.")
+        raise LoopError(f"steps: expected two steps, got {steps!r}.")
     a, b = (validation.number(step, f"steps[{k}]") for k, step in enumerate(steps))
     if not (a and b):
-        raise LoopError(f"steps: neither may be zero, but {tuple(steps)!r} came.")
+        raise LoopError(f"steps: expected two steps that are not zero, got {tuple(steps)!r}.")
     scale = max(abs(a), abs(b))
     u, v = first * (a / scale), second * (b / scale)
     middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
@@ -402,9 +402,9 @@ def _offsets(
 ) -> tuple[tuple[float, ...], float, np.ndarray, tuple[tuple[Number, ...], Number] | None]:
     """Centre, size and offsets of points, closed and without neighbours that coincide."""
     if not checks.is_list(points):
-        raise LoopError(f"{where}: a list of points was needed, but {points!r} came.")
+        raise LoopError(f"{where}: expected a list of points, got {points!r}.")
     if len(points) == 0:
-        raise LoopError(f"{where}: at least three points were needed, but none came.")
+        raise LoopError(f"{where}: expected at least three points, got none.")
     dimension = len(points[0]) if checks.is_list(points[0]) else None
     rows = np.array(
         [validation.vector(row, f"{where}[{k}]", dimension) for k, row in enumerate(points)]
@@ -413,7 +413,7 @@ def _offsets(
         rows = rows[:-1]
     if len(rows) < 3:
         raise LoopError(
-            f"{where}: at least three points were needed, but {len(rows)} came: a path to and fro "
+            f"{where}: expected at least three points, got {len(rows)}: a path to and fro "
             "between two points encloses nothing."
         )
     if centre is None:

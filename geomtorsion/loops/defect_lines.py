@@ -217,8 +217,8 @@ def parallel_dislocations(
     vectors = [_exact(row, 3, f"burgers[{k}]") for k, row in enumerate(burgers)]
     if not places or len(places) != len(vectors):
         raise ShapeError(
-            f"one Burgers vector for each line was needed, but {len(places)} positions and "
-            f"{len(vectors)} vectors came."
+            f"expected one Burgers vector for each line, got {len(places)} positions and "
+            f"{len(vectors)} vectors."
         )
     if len(set(places)) < len(places):
         raise ShapeError("two lines stand at the same place. Add their Burgers vectors instead.")
@@ -296,7 +296,7 @@ def dispiration(alpha: Number | str, b: Number | str) -> Frame:
 def _exact(row: Exact, length: int, where: str) -> tuple[sp.Expr, ...]:
     """A row of exact numbers or expressions."""
     if not checks.is_list(row) or len(row) != length:
-        raise ShapeError(f"{where}: {length} numbers were needed, but {checks.shown(row)} came.")
+        raise ShapeError(f"{where}: expected {length} numbers, got {checks.shown(row)}.")
     return tuple(_expression(value, f"{where}[{k}]") for k, value in enumerate(row))
 
 

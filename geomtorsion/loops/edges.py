@@ -86,25 +86,25 @@ def edge_list(graph: nx.Graph[Hashable] | EdgeList, position: str, dimension: in
         positions, pairs, labels = _of_graph(graph, position, dimension)
     if positions.ndim != 2 or positions.shape[1] != dimension:
         raise NetworkError(
-            f"positions of shape (nodes, {dimension}) were needed, but {positions.shape} came."
+            f"expected positions of shape (nodes, {dimension}), got {positions.shape}."
         )
     if not len(pairs):
         raise NetworkError("the network has no edges: there is nothing to integrate along.")
     if pairs.ndim != 2 or pairs.shape[1] != 2 or not np.issubdtype(pairs.dtype, np.integer):
         raise NetworkError(
-            f"edges: whole numbers of shape (edges, 2) were needed, but {pairs.dtype} of shape "
-            f"{pairs.shape} came."
+            f"edges: expected whole numbers of shape (edges, 2), got {pairs.dtype} of shape "
+            f"{pairs.shape}."
         )
     if pairs.min() < 0 or pairs.max() >= len(positions):
         raise NetworkError(
-            f"edges: node numbers from 0 to {len(positions) - 1} were needed, but "
-            f"{pairs.min()} to {pairs.max()} came."
+            f"edges: expected node numbers from 0 to {len(positions) - 1}, got "
+            f"{pairs.min()} to {pairs.max()}."
         )
     bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
     if len(bad):
         raise NetworkError(
-            f"node {labels[int(bad[0])]!r}: finite coordinates were needed, but "
-            f"{positions[bad[0]].tolist()} came."
+            f"node {labels[int(bad[0])]!r}: expected finite coordinates, got "
+            f"{positions[bad[0]].tolist()}."
         )
     still = np.flatnonzero((positions[pairs[:, 0]] == positions[pairs[:, 1]]).all(axis=1))
     if len(still):
@@ -134,7 +134,7 @@ def _of_graph(
             row = ()
         if len(row) != dimension:
             raise NetworkError(
-                f"node {label!r}: {position!r} needs {dimension} numbers, but {place!r} came."
+                f"node {label!r}: {position!r}: expected {dimension} numbers, got {place!r}."
             )
         rows.append(row)
     numbers = {label: k for k, label in enumerate(labels)}

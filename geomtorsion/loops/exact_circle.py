@@ -72,8 +72,8 @@ def circle_piece(
     n = frame.dimension
     if len(centre) != n or len({*plane}) != 2 or not all(0 <= k < n for k in plane):
         raise LoopError(
-            f"a circle needs {n} coordinates of its centre and two different coordinates from 0 to "
-            f"{n - 1} for its plane; {len(centre)} and {plane} came. Give one entry for each."
+            f"circle: expected {n} coordinates of the centre and two different coordinates from 0 "
+            f"to {n - 1} for the plane, got {len(centre)} and {plane}. Give one entry for each."
         )
     t = sp.Dummy("t", real=True)
     path = [expression(x) for x in centre]

@@ -307,7 +307,7 @@ class Loop:
         """
         turns = checks.whole(count)
         if not turns:
-            raise LoopError(f"a whole number of turns other than 0 was needed, but {count!r} came.")
+            raise LoopError(f"expected a whole number of turns other than 0, got {count!r}.")
         if turns < 0:
             return self.reversed().times(-turns)
         name = f"{self.name} {turns} times" if turns > 1 else self.name

@@ -62,9 +62,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     kinds = [key for key in data if key in KINDS]
     if len(kinds) != 1:
         came = " and ".join(kinds) or "none"
-        raise FileFormatError(
-            f"{where}: exactly one of {', '.join(KINDS)} was needed, but {came} came."
-        )
+        raise FileFormatError(f"{where}: expected exactly one of {', '.join(KINDS)}, got {came}.")
     (kind,) = kinds
     inner, place = data[kind], f"{where}: {kind}"
     needed, others = KINDS[kind]
@@ -76,7 +74,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
     name = data.get("name", kind)
     if not isinstance(name, str):
         came = checks.shown(name)
-        raise FileFormatError(f"{where}: name: a text was needed, but {came} came.")
+        raise FileFormatError(f"{where}: name: expected a text, got {came}.")
     maker = {"curve": Loop.parametric}.get(kind) or getattr(Loop, kind)
     try:
         loop = maker(**values, name=name)
@@ -89,7 +87,7 @@ def _check_keys(data: object, known: Sequence[str], where: str) -> None:
     """Refuse what is no mapping, and unknown keys."""
     if not isinstance(data, Mapping):
         came = checks.shown(data)
-        raise FileFormatError(f"{where}: a mapping was needed, but {came} came.")
+        raise FileFormatError(f"{where}: expected a mapping, got {came}.")
     message = "{subject}: unknown key {value}. {hint}Known are {known}."
     checks.known_keys(data, known, where, FileFormatError, message=message)
 
@@ -114,8 +112,7 @@ def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
     """Two coordinates, by number or name, or two vectors."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise FileFormatError(
-            f"{where}: plane: two coordinates or two vectors were needed, but "
-            f"{checks.shown(value)} came."
+            f"{where}: plane: expected two coordinates or two vectors, got {checks.shown(value)}."
         )
     names = [symbol.name for symbol in frame.coordinates]
     found = []
@@ -160,7 +157,7 @@ def number_of(text: str, where: str) -> float | sp.Expr:
         value = parse_expression(text, {}, {}, where=where)
     if isinstance(value, sp.Expr) and value.is_real is not False:
         return value
-    raise FileFormatError(f"{where}: a real number was needed, but {checks.shown(text)} came.")
+    raise FileFormatError(f"{where}: expected a real number, got {checks.shown(text)}.")
 
 
 TOP_KEYS = ("loops", "parameters", "accuracy")
@@ -218,13 +215,13 @@ def loops_from_json(frame: Frame, text: str, where: str = "loops") -> LoopFile:
         data = {"loops": data}
     if not isinstance(data, dict) or not isinstance(data.get("loops"), list) or not data["loops"]:
         raise FileFormatError(
-            f'{where}: a list of loops was needed, or {{"loops": [...]}} with at least one.'
+            f'{where}: expected a list of loops or {{"loops": [...]}} with at least one.'
         )
     _check_keys(data, TOP_KEYS, where)
     parameters: Any = data.get("parameters", {})
     accuracy: Any = data.get("accuracy")
     if not isinstance(parameters, dict):
-        raise FileFormatError(f"{where}: parameters: names and values were needed.")
+        raise FileFormatError(f"{where}: parameters: expected names and values.")
     if accuracy is not None:
         checks.number(accuracy, f"{where}: accuracy", FileFormatError)
     return LoopFile(
@@ -266,7 +263,7 @@ def loops_from_csv(frame: Frame, text: str, where: str = "loops") -> LoopFile:
     for line, row in rows[1:]:
         if len(row) != len(header):
             raise FileFormatError(
-                f"{where}: line {line}: {len(header)} columns were needed, but {len(row)} came. "
+                f"{where}: line {line}: expected {len(header)} columns, got {len(row)}. "
                 "Is the file complete?"
             )
         table.append((line, dict(zip(header, (cell.strip() for cell in row), strict=True))))

@@ -181,11 +181,11 @@ def burgers_map(
     checks.instance(frame, Frame, "frame")
     is_array = isinstance(edges, np.ndarray) and edges.ndim > 0
     if not (is_array or isinstance(edges, list | tuple)) or len(edges) != 2:
-        raise LoopError("edges: two arrays were needed, one for each direction of the plane.")
+        raise LoopError("edges: expected two arrays, one for each direction of the plane.")
     lines = [_array(side, f"edges[{k}]", 1) for k, side in enumerate(edges)]
     for k, side in enumerate(lines):
         if len(side) < 2 or not (np.diff(side) > 0).all():
-            raise LoopError(f"edges[{k}]: at least two increasing numbers were needed.")
+            raise LoopError(f"edges[{k}]: expected at least two increasing numbers.")
     n = frame.dimension
     place = np.zeros(n) if at is None else np.array(validation.vector(at, "at", n))
     directions = np.array(validation.rows(plane, n))
@@ -361,13 +361,15 @@ def _array(values: object, where: str, rank: int | None = None) -> np.ndarray:
         values,
         where,
         LoopError,
-        message="{subject}: an array of numbers was needed.",
+        message="{subject}: expected an array of numbers.",
         infinite="{subject}{place}: {value} is not finite.",
     )
     if rank is not None and result.ndim != rank:
-        raise LoopError(f"{where}: {rank} axes were needed, but the shape is {result.shape}.")
+        raise LoopError(f"{where}: expected {rank} axes, got shape {result.shape}.")
     if rank is None and result.ndim > 1:
-        raise LoopError(f"{where}: one number, or one for each loop, was needed.")
+        raise LoopError(
+            f"{where}: expected one number, or one for each loop, got shape {result.shape}."
+        )
     return result
 
 

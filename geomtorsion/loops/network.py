@@ -159,7 +159,7 @@ class Network:
         if basis == "minimum":
             return self._minimum_cycles()
         if basis != "fundamental":
-            raise NetworkError(f"basis: 'fundamental' or 'minimum' was needed, but {basis!r} came.")
+            raise NetworkError(f"basis: expected 'fundamental' or 'minimum', got {basis!r}.")
         if self.cycle_count > MOST_LISTED:
             raise LimitError(
                 f"{self.cycle_count} cycles are too many to list; the limit is {MOST_LISTED}. "

@@ -56,7 +56,7 @@ def develop_path(
     rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(given)]
     if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
         raise LoopError(
-            f"a path needs two points or more, and neighbours that differ, but {len(rows)} came: "
+            f"path: expected two points or more, each different from the next, got {len(rows)}: "
             f"{rows}."
         )
     centre = rows[0]

@@ -26,7 +26,7 @@ def number(value: Number, where: str) -> float:
 
 
 def exact_input(value: Number, where: str) -> Number:
-    """A finite number, left as it came."""
+    """A finite number, unchanged."""
     number(value, where)
     return value
 
@@ -35,7 +35,7 @@ def length(value: Number, where: str) -> float:
     """A positive finite float."""
     number(value, where)
     message = (
-        "{subject}: a positive length was needed, but {value} came. "
+        "{subject}: expected a positive length, got {value}. "
         "A loop without length encloses nothing."
     )
     return checks.positive(value, where, LoopError, message=message)
@@ -44,16 +44,12 @@ def length(value: Number, where: str) -> float:
 def vector(values: Any, where: str, dimension: int | None = None) -> tuple[float, ...]:
     """A tuple of finite floats, of a given length."""
     if not checks.is_list(values):
-        raise LoopError(
-            f"{where}: a list of coordinates was needed, but {checks.shown(values)} came."
-        )
+        raise LoopError(f"{where}: expected a list of coordinates, got {checks.shown(values)}.")
     result = tuple(number(x, f"{where}[{k}]") for k, x in enumerate(values))
     if dimension is not None and len(result) != dimension:
-        raise LoopError(f"{where}: {dimension} numbers were needed, but {len(result)} came.")
+        raise LoopError(f"{where}: expected {dimension} numbers, got {len(result)}.")
     if len(result) < 2:
-        raise LoopError(
-            f"{where}: a loop needs at least two coordinates, but {checks.shown(values)} came."
-        )
+        raise LoopError(f"{where}: expected at least two coordinates, got {checks.shown(values)}.")
     return result
 
 
@@ -62,8 +58,8 @@ def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolut
     size = checks.real(accuracy)
     if size is None or not least <= size < 1:
         raise LoopError(
-            f"accuracy: a relative error from {least} to below 1 was needed, but "
-            f"{checks.shown(accuracy)} came."
+            f"accuracy: expected a relative error from {least} to below 1, got "
+            f"{checks.shown(accuracy)}."
         )
 
 
@@ -83,8 +79,8 @@ def rows(plane: Plane, dimension: int) -> tuple[np.ndarray, np.ndarray]:
     """The two directions of a plane as vectors: from coordinate numbers, or as they were given."""
     if not checks.is_list(plane) or len(plane) != 2:
         raise LoopError(
-            "plane: two coordinates such as (0, 1) or two vectors were needed, but "
-            f"{checks.shown(plane)} came."
+            "plane: expected two coordinates such as (0, 1) or two vectors, got "
+            f"{checks.shown(plane)}."
         )
     directions = [_direction(side, dimension) for side in plane]
     first, second = (np.array(direction) for direction in directions)
@@ -107,7 +103,7 @@ def _direction(side: Any, dimension: int) -> tuple[float, ...]:
         return tuple(float(k == number) for k in range(dimension))
     if not checks.is_list(side):
         came = checks.shown(side)
-        raise LoopError(f"plane: coordinate numbers or vectors were needed, but {came} came.")
+        raise LoopError(f"plane: expected coordinate numbers or vectors, got {came}.")
     return vector(side, "plane", dimension)
 
 
@@ -175,8 +171,8 @@ def whole(values: object, subject: str, columns: int | None = None) -> np.ndarra
     if not fits or found.dtype.kind not in "iu":
         wanted = "any" if columns is None else columns
         raise NetworkError(
-            f"{subject}: whole numbers of shape (any, {wanted}) were needed, but "
-            f"{found.dtype} of shape {found.shape} came."
+            f"{subject}: expected whole numbers of shape (any, {wanted}), got "
+            f"{found.dtype} of shape {found.shape}."
         )
     return found.astype(np.int64, copy=False)
 
@@ -202,7 +198,7 @@ def once_round(values: object, subject: str) -> list[Any]:
 
 def value_rows(values: object, name: str, count: int) -> np.ndarray:
     """Rows of whole numbers or of finite floats."""
-    message = "{subject}: an array of real numbers was needed, but {value} came."
+    message = "{subject}: expected an array of real numbers, got {value}."
     found = checks.unmasked(values) if isinstance(values, np.ndarray) else None
     if found is None or found.dtype.kind not in "iuf":
         try:
@@ -215,8 +211,7 @@ def value_rows(values: object, name: str, count: int) -> np.ndarray:
         found = found[:, None]
     if found.ndim != 2 or len(found) != count:
         raise NetworkError(
-            f"values: one row for each {name}, shape ({count}, n), was needed, but {found.shape} "
-            "came."
+            f"values: expected one row for each {name}, shape ({count}, n), got {found.shape}."
         )
     if found.dtype.kind in "iu":
         check_sums(largest(found) * max(count, 1))
@@ -225,7 +220,7 @@ def value_rows(values: object, name: str, count: int) -> np.ndarray:
     if len(bad):
         k, i = bad[0].tolist()
         raise NetworkError(
-            f"{name} {k}: finite values were needed, but {found[k, i]} came as component {i}. "
+            f"{name} {k}: expected finite values, got {found[k, i]} as component {i}. "
             f"Leave the {name} out."
         )
     return found.astype(float, copy=False)

@@ -19,7 +19,7 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
-from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_fields import (
     BlockedField,
@@ -253,11 +253,17 @@ def open_in_blocks(
 
 
 def kind_of(path: Path) -> Kind:
-    """What a file holds, by the end of its name; where several share it, by its data sets."""
-    kinds = [reader.kind for reader in READERS if reader.suffix == path.suffix.lower()]
-    if GRID in kinds and len(kinds) > 1 and path.is_file() and not _has_grid(path):
-        kinds.remove(GRID)
-    return kinds[0]
+    """What a file holds, by the end of its name; where several kinds share it, by its content."""
+    readers = [reader for reader in READERS if reader.suffix == path.suffix.lower()]
+    kinds = dict.fromkeys(reader.kind for reader in readers)
+    if len(kinds) > 1 and path.is_file():
+        if any(HDF5 in reader.begins for reader in readers):
+            return GRID if _has_grid(path) else MAP
+        content = path.read_bytes()
+        for reader in readers:
+            if reader.seems is not None and reader.seems(content):
+                return reader.kind
+    return next(iter(kinds))
 
 
 def _has_grid(path: Path) -> bool:

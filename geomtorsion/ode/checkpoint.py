@@ -181,10 +181,10 @@ def _restored(engine: Engine, array: np.ndarray, shape: tuple[int | None, ...]) 
         wanted in (None, came) for wanted, came in zip(shape, array.shape, strict=True)
     )
     if not fits:
-        raise ValueError(f"shape {shape} was needed, but {array.shape} came")
+        raise ValueError(f"expected shape {shape}, got {array.shape}")
     if array.dtype.kind == "U":
         if engine.precision == 53:
-            raise ValueError("it holds text where numbers were needed")
+            raise ValueError("expected numbers, got text")
         # Refuses text that is no number; heyoka would end in an error of its own.
         as_floats = np.array([float(x) for x in array.ravel()])
         texts = [str(x) for x in array.ravel()]

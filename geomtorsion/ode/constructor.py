@@ -39,28 +39,34 @@ def read(
         rates = getattr(given, "rates", None)
         if not isinstance(rates, Mapping):
             raise ExpressionError(
-                "rates: a mapping from states to expressions was needed, "
-                f"{checks.shown(given)} came."
+                f"rates: expected a mapping from states to expressions, got {checks.shown(given)}."
             )
         known = getattr(given, "invariants", None)
         if invariants is None and isinstance(known, Mapping):
             invariants = known
     if not rates:
-        raise ExpressionError("rates: at least one state was needed, none came.")
+        raise ExpressionError("rates: expected at least one state, got none.")
+    rates = checks.by_name(rates, "rates", ExpressionError)
     states = tuple(rates)
-    numbers = {key: number(value, key) for key, value in (parameters or {}).items()}
+    given_numbers = checks.by_name(parameters or {}, "parameters", StartError)
+    numbers = {key: number(value, key) for key, value in given_numbers.items()}
+    invariants, outputs = (
+        checks.by_name(terms or {}, what, ExpressionError)
+        for terms, what in ((invariants, "invariants"), (outputs, "outputs"))
+    )
+    _check_names(states, tuple(numbers), time)
     symbols = symbol_table((*states, *numbers, time))
     expressions = {key: expression(x, f"rate of {key}", symbols) for key, x in rates.items()}
     listed = list(events)
     stop = _stop([event for event in listed if isinstance(event, When)], symbols)
-    read_outputs = _read_terms(outputs or {}, "output", symbols)
+    read_outputs = _read_terms(outputs, "output", symbols)
     for key in read_outputs:
         if key in symbols:
             raise ExpressionError(f"output {key} has the name of a state, parameter or the time.")
     groups = _group_list(states, norm_groups, normalized)
     stops = [event.falls for event in listed if isinstance(event, When)]
-    read_invariants = _read_terms(invariants or {}, "invariant", symbols)
-    terms = (rates, invariants or {}, outputs or {})
+    read_invariants = _read_terms(invariants, "invariant", symbols)
+    terms = (rates, invariants, outputs)
     declared = _declared([*(x for each in terms for x in each.values()), *stops], numbers)
     timed = timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)])
     for values in (numbers, *(event.changes for event in timed)):
@@ -73,6 +79,34 @@ def read(
         read_outputs,
         timed,
     )
+
+
+def named(name: Any) -> Any:
+    """The name of a symbol; anything else as it is.
+
+    Examples
+    --------
+    >>> named(sp.Symbol("x")), named("y")
+    ('x', 'y')
+    """
+    return name.name if isinstance(name, sp.Symbol) else name
+
+
+def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) -> None:
+    """Refuse a name of two things, and say how to part them."""
+    for name in parameters:
+        if name in states:
+            raise ExpressionError(
+                f"{name} is named twice, for a state and for a parameter. Rename one of them, or "
+                "omit it from parameters if the state is meant."
+            )
+    if time in states or time in parameters:
+        what = "state" if time in states else "parameter"
+        other = next(x for x in ("tau", "s", "time") if x not in (*states, *parameters))
+        raise ExpressionError(
+            f"{time} is named twice, for a {what} and for the time. Give the time another name: "
+            f"time={other!r}."
+        )
 
 
 def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, ...]:
@@ -125,7 +159,7 @@ def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None
     """The expression at whose fall the motion ends."""
     if len(found) > 1:
         raise ExpressionError(
-            f"events: one When(...) was needed at most, {len(found)} came. Keep one of them."
+            f"events: expected at most one When(...), got {len(found)}. Keep one of them."
         )
     return expression(found[0].falls, "stop", symbols) if found else None
 
@@ -164,6 +198,7 @@ def start_numbers(
 ) -> tuple[Real, ...]:
     """A number for each state; those of a mapping may change some of the known ones only."""
     if isinstance(start, Mapping):
+        start = checks.by_name(start, "start", StartError)
         for name in start:
             if name not in states:
                 raise UnknownNameError(f"start: {name} is no state. {_hint(name, states)}")
@@ -178,11 +213,11 @@ def start_numbers(
         values = list(cast("Iterable[object]", start))
     except TypeError:
         raise StartError(
-            f"start = {checks.shown(start)}: a mapping or a list of numbers was needed."
+            f"start = {checks.shown(start)}: expected a mapping or a list of numbers."
         ) from None
     if len(values) != len(states):
         raise ShapeError(
-            f"start: {len(states)} numbers were needed ({', '.join(states)}), {len(values)} came."
+            f"start: expected {len(states)} numbers ({', '.join(states)}), got {len(values)}."
         )
     pairs = zip(states, values, strict=True)
     return tuple(number(value, f"start of {name}") for name, value in pairs)
@@ -190,6 +225,7 @@ def start_numbers(
 
 def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) -> dict[str, Real]:
     """Numbers for some of the parameters."""
+    parameters = checks.by_name(parameters, "parameters", StartError)
     for name in parameters:
         if name not in names:
             raise UnknownNameError(f"{name} is no parameter. {_hint(name, names)}")
@@ -207,16 +243,17 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
             )
         at = checks.real(entry.time)
         if at is None:
-            raise TimeError(f"event {checks.shown(entry)}: At(time, {{name: value}}) was needed.")
+            raise TimeError(f"event {checks.shown(entry)}: expected At(time, {{name: value}}).")
         if not (math.isfinite(at) and at >= 0):
-            raise TimeError(f"event at t = {at}: a time from the start at 0 on was needed.")
-        for name in entry.changes:
+            raise TimeError(f"event at t = {at}: expected a time from the start at 0 on.")
+        changes = checks.by_name(entry.changes, f"event at t = {at:.6g}", StartError)
+        for name in changes:
             if name not in names:
                 raise UnknownNameError(
                     f"event at t = {at:.6g}: {name} is no parameter and no state. "
                     + _hint(name, names)
                 )
-        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in entry.changes.items()}
+        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in changes.items()}
         table.setdefault(at, {}).update(new)
     return tuple(At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0]))
 
@@ -263,13 +300,11 @@ def start_columns(
     if not isinstance(starts, Mapping):
         rows = _array("starts", starts)
         if rows.ndim != 2 or rows.shape[1] != len(states) or not len(rows):
-            raise ShapeError(
-                f"starts: shape (number, {len(states)}) was needed, {rows.shape} came."
-            )
+            raise ShapeError(f"starts: expected shape (number, {len(states)}), got {rows.shape}.")
         return rows, {}
     names = (*states, *parameters)
     arrays = {}
-    for name, values in starts.items():
+    for name, values in checks.by_name(starts, "starts", StartError).items():
         if name not in names:
             raise UnknownNameError(
                 f"starts: {name} is no state and no parameter. {_hint(name, names)}"
@@ -277,7 +312,7 @@ def start_columns(
         arrays[name] = _array(f"starts of {name}", values)
     lengths = {name: array.shape for name, array in arrays.items() if array.ndim}
     if len(set(lengths.values())) != 1 or len(next(iter(lengths.values()))) != 1:
-        raise ShapeError(f"starts: lists of one common length were needed, {lengths} came.")
+        raise ShapeError(f"starts: expected lists of one common length, got {lengths}.")
     (number_of,) = next(iter(lengths.values()))
     if not number_of:
         raise StartError("starts: the lists are empty; give one number for each motion.")
@@ -309,7 +344,7 @@ def _array(what: str, values: object) -> np.ndarray:
         what,
         StartError,
         shape_error=ShapeError,
-        message="{subject}: numbers were needed, {value} came.",
+        message="{subject}: expected numbers, got {value}.",
         infinite="{subject}: a number is not finite.",
     )
 

@@ -52,7 +52,7 @@ class Ensemble:
         `Solution.error`; not a number for members that were not verified or not finished.
     finished: shape (number,), which members reached the last time.
     interrupted: whether it was stopped by Ctrl-C.
-    engine, reason, tolerance: what solved them; the finest tolerance that was needed.
+    engine, reason, tolerance: the engine that solved them, why, and its finest tolerance.
     compile_seconds, run_seconds, check_seconds: what it cost.
 
     Arrays by name, as `ensemble["x"]`, have shape (number, m) or (number, m, k); they are not a

@@ -248,7 +248,7 @@ def _engine(metadata: Mapping[str, Any]) -> Engine | None:
 def _value(text: Any) -> Any:
     """A number from its text: a float, a fraction or an expression such as sqrt(2)."""
     if not isinstance(text, str):
-        raise FileFormatError(f"{shown(text)}: a number as text was needed.")
+        raise FileFormatError(f"{shown(text)}: expected a number as text.")
     if text.startswith("f"):
         return float.fromhex(text[1:])
     # Only as `number_text` writes it: an exponent could ask for a number of any length.

@@ -31,8 +31,8 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
         what,
         StartError,
         shape_error=ShapeError,
-        listed=f"{{subject}}: a list of {wanted} numbers was needed, {{value}} came.",
-        counted=f"{{subject}}: {wanted} numbers were needed, {{came}} came.",
+        listed=f"{{subject}}: expected a list of {wanted} numbers, got {{value}}.",
+        counted=f"{{subject}}: expected {wanted} numbers, got {{came}}.",
         message="{subject} = {value} is no real number.",
         infinite="{subject} = {value} is not finite. Give finite numbers.",
     )
@@ -184,7 +184,7 @@ def _samples(last: float) -> np.ndarray:
     return grid
 
 
-TIMES = "t = {value}: a number or a list of numbers was needed."
+TIMES = "t = {value}: expected a number or a list of numbers."
 
 
 def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
@@ -205,7 +205,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     # A copy: what becomes of an array later is its owner's business.
     asked = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
     if asked.size == 0 or asked.ndim != 1:
-        raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
+        raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
     if not np.isfinite(asked).all():
         bad = asked[~np.isfinite(asked)][0]
         raise TimeError(f"t contains {bad}: all times must be finite.")
@@ -230,7 +230,7 @@ def times_between(t: object) -> np.ndarray:
     """Times at which a solution is asked for, of any shape, in any order."""
     asked = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
     if not asked.size:
-        raise TimeError(f"t has shape {asked.shape}: a number or a list of times was needed.")
+        raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
     return asked
 
 

@@ -86,8 +86,8 @@ def solve(
     checked_engine(engine)
     if not callable(getattr(problem, "first_stage", None)):
         raise StartError(
-            "solve: a problem (autoparallel, geodesic, ...) or an ODE was needed, "
-            f"{checks.shown(problem)} came."
+            "solve: expected a problem (autoparallel, geodesic, ...) or an ODE, "
+            f"got {checks.shown(problem)}."
         )
     accuracy = checked_accuracy(accuracy)
     times, grid = checked_times(t)
@@ -210,7 +210,8 @@ class _Runs:
             cuts = tuple(sorted({*cuts, *self._divided(PLACES)}, key=abs))
         try:
             return integrate(
-                self.problem.first_stage(engine.precision, part),
+                # Moved on the way, it is moved by the roundings of a part at the end of that part.
+                self.problem.first_stage(engine.precision, 0.0 if everywhere else part),
                 self.grid,
                 tolerance,
                 engine,

@@ -298,7 +298,7 @@ class WorkLimitError(LimitError):
 
     def __str__(self) -> str:
         work, reached, advice, name = self.args
-        return f"more than {work} were needed by {name} = {reached:.6g}. {advice}"
+        return f"the solver needs more than {work}; it reached {name} = {reached:.6g}. {advice}"
 
     def counted(self, unit: float, name: str = "t") -> WorkLimitError:
         """The same in other units of time, whose name may be another one."""
@@ -492,8 +492,8 @@ def checked_engine(engine: object) -> None:
         return
     if isinstance(engine, type) or not callable(getattr(engine, "run", 0)):
         raise StartError(
-            f"engine = {checks.shown(engine)}: Taylor(), RungeKutta() or Stiff() was needed, or "
-            "None, which chooses."
+            f"engine = {checks.shown(engine)}: expected Taylor(), RungeKutta(), Stiff(), or "
+            "None for an automatic choice."
         )
     members = [name for name in vars(Engine) if not name.startswith("_")]
     missing = [name for name in members if getattr(engine, name, None) is None]

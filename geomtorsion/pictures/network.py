@@ -197,7 +197,7 @@ def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
     known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
     if len(set(known)) != 2 or len(known) != 2:
         raise ArgumentError(
-            f"plane: two coordinates were needed, but {checks.shown(plane)} came. Give two numbers "
+            f"plane: expected two coordinates, got {checks.shown(plane)}. Give two numbers "
             f"from 0 to {dimension - 1}, such as (0, 1)."
         )
     return known[0], known[1]

@@ -60,12 +60,12 @@ def draw_solution(found: Solution | Ensemble) -> Figure:
     """
     if not isinstance(found, Solution | Ensemble):
         raise ArgumentError(
-            f"found: a Solution or an Ensemble was needed, but {checks.shown(found)} came."
+            f"found: expected a Solution or an Ensemble, got {checks.shown(found)}."
         )
     times, lines = _finely(found) if isinstance(found, Solution) else _members(found)
     if len(times) < 2:
         raise ShapeError(
-            f"a picture over time needs two times at least, and {len(times)} came. Solve for a "
+            f"expected a solution at two times or more, got {len(times)}. Solve for a "
             "list of times."
         )
     path = _path(found, lines)

@@ -231,9 +231,9 @@ class FreeTop:
         top = self.constants
         if top is not None and t.size and np.abs(t).max() > FLIPS * top.half.high:
             raise TimeError(
-                f"times up to {FLIPS * top.half.high:.3g} were needed (the rates come back "
-                f"every {self.period:.6g}), {np.abs(t).max():.3g} came: so late, a double "
-                "does not say where in its period the top is."
+                f"expected times up to {FLIPS * top.half.high:.3g} (the period of "
+                f"the rates is {self.period:.6g}), got {np.abs(t).max():.3g}. A double has too few "
+                "digits to locate later times within a period."
             )
         return t
 

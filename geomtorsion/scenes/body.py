@@ -43,7 +43,7 @@ class Body:
     (13.0, 10.0, 5.0)
     >>> Body(mass=1.0, moments=(1, 2, -4))
     Traceback (most recent call last):
-    geomtorsion.errors.BodyError: moments[2] = -4: a positive number (kg m^2) was needed.
+    geomtorsion.errors.BodyError: moments[2] = -4: expected a positive number (kg m^2).
     """
 
     mass: Number = 1.0
@@ -157,7 +157,7 @@ class Body:
 
 def positive(value: Number, name: str, unit: str) -> Number:
     """A positive finite number, as it came."""
-    needed = f"{{subject}} = {{value}}: a positive number ({unit}) was needed."
+    needed = f"{{subject}} = {{value}}: expected a positive number ({unit})."
     none = f"{{subject}} = {{value}} is no number; give it in {unit}."
     checks.positive(value, name, BodyError, message=needed, number_message=none, infinite=needed)
     return value
@@ -172,7 +172,7 @@ def checked_moments(moments: object) -> tuple[Number, ...]:
 
 def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
     """A symmetric 3 x 3 tensor, positive, that some body can have."""
-    nine = "{subject} = {value}: 3 rows of 3 numbers (kg m^2) were needed."
+    nine = "{subject} = {value}: expected 3 rows of 3 numbers (kg m^2)."
     matrix = checks.array(
         inertia, "inertia", BodyError, shape=(3, 3), message=nine, shaped=nine, infinite=None
     )
@@ -242,7 +242,7 @@ def cylinder_moments(mass: Number, radius: Number, height: Number) -> tuple[floa
     m, r = _exact(mass), _exact(positive(radius, "radius", "m"))
     size = checks.real(height)
     if size is None or not 0 <= size < math.inf:
-        raise BodyError(f"height = {height!r}: a positive number (m), or 0 for a disc, was needed.")
+        raise BodyError(f"height = {height!r}: expected a positive number (m), or 0 for a disc.")
     h = _exact(height)
     across = m * (3 * r * r + h * h) / 12
     return _plain(across, across, m * r * r / 2)
@@ -256,12 +256,12 @@ def point_masses(
         listed = [(m, tuple(place)) for m, place in masses]
     except (TypeError, ValueError):
         raise BodyError(
-            f"points = {masses!r}: a list of (mass, (x, y, z)) was needed, kg and m."
+            f"points = {masses!r}: expected a list of (mass, (x, y, z)), in kg and m."
         ) from None
     if not listed or any(len(place) != 3 for _, place in listed):
-        raise BodyError("points: at least one (mass, (x, y, z)) was needed, each with 3 numbers.")
+        raise BodyError("points: expected at least one (mass, (x, y, z)), each with 3 numbers.")
     weights = [_exact(positive(m, f"mass {k}", "kg")) for k, (m, _) in enumerate(listed)]
-    wanted = "points: finite numbers were needed ({subject} = {value})."
+    wanted = "points: expected finite numbers ({subject} = {value})."
     places = [
         [_exact(checks.exact_number(x, f"place {k}", BodyError, message=wanted, infinite=wanted))
          for x in place]
@@ -301,7 +301,7 @@ def _three(values: Sequence[Number], name: str) -> list[Fraction]:
 
 def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number, ...]:
     """Three positive numbers, as they came."""
-    needed = f"{{subject}} = {{value}}: {three} ({unit}) were needed."
+    needed = f"{{subject}} = {{value}}: expected {three} ({unit})."
     none = f"{{subject}} = {{value}} is no number; give it in {unit}."
     found = checks.numbers(
         values, 3, name, BodyError, listed=needed, counted=needed, message=none, infinite=none
@@ -337,5 +337,5 @@ def exact(value: object, name: str) -> sp.Expr:
         name,
         SceneError,
         message="{subject} = {value} is no number.",
-        infinite="{subject} = {value}: a finite number was needed.",
+        infinite="{subject} = {value}: expected a finite number.",
     )

@@ -212,7 +212,7 @@ def scene_from(file: TomlFile, name: str = "") -> Scene:
 def _text(file: TomlFile, key: str) -> str:
     value = file.data.get(key, "")
     if not isinstance(value, str):
-        file.fail((key,), f"{key}: a text in quotes was needed, but {value!r} came.")
+        file.fail((key,), f"{key}: expected a text in quotes, got {value!r}.")
     return value
 
 
@@ -221,7 +221,7 @@ def _watch(file: TomlFile) -> list[str]:
     value = file.data.get("watch", [])
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        file.fail(("watch",), f'watch: a list of names was needed, but {value!r} came: ["energy"].')
+        file.fail(("watch",), f'watch: expected a list of names, got {value!r}: ["energy"].')
     return names
 
 
@@ -255,11 +255,11 @@ def _points(file: TomlFile, value: Any) -> list[tuple[Any, Any]]:
     """Point masses: tables with mass and place."""
     key: Key = ("body", "points")
     if not isinstance(value, list) or not value:
-        file.fail(key, "body: points = [{mass = 1, place = [1, 0, 0]}, ...] was needed.")
+        file.fail(key, "body: expected points = [{mass = 1, place = [1, 0, 0]}, ...].")
     found = []
     for number, point in enumerate(value):
         if not isinstance(point, dict) or set(point) != {"mass", "place"}:
-            file.fail((*key, number), f"body: point {number}: mass and place were needed.")
+            file.fail((*key, number), f"body: point {number}: expected mass and place.")
         mass = _numbers(file, (*key, number), point["mass"], "kg")
         found.append((mass, _numbers(file, (*key, number), point["place"], "m")))
     return found
@@ -319,7 +319,7 @@ def _start(file: TomlFile) -> State:
 
 def _table(file: TomlFile, name: str, value: Any) -> Mapping[str, Any]:
     if not isinstance(value, dict):
-        file.fail((name,), f"{name}: a table was needed, but {value!r} came. Write [{name}].")
+        file.fail((name,), f"{name}: expected a table, got {value!r}. Write [{name}].")
     return value
 
 

@@ -21,7 +21,7 @@ from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.writing import pandas_table
-from geomtorsion.outgoing import csv_cell
+from geomtorsion.outgoing import csv_cell, size_text
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
@@ -233,7 +233,7 @@ class SceneResult:
             f"to t = {float(self.times[-1]):.6g} s{ended}, {len(self.times)} times, by {how}",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
-        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
 
     def __repr__(self) -> str:
@@ -335,7 +335,7 @@ class SceneResult:
 def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np.ndarray]) -> str:
     """Which parts of a file do not fit together, or nothing."""
     if not len(times) or not np.isfinite(times).all():
-        return "times: finite numbers, at least one, were needed"
+        return "times: expected at least one finite number"
     for name in about["watch"]:
         if name not in values:
             return f"value {shown(name)} is missing"
@@ -343,7 +343,7 @@ def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np
             return f"about: labels and units of {shown(name)} are missing"
         numbers = math.prod(values[name].shape[1:])
         if max(len(about["labels"][name]), 1) != numbers:
-            return f"about: labels.{name}: {numbers} were needed for value {name}"
+            return f"about: labels.{name}: expected {numbers} for value {name}"
     return ""
 
 

@@ -175,7 +175,7 @@ class Scene:
         """Check everything that can be checked without solving."""
         if not isinstance(self.body, Body):
             raise SceneError(
-                f"body = {self.body!r}: a Body was needed, as Body(moments=(1, 2, 3))."
+                f"body = {self.body!r}: expected a Body, such as Body(moments=(1, 2, 3))."
             )
         object.__setattr__(self, "effects", _effect_list(self.effects))
         object.__setattr__(self, "watch", _names(self.watch))
@@ -187,7 +187,7 @@ class Scene:
         checked_times(self.t)
         if isinstance(self.t, Iterable) and checks.real(self.t) is None:
             object.__setattr__(self, "t", tuple(float(x) for x in self.t))
-        whole = "{subject} = {value}: a whole number from 2 on was needed."
+        whole = "{subject} = {value}: expected a whole number from 2 on."
         samples = checks.count(self.samples, "samples", SceneError, 2, message=whole)
         object.__setattr__(self, "samples", samples)
         # Before there are equations: a body alone has six numbers and their rates.
@@ -335,7 +335,9 @@ class Scene:
             a path leads nowhere; the message names what is there.
         """
         if changes is not None and not isinstance(changes, Mapping):
-            raise SceneError(f"{changes!r}: a mapping was needed, as {{'body.moments[2]': 3.1}}.")
+            raise SceneError(
+                f"{changes!r}: expected a mapping, such as {{'body.moments[2]': 3.1}}."
+            )
         return with_values(self, {**(changes or {}), **fields})
 
     def __str__(self) -> str:

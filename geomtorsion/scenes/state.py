@@ -85,7 +85,7 @@ nothing.
 
 def _three(values: Sequence[Number], name: str, unit: str) -> tuple[Number, ...]:
     """Three finite numbers, as they came."""
-    three = f"{{subject}} = {{value}}: three numbers ({unit}) were needed."
+    three = f"{{subject}} = {{value}}: expected three numbers ({unit})."
     return checks.numbers(
         values,
         3,
@@ -94,5 +94,5 @@ def _three(values: Sequence[Number], name: str, unit: str) -> tuple[Number, ...]
         listed=three,
         counted=three,
         message="start: {subject} = {value} is no number.",
-        infinite="start: {subject} = {value}: a finite number was needed.",
+        infinite="start: {subject} = {value}: expected a finite number.",
     )

@@ -16,6 +16,7 @@ from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import ODE, solve_many
 from geomtorsion.ode.writing import pandas_table
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.body import Number
@@ -165,7 +166,9 @@ class SceneSweep:
         if self.unfinished:
             where, why = self.unfinished[0]
             lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
-        return "\n".join([*lines, f"error below {self.error:.1e} (asked {self.accuracy:.1e})"])
+        return "\n".join(
+            [*lines, f"error below {size_text(self.error)} (asked {self.accuracy:.1e})"]
+        )
 
     __repr__ = __str__
 
@@ -259,9 +262,7 @@ def sweep(
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    wanted = (
-        "{subject}: a list of numbers, or of vectors of equal length, was needed; {value} came."
-    )
+    wanted = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
     given = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
     return checks.array(given, path, SceneError, message=wanted, infinite=None)
 

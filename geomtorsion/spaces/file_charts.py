@@ -36,7 +36,7 @@ def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> N
     given = data.get("charts", [])
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise FileFormatError(
-            f"{words.file}: charts: tables were needed, but {shown(given)} came. Write [[charts]]."
+            f"{words.file}: charts: expected tables, got {shown(given)}. Write [[charts]]."
         )
     make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, given)
     atlas = make(frame)
@@ -60,8 +60,8 @@ def _atlas(
         name = table["name"]
         if not isinstance(name, str) or not name or name in charts:
             raise FileFormatError(
-                f"{words.file}: {place}.name: a text that no other chart has was needed, but "
-                f"{shown(name)} came."
+                f"{words.file}: {place}.name: expected a text that no other chart has, got "
+                f"{shown(name)}."
             )
         inner = _words(words, table, place)
         charts[name] = _chart(frame, inner, table, place, name)
@@ -131,8 +131,8 @@ def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, 
         number = sp.Rational(str(margin))
     if not isinstance(number, sp.Rational) or number.p <= 0:
         raise FileFormatError(
-            f"{words.file}: {place}margin: a positive number was needed, but "
-            f"{shown(table['margin'])} came."
+            f"{words.file}: {place}margin: expected a positive number, got "
+            f"{shown(table['margin'])}."
         )
     near = number.p / number.q
     return {"edge": words.expression(table["edge"], f"{place}edge"), "margin": near}
@@ -153,8 +153,8 @@ def _maps(
         value = table[key]
         if not isinstance(value, list) or len(value) != n:
             raise FileFormatError(
-                f"{words.file}: {place}.{key}: a list of {n} expressions was needed, one for each "
-                f"coordinate, but {shown(value)} came."
+                f"{words.file}: {place}.{key}: expected a list of {n} expressions, one for each "
+                f"coordinate, got {shown(value)}."
             )
         lists[key] = tuple(
             reader.expression(entry, f"{place}.{key}[{k}]") for k, entry in enumerate(value)

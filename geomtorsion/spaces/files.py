@@ -151,17 +151,15 @@ def _only(file: str, data: Mapping[str, object], keys: tuple[str, ...], *, requi
     present = [key for key in keys if key in data]
     if len(present) == 1 or not (present or required):
         return present[0] if present else ""
-    came = f"{' and '.join(present)} came" if present else "none came"
+    came = " and ".join(present) or "none"
     needed = "exactly one of" if required else "at most one of"
-    raise FileFormatError(f"{file}: {needed} {', '.join(keys)} was needed, but {came}.")
+    raise FileFormatError(f"{file}: expected {needed} {', '.join(keys)}, got {came}.")
 
 
 def _text(file: str, data: Mapping[str, object], key: str) -> str:
     value = data.get(key, "")
     if not isinstance(value, str) or isinstance(value, Decimal):
-        raise FileFormatError(
-            f"{file}: {key}: a text in quotes was needed, but {shown(value)} came."
-        )
+        raise FileFormatError(f"{file}: {key}: expected a text in quotes, got {shown(value)}.")
     return value
 
 
@@ -189,7 +187,7 @@ def _named(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> Frame
     given = data.get("names", {})
     if not isinstance(given, dict):
         raise FileFormatError(
-            f"{words.file}: names: a table was needed, but {shown(given)} came. Write "
+            f"{words.file}: names: expected a table, got {shown(given)}. Write "
             '[names] and below it Sigma = "r**2 + a**2*cos(theta)**2".'
         )
     try:
@@ -219,8 +217,8 @@ def _signature(words: Vocabulary, data: Mapping[str, object]) -> Any:
     if isinstance(value, list) and all(type(sign) is int and abs(sign) == 1 for sign in value):
         return tuple(value)
     raise FileFormatError(
-        f"{words.file}: signature: a list of signs 1 and -1 or a constant matrix was needed, but "
-        f"{shown(value)} came. Write signature = [-1, 1, 1, 1]."
+        f"{words.file}: signature: expected a list of signs 1 and -1 or a constant matrix, got "
+        f"{shown(value)}. Write signature = [-1, 1, 1, 1]."
     )
 
 

@@ -129,7 +129,7 @@ def load(name: str | PathLike[str]) -> Space:
     near = close_names(text, names(), most=5, cutoff=0.4)
     hint = f"Near: {', '.join(near)}." if near else "None is near."
     raise UnknownNameError(
-        f"a shipped space was needed, but none is called {shown(name)}. {hint} "
+        f"expected the name of a shipped space, got {shown(name)}. {hint} "
         "`geomtorsion spaces` (or geomtorsion.spaces.names()) lists all of them."
     )
 

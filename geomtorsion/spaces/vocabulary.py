@@ -21,7 +21,7 @@ _COMPARISON = re.compile(r"(<=|>=|<|>)")
 _RELATIONS = {"<": sympy.Lt, ">": sympy.Gt, "<=": sympy.Le, ">=": sympy.Ge}
 
 # As TOML writes them.
-FLAG = "{subject}: true or false was needed, not {value}."
+FLAG = "{subject}: expected true or false, got {value}."
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ class Vocabulary:
             where = f"{self.file}: {place}"
             return parse_expression(value, self.symbols, self.functions, where=where)
         raise FileFormatError(
-            f"{self.file}: {place}: an integer or an expression in quotes was needed, but "
-            f'{_kind(value)} came. Write for instance "r*sin(theta)".'
+            f"{self.file}: {place}: expected an integer or an expression in quotes, got "
+            f'{_kind(value)}. Write for instance "r*sin(theta)".'
         )
 
     def relations(self, value: object, place: str) -> list[sympy.Rel]:
@@ -129,7 +129,7 @@ def texts(file: str, value: object, place: str) -> list[str]:
     items = [value] if isinstance(value, str) else value
     if not isinstance(items, list) or not all(isinstance(item, str) for item in items):
         raise FileFormatError(
-            f"{file}: {place}: a list of texts was needed, but {_kind(value)} came. "
+            f"{file}: {place}: expected a list of texts, got {_kind(value)}. "
             f'Write {place} = ["..."].'
         )
     return items
@@ -164,7 +164,7 @@ def _table(file: str, data: Mapping[str, object], key: str) -> Mapping[str, obje
     if not isinstance(value, dict):
         example = {"parameters": 'M = "positive"', "functions": 'a = ["t"]'}[key]
         raise FileFormatError(
-            f"{file}: {key}: a table was needed, but {_kind(value)} came. "
+            f"{file}: {key}: expected a table, got {_kind(value)}. "
             f"Write [{key}] and below it {example}."
         )
     return value
@@ -193,7 +193,7 @@ def dimension_of(file: str, key: str, value: object) -> int:
     if isinstance(value, dict) and value:
         return 1 + max(max(_index(file, key, text)) for text in value)
     raise FileFormatError(
-        f"{file}: {key}: a list of rows was needed, but {shown(value)} came. "
+        f"{file}: {key}: expected a list of rows, got {shown(value)}. "
         f'Write {key} = [["1", "0"], ["0", "r"]] or a table of the entries that do not vanish.'
     )
 
@@ -234,10 +234,10 @@ def _nested(
     if len(index) == rank:
         return words.expression(value, place)
     if not isinstance(value, list) or len(value) != dimension:
-        came = f"{len(value)} came" if isinstance(value, list) else f"{shown(value)} came"
+        came = len(value) if isinstance(value, list) else shown(value)
         raise FileFormatError(
-            f"{words.file}: {place}: a list of {dimension} entries was needed, one for each "
-            f"coordinate, but {came}. {_levels(key, rank)}"
+            f"{words.file}: {place}: expected a list of {dimension} entries, one for each "
+            f"coordinate, got {came}. {_levels(key, rank)}"
         )
     return [_nested(words, key, part, (*index, k), rank, dimension) for k, part in enumerate(value)]
 
@@ -251,8 +251,8 @@ def _sparse(
         index = _index(words.file, key, text)
         if len(index) != rank or max(index) >= dimension:
             raise FileFormatError(
-                f'{words.file}: {key}: "{cut(text)}" is no index here: {rank} numbers from 0 to '
-                f"{dimension - 1} were needed, separated by commas."
+                f'{words.file}: {key}: "{cut(text)}" is not an index here; '
+                f"expected {rank} numbers from 0 to {dimension - 1}, separated by commas."
             )
         if index in entries:
             raise FileFormatError(

@@ -9,7 +9,7 @@ Times are CPU seconds of the best round of the whole work in a warm process, obj
 round. With --turns all of a case race again, one after the other, and the best of all counts.
 geomtorsion does both connections, torsion, contortion, both curvatures and converts every
 component to sympy; the others do what they can: Christoffel, Riemann, Ricci, Kretschmann; the
-column "of the metric alone" has geomtorsion do no more than these. Python packages are timed from
+column "metric only" has geomtorsion do no more than these. Python packages are timed from
 sympy matrices, checked and read, to sympy expressions, Maxima from its matrices to its expressions.
 """
 

@@ -108,7 +108,7 @@ def _python(name: str, title: str, module: str, work: Work, coframe: bool = Fals
 
 ALL: tuple[Contestant, ...] = (
     _python("geomtorsion", "geomtorsion", "geomtorsion", _geomtorsion, coframe=True),
-    _python("of_metric", "of the metric alone", "geomtorsion", _of_metric, coframe=True),
+    _python("of_metric", "metric only", "geomtorsion", _of_metric, coframe=True),
     Contestant("maxima_frame", "Maxima, frame", "maxima", partial(_in_maxima, True), True),
     Contestant("maxima", "Maxima, metric", "maxima", partial(_in_maxima, False)),
     _python("sympy", "sympy, simplify", "sympy", baseline.sympy_with_simplify, coframe=True),

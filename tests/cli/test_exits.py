@@ -187,7 +187,7 @@ def test_too_little_memory_ends_in_words(tmp_path):
 def test_limits_that_are_none():
     """A limit below zero is refused."""
     error = run("geometry", "s2", "--seconds", "-1", code=2).stderr
-    assert "seconds: a positive number was needed, but -1" in error
+    assert "seconds: expected a positive number, got -1" in error
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,10 @@ def test_every_error_names_a_page_that_is_there(kind):
     """The source of a page of the site, so that none names one that was moved."""
     site = ROOT / "examples/site"
     assert (site / f"{kind.page}.md").is_file()
-    assert more_on(kind("no"), site) == f"(More on this: examples/site/{kind.page}.md)"
+    more = more_on(kind("no"), site)
+    assert more.endswith(f", examples/site/{kind.page}.md)")
+    title = more.split('"')[1]
+    assert f"\n# {title}\n" in f"\n{(site / f'{kind.page}.md').read_text('utf-8')}"
 
 
 def test_a_file_of_any_kind_does_not_send_to_that_of_tetrads():
@@ -217,7 +220,8 @@ def test_a_checkout_names_the_page_that_helps():
         _, error = running.communicate(timeout=60)
     message, more = error.splitlines()
     assert message.startswith("geomtorsion: ")
-    assert more == f"(More on this: examples/site/{errors.UnknownNameError.page}.md)"
+    assert more.startswith('(More on this: "How errors are reported", examples/site/')
+    assert more.endswith(f"/{errors.UnknownNameError.page}.md)")
 
 
 def test_a_wheel_names_no_page_that_it_lacks(tmp_path):

@@ -11,7 +11,7 @@ def test_numbers():
     """Blanks, fractions and constants; nothing else."""
     assert numbers(" 1/2 , -1e-3,2*pi", "start") == pytest.approx([0.5, -1e-3, 6.283185307])
     assert numbers(None, "start") is None
-    with pytest.raises(StartError, match="came"):
+    with pytest.raises(StartError, match="start: a number was needed"):
         numbers("1,,2", "start")
 
 

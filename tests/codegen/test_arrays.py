@@ -87,7 +87,7 @@ def test_opaque_functions_without_a_form():
 def test_what_is_no_real_number_is_refused(given, check):
     """None of it is read as a number, cut to its real part, or an error of NumPy."""
     function = numpy_function([Field([x, y]).read(x + y)], [x, y], check=check)
-    with pytest.raises(ArgumentError, match="y: a number or an array of real numbers was needed"):
+    with pytest.raises(ArgumentError, match="y: expected a number or an array of real numbers"):
         function(1.0, given)
 
 
@@ -105,7 +105,7 @@ def test_what_is_not_finite_is_refused_where_values_are_right(given):
 def test_arguments_that_do_not_fit():
     """Shapes that do not go together, and a symbol that comes twice."""
     read = [Field([x, y]).read(x + y)]
-    with pytest.raises(ArgumentError, match="numbers or arrays of one shape were needed"):
+    with pytest.raises(ArgumentError, match="expected numbers or arrays of one shape"):
         numpy_function(read, [x, y])([1.0, 2.0], [1.0, 2.0, 3.0])
     with pytest.raises(ArgumentError, match=r"symbols\[2\]: x came twice"):
         numpy_function(read, [x, y, sp.Symbol("x", positive=True)])

@@ -235,11 +235,11 @@ X, Y, K = sp.symbols("x y k")
     [
         ([1.0], {"k": 1}, r"coordinates: 2 \(x, y\) were needed, but 1 came"),
         ([1.0, 2.0, 3.0], {"k": 1}, r"coordinates: 2 \(x, y\) were needed, but 3 came"),
-        (3, {"k": 1}, "coordinates: a list was needed, but 3 came"),
-        (["1", 2.0], {"k": 1}, "a number.* was needed, but '1' came"),
-        ([1.0, 2j], {"k": 1}, "a number.* was needed, but 2j came"),
+        (3, {"k": 1}, "coordinates: expected a list, got 3"),
+        (["1", 2.0], {"k": 1}, "expected a number.*, got '1'"),
+        ([1.0, 2j], {"k": 1}, "expected a number.*, got 2j"),
         ([1.0, 2.0], None, "k has no value"),
-        ([1.0, 2.0], {"k": "1"}, "parameter k: a number was needed, but '1' came"),
+        ([1.0, 2.0], {"k": "1"}, "parameter k: expected a number, got '1'"),
     ],
 )
 def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, message):
@@ -255,11 +255,11 @@ def test_a_change_of_charts_is_asked_for_wrongly(coordinates, parameters, messag
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ((1, "b", (X, Y), (X, Y)), "source: a text was needed"),
-        (("a", "b", "xy", (X, Y)), "coordinates: a list was needed"),
-        (("a", "b", (X, "y"), (X, Y)), r"coordinates\[1\]: a Symbol was needed"),
-        (("a", "b", (X, Y), 5), "expressions: a list was needed"),
-        (("a", "b", (X, Y), (X, Y), (), (2,)), r"angles\[0\]: a whole number from 0 to 1"),
+        ((1, "b", (X, Y), (X, Y)), "source: expected a text"),
+        (("a", "b", "xy", (X, Y)), "coordinates: expected a list"),
+        (("a", "b", (X, "y"), (X, Y)), r"coordinates\[1\]: expected a Symbol"),
+        (("a", "b", (X, Y), 5), "expressions: expected a list"),
+        (("a", "b", (X, Y), (X, Y), (), (2,)), r"angles\[0\]: expected a whole number from 0 to 1"),
     ],
 )
 def test_a_change_of_charts_is_written_wrongly(given, message):

@@ -246,7 +246,7 @@ def test_decimals_are_read_where_they_are_asked_for():
 
 def test_text_is_needed():
     """A number in place of a text is an error of ours, not a TypeError from the depths."""
-    with pytest.raises(ExpressionError, match="text was needed, but float came"):
+    with pytest.raises(ExpressionError, match="text, got float"):
         parse_expression(0.5, NAMES)  # pyright: ignore[reportArgumentType] - the mistake under test
 
 

@@ -232,7 +232,7 @@ def test_a_directed_graph_of_measured_steps():
     assert steps.bounds.tolist() == [0.25, 0]
     with pytest.raises(NetworkError, match="from 'a' to 'b' has no 'b'"):
         Cochain.of_graph(graph, "b")
-    with pytest.raises(NetworkError, match="MultiDiGraph was needed, but Graph came"):
+    with pytest.raises(NetworkError, match="MultiDiGraph, got Graph"):
         Cochain.of_graph(nx.Graph())  # type: ignore[arg-type]
 
 
@@ -244,10 +244,13 @@ RING = Complex.of_edges([[0, 1], [1, 2], [2, 0]])
     [
         (lambda: Cochain(RING, np.ones((2, 1))), r"one row for each edge, shape \(3, n\)"),
         (lambda: Cochain(RING, np.ones((3, 1)), degree=2), r"each face, shape \(0, n\)"),
-        (lambda: Cochain(RING, np.ones((3, 1)), degree=4), "degree: a whole number from 0 to 3"),
+        (
+            lambda: Cochain(RING, np.ones((3, 1)), degree=4),
+            "degree: expected a whole number from 0 to 3",
+        ),
         (lambda: Cochain(RING, np.array([["a"]] * 3)), "real numbers"),
         (lambda: Cochain(RING, np.array([[1j]] * 3)), "real numbers"),
-        (lambda: Cochain(RING, np.array([[0], [1], [np.nan]])), "edge 2: finite values"),
+        (lambda: Cochain(RING, np.array([[0], [1], [np.nan]])), "edge 2: expected finite values"),
         (lambda: Cochain(RING, np.ones((3, 1)), [0, 1]), "errors"),  # type: ignore[arg-type]
         (lambda: Cochain(RING, np.ones((3, 1)), np.array([0, -1, 0])), r"errors\[1\] = -1"),
         (lambda: Cochain(RING, np.ones((3, 1))).coboundary(), "has no faces"),
@@ -259,7 +262,7 @@ RING = Complex.of_edges([[0, 1], [1, 2], [2, 0]])
         (lambda: Cochain(RING, np.ones((3, 1))).over(np.ones((1, 3))), "whole numbers of shape"),
         (lambda: Cochain(RING, np.ones((3, 1))).mapped([[1.0], [2.0]]), "each row of the matrix"),
         (lambda: Cochain(RING, np.ones((3, 1))) + Cochain(RING, np.ones((3, 2))), "1 and 2"),
-        (lambda: Cochain.between(Complex.grid((2,), True), [[0], [1]]), "each of 1 periods"),
+        (lambda: Cochain.between(Complex.grid((2,), True), [[0], [1]]), "over 1 periods"),
         (
             lambda: Cochain.between(Complex.grid((2,), True), [[0], [1]], [[1, 2]]),
             r"shape \(1, 1\)",

@@ -56,5 +56,5 @@ def test_what_only_numbers_decide_is_refused():
 @pytest.mark.parametrize(("centre", "plane"), [((0, 0), (0, 1)), ((0, 0, 0), (1, 1))])
 def test_a_circle_needs_centre_and_plane(centre, plane):
     """One entry a coordinate, two different coordinates."""
-    with pytest.raises(LoopError, match="a circle needs 3 coordinates"):
+    with pytest.raises(LoopError, match="circle: expected 3 coordinates"):
         exact_circle(load("heisenberg").frame, centre, R, plane)

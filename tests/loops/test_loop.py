@@ -162,11 +162,11 @@ def test_symbols_in_a_loop() -> None:
 
 NAN = float("nan")
 BAD = [
-    (lambda: Loop.circle([0, 0], 0), "positive length was needed, but 0 came"),
+    (lambda: Loop.circle([0, 0], 0), "expected a positive length, got 0"),
     (lambda: Loop.circle([0, 0], -1), "positive length"),
-    (lambda: Loop.circle([0, NAN], 1), r"centre\[1\]: a finite number"),
-    (lambda: Loop.circle([0, 0], float("inf")), "radius: a finite number"),
-    (lambda: Loop.circle([0, 0], "1"), "radius: a number was needed, but '1' came"),
+    (lambda: Loop.circle([0, NAN], 1), r"centre\[1\]: expected a finite number"),
+    (lambda: Loop.circle([0, 0], float("inf")), "radius: expected a finite number"),
+    (lambda: Loop.circle([0, 0], "1"), "radius: expected a number, got '1'"),
     (lambda: Loop.circle([0], 1), "at least two coordinates"),
     (lambda: Loop.circle("xy", 1), "a list of coordinates"),
     (lambda: Loop.circle([0, 0], 1, (0, 2)), "there is no coordinate 2; there are 2"),
@@ -176,17 +176,17 @@ BAD = [
     (lambda: Loop.circle([0, 0], 1, cast(Any, (0.5, 1))), "coordinate numbers or vectors"),
     (lambda: Loop.plaquette([0, 0], (sp.Symbol("R"), 1)), "contains symbols"),
     (lambda: Loop.ellipse([0, 0], cast(Any, 2)), "two semi-axes"),
-    (lambda: Loop.polygon([]), "at least three points were needed, but none"),
-    (lambda: Loop.polygon([[0, 0], [1, 1]]), "but 2 came"),
+    (lambda: Loop.polygon([]), "expected at least three points, got none"),
+    (lambda: Loop.polygon([[0, 0], [1, 1]]), "got 2"),
     (lambda: Loop.polygon([[0, 0], [1, 1], [0, 0]]), "vertex 2 and vertex 0 coincide"),
     (lambda: Loop.polygon([[0, 0], [1, 1], [1, 1], [0, 1]]), "vertex 1 and vertex 2 coincide"),
-    (lambda: Loop.polygon([[0, 0], [1, 1], [NAN, 1]]), r"vertices\[2\]\[0\]: a finite"),
-    (lambda: Loop.polygon([[0, 0], [1, 1], [1, 1, 1]]), r"vertices\[2\]: 2 numbers"),
+    (lambda: Loop.polygon([[0, 0], [1, 1], [NAN, 1]]), r"vertices\[2\]\[0\]: expected a finite"),
+    (lambda: Loop.polygon([[0, 0], [1, 1], [1, 1, 1]]), r"vertices\[2\]: expected 2 numbers"),
     (lambda: Loop.polygon(TRIANGLE, size=2), "give the centre as well"),
     (lambda: Loop.polygon([[0, 0]] * 4), "coincide"),
-    (lambda: Loop.plaquette([0, 0], (0, 1)), "neither may be zero"),
+    (lambda: Loop.plaquette([0, 0], (0, 1)), "expected two steps that are not zero"),
     (lambda: Loop.plaquette([0, 0], cast(Any, 1)), "two steps"),
-    (lambda: Loop.spline([[0, 0], [1, 0]]), "but 2 came"),
+    (lambda: Loop.spline([[0, 0], [1, 0]]), "got 2"),
     (lambda: Loop.spline([[0, 0], [1, 0], [1, 0], [0, 1]]), "point 1 and point 2 coincide"),
     (lambda: Loop.parametric(["s", "s**2"]), r"does not close.*the gap is \(1, 1\)"),
     (lambda: Loop.parametric(["1", "2"]), "has no length"),
@@ -230,5 +230,5 @@ def test_turns_are_whole_numbers_of_any_kind() -> None:
     assert loop.times(cast("int", np.int64(-2))).winding([0, 0]) == -2
     with pytest.raises(LoopError, match="a whole number of turns"):
         loop.times(cast("int", np.float64(2)))
-    with pytest.raises(ArgumentError, match="other: a Loop was needed"):
+    with pytest.raises(ArgumentError, match="other: expected a Loop"):
         loop.then(cast("Loop", "circle"))

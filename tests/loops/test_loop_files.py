@@ -64,23 +64,26 @@ def test_json_from_a_file(tmp_path: Path) -> None:
 JSON = [
     ('[{"circle": {"centre": [0, 0], "radius": 1}', "line 1, column .* Is the file complete"),
     ("", "this is no JSON"),
-    ("{}", "a list of loops was needed"),
+    ("{}", "expected a list of loops"),
     ("[]", "at least one"),
     ("3", "a list of loops"),
     ('[{"circl": {}}]', "unknown key 'circl'. Did you mean circle"),
     ('[{"circle": {"centre": [0, 0]}}]', "the key 'radius' is missing"),
     ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is no number"),
-    ('[{"circle": {"centre": [0, 0], "radius": true}}]', "a number was needed, but True"),
-    ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: a number was needed"),
+    ('[{"circle": {"centre": [0, 0], "radius": true}}]', "expected a number, got True"),
+    ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: expected a number"),
     ('[{"circle": {"centre": [0, 0], "radius": 1, "plane": ["x", "q"]}}]', "'q' is no coordinate"),
-    ('[{"circle": {"centre": [0, 0], "radius": 1, "plane": "xy"}}]', "plane: two coordinates"),
-    ('[{"circle": 3}]', "a mapping was needed"),
-    ("[3]", "a mapping was needed"),
-    ('[{"times": 3}]', "exactly one of .* none came"),
-    ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: a text"),
+    (
+        '[{"circle": {"centre": [0, 0], "radius": 1, "plane": "xy"}}]',
+        "plane: expected two coordinates",
+    ),
+    ('[{"circle": 3}]', "expected a mapping"),
+    ("[3]", "expected a mapping"),
+    ('[{"times": 3}]', "exactly one of .* got none"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1}, "name": 3}]', "name: expected a text"),
     ('{"loops": [1], "q": 3}', "unknown key 'q'"),
-    ('{"loops": [1], "parameters": 3}', "parameters: names and values"),
-    ('{"loops": [1], "accuracy": "x"}', "accuracy: a number"),
+    ('{"loops": [1], "parameters": 3}', "parameters: expected names and values"),
+    ('{"loops": [1], "accuracy": "x"}', "accuracy: expected a number"),
     ("[" * 100000, "nested too deeply|no JSON"),
 ]
 
@@ -105,7 +108,7 @@ def test_code_is_not_run() -> None:
 def test_a_bad_loop_is_named() -> None:
     """Which of many loops it was."""
     good = '{"circle": {"centre": [0, 0], "radius": 1}}'
-    with pytest.raises(LoopError, match=r"loops\[1\]: radius: a positive length"):
+    with pytest.raises(LoopError, match=r"loops\[1\]: radius: expected a positive length"):
         loops_from_json(PLANE, f"[{good}, {good.replace('1}', '-1}')}]")
 
 
@@ -114,11 +117,11 @@ CSV = [
     ("x,radius\n0,1\n", "needed are x, y and either radius"),
     ("x,y\n0,1\n", "needed are x, y and either radius"),
     ("x,y,radius\n", "no rows"),
-    ("x,y,radius\n0,0,1\n0,0", "line 3: 3 columns were needed, but 2 came"),
+    ("x,y,radius\n0,0,1\n0,0", "line 3: expected 3 columns, got 2"),
     ("x,y,radius\n0,0,\n", "line 2: radius"),
-    ("x,y,radius\n0,0,-1\n", "line 2: radius: a positive length"),
+    ("x,y,radius\n0,0,-1\n", "line 2: radius: expected a positive length"),
     ("x,y,radius\n0,0,nan\n", "a finite number"),
-    ("loop,x,y\na,0,0\na,1,1\n", "loop a: vertices: at least three"),
+    ("loop,x,y\na,0,0\na,1,1\n", "loop a: vertices: expected at least three"),
     ("x,y,radius,plane\n0,0,1,x z\n", "'z' is no coordinate"),
 ]
 

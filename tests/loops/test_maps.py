@@ -141,7 +141,7 @@ def test_bad_maps(so3: Frame) -> None:
     for make, message in (
         (lambda: burgers_vectors(so3, [[0, 1, 0]], 0), "circle 0 has radius 0"),
         (lambda: burgers_vectors(so3, [[0, 1]], 1), "centres have 2 coordinates"),
-        (lambda: burgers_vectors(so3, cast(Any, [0, 1, 0]), 1), "2 axes were needed"),
+        (lambda: burgers_vectors(so3, cast(Any, [0, 1, 0]), 1), "expected 2 axes"),
         (lambda: burgers_vectors(so3, [[0, np.nan, 0]], 1), r"centres\[0, 1\]: nan"),
         (lambda: burgers_vectors(so3, "abc", 1), "an array of numbers"),
         (
@@ -149,9 +149,12 @@ def test_bad_maps(so3: Frame) -> None:
             "one number, or one for each",
         ),
         (lambda: burgers_vectors(so3, [[0, 1, 0]], 1, accuracy=0), "accuracy"),
-        (lambda: burgers_map(so3, (GRID, GRID[::-1])), r"edges\[1\]: at least two increasing"),
+        (
+            lambda: burgers_map(so3, (GRID, GRID[::-1])),
+            r"edges\[1\]: expected at least two increasing",
+        ),
         (lambda: burgers_map(so3, (GRID, [1])), r"edges\[1\]"),
-        (lambda: burgers_map(so3, cast(Any, GRID[:3])), "edges: two arrays"),
+        (lambda: burgers_map(so3, cast(Any, GRID[:3])), "edges: expected two arrays"),
     ):
         with pytest.raises(LoopError, match=message):
             make()

@@ -155,9 +155,12 @@ def test_long_chain_is_summed_fast_and_well():
 
 BAD = [
     (lambda g: g.nodes[0].pop("position"), "node 0 has no 'position'"),
-    (lambda g: g.nodes[0].update(position=(1, 2)), "node 0: 'position' needs 3 numbers"),
-    (lambda g: g.nodes[0].update(position="abc"), "node 0: 'position' needs 3"),
-    (lambda g: g.nodes[0].update(position=(0, float("nan"), 0)), "node 0: finite coordinates"),
+    (lambda g: g.nodes[0].update(position=(1, 2)), "node 0: 'position': expected 3 numbers"),
+    (lambda g: g.nodes[0].update(position="abc"), "node 0: 'position': expected 3"),
+    (
+        lambda g: g.nodes[0].update(position=(0, float("nan"), 0)),
+        "node 0: expected finite coordinates",
+    ),
     (lambda g: g.nodes[0].update(position=g.nodes[1]["position"]), "has no length"),
     (lambda g: g.remove_edges_from(list(g.edges)), "no edges"),
 ]
@@ -220,5 +223,5 @@ def test_a_cycle_that_is_no_list_is_refused(screws):
     """In our own words, here and where a loop is made of it."""
     graph = grid_graph((15, 15), 0.2)
     for ask in (Network(screws, graph).burgers, lambda cycle: Loop.from_cycle(graph, cycle)):
-        with pytest.raises(NetworkError, match="cycle: a list was needed, but 5 came"):
+        with pytest.raises(NetworkError, match="cycle: expected a list, got 5"):
             ask(5)  # pyright: ignore[reportArgumentType]

@@ -71,7 +71,7 @@ def test_paths_that_do_not_close_are_refused():
         develop_period(frame, [[1, 0], [1, TURN]], {"psi": TURN})
     with pytest.raises(LoopError, match="that of phi is 0"):
         develop_period(frame, [[1, 0], [1, TURN]], {"phi": 0})
-    with pytest.raises(LoopError, match="neighbours that differ"):
+    with pytest.raises(LoopError, match="each different from the next"):
         develop_path(frame, [[1, 0]])
 
 

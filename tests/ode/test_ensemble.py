@@ -149,7 +149,7 @@ def test_only_some_members_are_verified(engine):
     assert many.error == np.nanmax(many.errors)
     assert many.finished.all()
     for wrong in (0, -1, 1.5, True, "3"):
-        with pytest.raises(StartError, match="check: a whole number from 1 on was needed"):
+        with pytest.raises(StartError, match="check: expected a whole number from 1 on"):
             solve_many(swing, {"x": [0.1, 0.2]}, 1.0, 1e-8, engine, check=wrong)  # type: ignore[arg-type]
 
 

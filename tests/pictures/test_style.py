@@ -17,20 +17,20 @@ FIELD = gt.SampledFrame([LINE, LINE], np.tile(np.eye(2)[..., None, None], (1, 1,
 
 @pytest.mark.parametrize(
     ("draw", "needed"),
-    [(gt.pictures.draw_closure, "b: a BurgersVector"),
-     (gt.pictures.draw_map, "survey: a BurgersMap"),
-     (gt.pictures.draw_network, "net: a Network"),
-     (gt.pictures.draw_dislocations, "net: a DislocationNetwork"),
-     (gt.pictures.draw_lines, "net: a DislocationNetwork"),
-     (gt.pictures.draw_plan, "plan: a DependencyGraph"),
-     (gt.pictures.draw_solution, "found: a Solution or an Ensemble"),
-     (gt.pictures.curve_pictures, "pair: a Pair"),
-     (lambda value: gt.pictures.save(value, "picture.png"), "figure: a Figure")],
+    [(gt.pictures.draw_closure, "b: expected a BurgersVector"),
+     (gt.pictures.draw_map, "survey: expected a BurgersMap"),
+     (gt.pictures.draw_network, "net: expected a Network"),
+     (gt.pictures.draw_dislocations, "net: expected a DislocationNetwork"),
+     (gt.pictures.draw_lines, "net: expected a DislocationNetwork"),
+     (gt.pictures.draw_plan, "plan: expected a DependencyGraph"),
+     (gt.pictures.draw_solution, "found: expected a Solution or an Ensemble"),
+     (gt.pictures.curve_pictures, "pair: expected a Pair"),
+     (lambda value: gt.pictures.save(value, "picture.png"), "figure: expected a Figure")],
 )  # fmt: skip
 @pytest.mark.parametrize("came", [None, "b", FIELD.burgers(gt.Loop.circle([0, 0], 0.5))])
 def test_what_is_something_else_is_refused(draw: Callable[[Any], object], needed: str, came: Any):
     """The message names the argument and what was needed."""
-    with pytest.raises(ArgumentError, match=f"{needed} was needed"):
+    with pytest.raises(ArgumentError, match=needed):
         draw(came)
 
 
@@ -47,5 +47,5 @@ def test_a_plane_is_two_coordinates(plane: Any):
 def test_a_path_is_no_number():
     """Numbers are handles of open files to Python."""
     figure = gt.pictures.draw_plan(gt.spaces.load("s2").frame.plan("metric"))
-    with pytest.raises(ArgumentError, match="path: the name of a file"):
+    with pytest.raises(ArgumentError, match="path: expected the name of a file"):
         gt.pictures.save(figure, 3)  # pyright: ignore[reportArgumentType]

@@ -151,7 +151,7 @@ def test_what_cannot_be_watched(watch, says):
 def test_other_bad_fields():
     with pytest.raises(SceneError, match="watch is empty"):
         Scene(BODY, (), START, [])
-    with pytest.raises(SceneError, match="a Body was needed"):
+    with pytest.raises(SceneError, match="expected a Body"):
         Scene(cast(Any, (1, 2, 3)), (), START)
     with pytest.raises(SceneError, match="samples = 1"):
         Scene(BODY, (), START, samples=1)

@@ -41,8 +41,8 @@ def test_arrays_are_kept_as_tuples():
     ("given", "says"),
     [
         ({"omega": (1, 2)}, "omega = \\(1, 2\\): three numbers \\(rad/s\\)"),
-        ({"omega": 3}, "omega = 3: three numbers"),
-        ({"omega": "abc"}, "omega = 'abc': three numbers"),
+        ({"omega": 3}, "omega = 3: expected three numbers"),
+        ({"omega": "abc"}, "omega = 'abc': expected three numbers"),
         ({"omega": (1, float("inf"), 0)}, "omega\\[1\\] = inf: a finite number"),
         ({"omega": (1, "fast", 0)}, "omega\\[1\\] = 'fast'"),
         ({"omega": (1, True, 0)}, "omega\\[1\\] = True is no number"),

@@ -121,8 +121,8 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
         ("s2", {"t": 0}, StartError, "some time"),
         ("s2", {"samples": 1}, StartError, "two at least"),
         ("s2", {"samples": "9"}, StartError, "whole number"),
-        ("s2", {"t": "3"}, TimeError, "t: a number was needed, but '3' came"),
-        ("s2", {"t": [1, 2]}, TimeError, "t: a number was needed"),
+        ("s2", {"t": "3"}, TimeError, "t: expected a number, got '3'"),
+        ("s2", {"t": [1, 2]}, TimeError, "t: expected a number"),
         ("s2", {"parameters": [1]}, ArgumentError, "names with values"),
         ("s2", {"parameters": {"Q": 1}}, StartError, "'Q' is no parameter"),
         ("s2", {"accuracy": -1}, AccuracyError, "positive"),
@@ -136,7 +136,7 @@ def test_bad_input(name, options, error, says):
 
 def test_a_frame_is_no_space():
     """A pair follows the connection of a space, which a frame does not have."""
-    with pytest.raises(ArgumentError, match="space: a Space was needed"):
+    with pytest.raises(ArgumentError, match="space: expected a Space"):
         solve_pair(load("s2").frame)  # pyright: ignore[reportArgumentType]
 
 

@@ -1,7 +1,7 @@
 """gallery: every example is run; its page has what it prints, its picture and its code.
 
-Pages are written into gallery/pages before Sphinx reads; the directive `gallery` shows them all as
-small pictures. Who prints and draws nothing else has the beginning of what it prints as a picture.
+Pages are written into gallery/pages before Sphinx reads them; the directive `gallery` shows a small
+figure of each. `drawings.py` draws for examples that only print.
 """
 
 # pyright: reportMissingImports=false
@@ -18,8 +18,10 @@ from dataclasses import dataclass
 from functools import partial
 from html import escape
 from pathlib import Path
+from textwrap import wrap
 
 from docutils import nodes
+from drawings import DRAWINGS
 from sources import MADE, ROOT, digest, scripts
 from sphinx.errors import SphinxError
 from sphinx.util.docutils import SphinxDirective
@@ -33,8 +35,8 @@ import sys
 from geomtorsion import scenes
 scenes.load(sys.argv[1]).run().plot(sys.argv[2])
 """
-# Lines and letters of a card, and the size of its text.
-CARD = (11, 46, 12)
+# Letters of a line of a card, and the size of its text.
+CARD = (26, 22)
 LONGEST_RUN = 300
 
 
@@ -101,9 +103,11 @@ def run(example: Example, folder: Path) -> None:
     scene = _scene(example)
     if not option and scene:
         _python(["-c", _SCENE, scene, str(picture)])
+    if not option and example.name in DRAWINGS:
+        _python([str(Path(__file__).with_name("drawings.py")), example.name, str(picture)])
     if not picture.is_file():
         picture = picture.with_suffix(".svg")
-        picture.write_text(card(printed), "utf-8")
+        picture.write_text(card(example.title), "utf-8")
     body = re.sub(r"^.*(wrote|Wrote) .*\n?", "", printed, flags=re.MULTILINE)
     drawn = f"![What it draws]({picture.name})\n\n" if picture.suffix == ".png" else ""
     place = Path(os.path.relpath(example.path, folder)).as_posix()
@@ -140,17 +144,16 @@ def _python(arguments: list[str]) -> str:
     return done.stdout
 
 
-def card(printed: str) -> str:
-    """The beginning of a text as a picture."""
-    count, width, size = CARD
-    lines = [line[:width] for line in printed.split("\n") if line.strip()][:count]
+def card(title: str) -> str:
+    """The whole title of an example as a figure."""
+    width, size = CARD
     rows = "".join(
-        f'<text x="10" y="{(k + 1.4) * size * 1.4:.0f}" xml:space="preserve">{escape(line)}</text>'
-        for k, line in enumerate(lines)
+        f'<text x="20" y="{(k + 2) * size * 1.4:.0f}">{escape(line)}</text>'
+        for k, line in enumerate(wrap(title, width))
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 360 225" font-size="{size}" '
-        'font-family="monospace" fill="#333"><rect width="360" height="225" fill="#f6f6f6"/>'
+        'font-family="sans-serif" fill="#333"><rect width="360" height="225" fill="#f6f6f6"/>'
         f"{rows}</svg>"
     )
 
@@ -193,6 +196,8 @@ def _kept(example: Example, package: str) -> None:
     if not stamp.is_file() or stamp.read_text("utf-8") != package:
         run(example, MADE)
         stamp.write_text(package, "utf-8")
+        place = examples().index(example) + 1
+        print(f"example {place} of {len(examples())}: {example.name}", flush=True)
 
 
 def _copy_pictures(app, error) -> None:

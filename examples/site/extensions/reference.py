@@ -22,6 +22,7 @@ from docutils import nodes
 from docutils.statemachine import StringList
 from sphinx.util.docutils import SphinxDirective
 from sphinx.util.nodes import make_refnode, nested_parse_with_titles
+from topics import ordered, table
 
 import geomtorsion
 
@@ -108,7 +109,11 @@ class Public(SphinxDirective):
                     for value in [getattr(module, one)]
                 )
                 lines += [f"It exports these as well: {links}.", ""]
-        for one in sorted(names, key=str.lower):
+        topics = ordered(names)
+        if name == "geomtorsion" and of != "packages":
+            for topic, members in topics.items():
+                lines += [f".. rubric:: {topic}", "", *table(name, members)]
+        for one in [one for members in topics.values() for one in members]:
             lines += self.entry(name, one, getattr(module, one))
         return lines
 

@@ -44,6 +44,7 @@ from geomtorsion.loops.loop_files import (
     read_loops,
 )
 from geomtorsion.materials.readers import is_source
+from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
@@ -186,10 +187,8 @@ def burgers(
                     result, vector = _solved(frame, loop, accuracy, parameters, exact)
                     if vector is not None and proved:
                         result |= {"proof": prove(vector).to_json()}
-                except MissingValueError as error:
-                    raise MissingValueError(f"{error} Here: --set NAME=VALUE.") from None
                 except GeomtorsionError as error:
-                    if len(wanted) == 1:
+                    if len(wanted) == 1 or isinstance(error, MissingValueError):
                         raise
                     kind = type(error).__name__
                     result, vector = {"loop": loop.name, "failed": str(error), "kind": kind}, None
@@ -352,10 +351,10 @@ def _explain(result: dict[str, Any]) -> None:
         shown = ", ".join(f"{x:.15g}" for x in result["reduced"])
         typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, below all doubles")
     else:
-        shown = ", ".join(
-            f"{x:.15g}" if isinstance(x, float) else f"{complex(*x):.15g}" for x in numbers
-        )
-        typer.echo(f"  b = ({shown}) +- {result['error']:.1e}")
+        error = result["error"]
+        values = (x if isinstance(x, float) else complex(*x) for x in numbers)
+        shown = ", ".join(number_text(x, error) for x in values)
+        typer.echo(f"  b = ({shown}) +- {size_text(error)}")
     if not result["reached"] and any(numbers):
         typer.secho(
             f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW

@@ -167,7 +167,11 @@ class OrientationMap:
         sigma: float | Sequence[float] | None = None,
         slip: str = "",
     ) -> OrientationMap:
-        """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
+        """From a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
+
+        A .cpr file lies beside its .crc; .h5oina needs h5py. A table (.txt, .csv) has a row of the
+        names phi1, Phi, phi2, x, y and perhaps phase, angles in degrees unless a name says (rad);
+        it needs `laue`. Where a header and the places of the points disagree, the places decide.
 
         Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
         Small ones in the other unit look like grains that hardly turn: if a map of your own program

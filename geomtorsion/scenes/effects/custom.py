@@ -87,7 +87,7 @@ class Custom(Effect):
             raise SceneError(f'custom.axes = {self.axes!r}: say "space" or "body".')
         for name in ("parameters", "states", "start", "outputs"):
             if not isinstance(getattr(self, name), Mapping):
-                raise SceneError(f"custom.{name}: a table of names was needed.")
+                raise SceneError(f"custom.{name}: expected a table of names.")
         lost = set(self.states) ^ set(self.start)
         if lost:
             raise SceneError(
@@ -151,7 +151,7 @@ def _checked_switches(
     for each in switches:
         pair = tuple(each) if isinstance(each, list | tuple) else ()
         if len(pair) != 2 or not isinstance(pair[1], Mapping):
-            raise SceneError(f"custom.switches: (time, {{name: value}}) was needed, {each!r} came.")
+            raise SceneError(f"custom.switches: expected (time, {{name: value}}), got {each!r}.")
         for name in pair[1]:
             if name not in parameters:
                 known = ", ".join(parameters) or "none"

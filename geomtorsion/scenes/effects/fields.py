@@ -34,12 +34,12 @@ def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
     >>> check_numbers(Gravity(9.81), "g")
     >>> check_numbers(Gravity(-1), "g", sign="positive")
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: gravity.g = -1: a number > 0 (m/s^2) was needed.
+    geomtorsion.errors.SceneError: gravity.g = -1: expected a number > 0 (m/s^2).
     """
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        wanted = f"{effect.key}.{name} = {value!r}: {SIGNS[sign]}{measured} was needed."
+        wanted = f"{effect.key}.{name} = {value!r}: expected {SIGNS[sign]}{measured}."
         try:
             number = exact(value, name)
         except (SceneError, TypeError):
@@ -63,12 +63,12 @@ def check_vectors(effect: Effect, *names: str) -> None:
     (0, 1, 2)
     >>> Spring(stiffness=1, anchor=[0, 1])
     Traceback (most recent call last):
-    geomtorsion.errors.SceneError: spring.anchor = [0, 1]: three components (m) were needed.
+    geomtorsion.errors.SceneError: spring.anchor = [0, 1]: expected three components (m).
     """
     for name in names:
         value = getattr(effect, name)
         measured = f" ({u})" if (u := effect.units().get(name)) else ""
-        wanted = f"{effect.key}.{name} = {value!r}: three components{measured} were needed."
+        wanted = f"{effect.key}.{name} = {value!r}: expected three components{measured}."
         try:
             parts = () if isinstance(value, str) else tuple(value)
         except TypeError:

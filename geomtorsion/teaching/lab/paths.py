@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
@@ -172,7 +173,7 @@ def _table(pair: Pair) -> str:
         [
             LABELS[curve],
             solution.engine,
-            f"{solution.error:.0e}",
+            size_text(solution.error, 0),
             f"{solution.cost.run_seconds * 1e3:.3g} ms",
             number(float(solution.times[-1])),
         ]
@@ -183,7 +184,7 @@ def _table(pair: Pair) -> str:
 
 def _sentence(pair: Pair, largest: float) -> str:
     if pair.coincide:
-        said = f"Straightest and shortest are one curve here, to {largest:.0e}."
+        said = f"Straightest and shortest are one curve here, to {size_text(largest, 0)}."
     else:
         said = f"Straightest and shortest part: by {largest:.4g} at most."
     kinds = {"autoparallel": "straightest", "geodesic": "shortest"}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, Stroke
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
@@ -243,7 +244,7 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
             [
                 name,
                 found.closed_form or found.engine,
-                f"{found.error:.0e}",
+                size_text(found.error, 0),
                 shown(_change(found["angular_momentum_space"]), PAGE.accuracy),
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]

@@ -353,6 +353,9 @@ def exercise(reply: Json) -> str:
     return wrapped(f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}')
 
 
+_LOOKS = {"right": ("right", "✓"), "wrong": ("wrong", "✗")}
+
+
 def verdict(reply: Json | None) -> str:
     """What is said about answers; nothing if none were given."""
     if reply is None:
@@ -363,10 +366,12 @@ def verdict(reply: Json | None) -> str:
         return wrapped('<p class="note">Write an answer first.</p>')
     parts = []
     for one in reply["questions"]:
-        look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
+        look, sign = _LOOKS.get(one["state"], ("unread", "?"))
+        read = f'<p class="note">Read as: <code>{escape(one["read_as"])}</code></p>'
         parts.append(
-            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
-            f"{one['message']}{one['copy']}</div>"
+            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign} '
+            f"{escape(one['state'])}</strong>{one['message']}{read * bool(one['read_as'])}"
+            f"{one['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
     points = f"{reply['earned']:.3g} of {reply['points']} points"

@@ -163,7 +163,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         ((), "no loop was given"),
         (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 part came"),
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
-        (("--circle", "0,1,0:-1"), "a positive length was needed"),
+        (("--circle", "0,1,0:-1"), "expected a positive length"),
         (("--circle", "0,1,0:one"), "one is neither"),
         (("--circle", "0,1,0:1:phi1,psi"), "'psi' is no coordinate"),
         (("--circle", "0,1,0:nan"), "a finite number"),
@@ -305,3 +305,10 @@ def test_proved_prints_certain_digits() -> None:
 def test_a_loop_that_cannot_be_proved_is_reported() -> None:
     """A circle through the core: the proof is refused, as the number is."""
     assert run("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1", "--proved", code=2)
+
+
+def test_digits_end_where_the_error_begins():
+    """A component below its error is 0, and zero differences are never 0e+00."""
+    text = run("screw_dislocation", "--set", "b=1", "--circle", "0,0,0:1").stdout
+    assert "b = (0, 0, 1) +- " in text
+    assert "0e+00" not in run("heisenberg", "--plaquette", "0,0,0:1,1").stdout

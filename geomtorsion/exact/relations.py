@@ -1,0 +1,159 @@
+"""Relations: rows of exact elements that depend on others, and sums of elements that vanish."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from flint import fmpq_mat
+
+from geomtorsion.exact.element import Element
+from geomtorsion.exact.points import roomy_point_of
+
+if TYPE_CHECKING:
+    from geomtorsion.exact.field import Field
+
+
+class Echelon:
+    """Independent rows of elements, found by their values at a random point modulo a prime.
+
+    Rows that are independent at the point are independent; dependent ones are so up to a chance
+    below 1e-70, as for a zero found modulo a prime (see `Certainty`).
+
+    field: the exact field of the rows. width: the number of entries of a row.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from geomtorsion.exact import Echelon, Field
+    >>> x, y = sympy.symbols("x y")
+    >>> field = Field([x, y])
+    >>> rows = [[field.read(e) for e in row] for row in ([x, y], [x**2, x * y], [1, 1])]
+    >>> echelon = Echelon(field, 2)
+    >>> [echelon.add(row) for row in rows], echelon.rank
+    ([True, False, True], 2)
+    """
+
+    def __init__(self, field: Field, width: int) -> None:
+        self.field = field
+        self.width = width
+        self.rows: list[list[Element]] = []
+
+    @property
+    def rank(self) -> int:
+        """The number of independent rows."""
+        return len(self.rows)
+
+    def add(self, row: Sequence[Element]) -> bool:
+        """Take a row in if it is independent of those before; whether it was."""
+        return bool(self.extend([row]))
+
+    def extend(self, rows: Iterable[Sequence[Element]]) -> list[list[Element]]:
+        """Take in the rows that are independent of those before and of each other; these rows."""
+        zero = self.field.zero
+        new = [list(row) for row in rows if any(x is not zero for x in row)]
+        if not new or self.rank == self.width:
+            return []
+        every = self.rows + new
+        # One place for all: rows from two places cannot be compared.
+        images = roomy_point_of(self.field).images([x for row in every for x in row])
+        table = [images[k : k + self.width] for k in range(0, len(images), self.width)]
+        chosen = [every[k] for k in _independent(table)]
+        found = chosen[self.rank :]
+        self.rows = chosen
+        return found
+
+    def rank_of_columns(self, columns: Sequence[int]) -> int:
+        """The rank of the rows cut to some columns."""
+        if not self.rows:
+            return 0
+        images = roomy_point_of(self.field).images([row[k] for row in self.rows for k in columns])
+        n = len(columns)
+        return len(_independent([images[k : k + n] for k in range(0, len(images), n)]))
+
+
+def _independent(table: Sequence[Sequence[Any]]) -> list[int]:
+    """Numbers of the rows that do not depend on earlier ones, by elimination."""
+    pivots: list[tuple[int, list[Any]]] = []
+    found = []
+    for number, given in enumerate(table):
+        row = list(given)
+        for column, pivot in pivots:
+            if row[column] != 0:
+                factor = row[column]
+                row = [x - factor * y for x, y in zip(row, pivot, strict=True)]
+        column = next((k for k, x in enumerate(row) if x != 0), None)
+        if column is not None:
+            inverse = row[column] ** -1
+            pivots.append((column, [x * inverse for x in row]))
+            found.append(number)
+    return found
+
+
+def vanishing_sums(equations: Iterable[Sequence[Element]], width: int) -> list[list[Fraction]]:
+    """Rational c with sum_k c_k equation[k] = 0 for all equations: a basis of these c.
+
+    Each equation is brought over one denominator, and every monomial of its numerator gives one
+    linear equation. Elements that are not multiplied out are (see `Field.whole`).
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from geomtorsion.exact import Field, vanishing_sums
+    >>> x, y = sympy.symbols("x y")
+    >>> field = Field([x, y])
+    >>> one = [field.read(e) for e in (sympy.sin(x) ** 2, sympy.cos(x) ** 2, x / y, 2 + 0 * x)]
+    >>> [[str(c) for c in found] for found in vanishing_sums([one], 4)]
+    [['-2', '-2', '0', '1']]
+    """
+    rows: dict[tuple[tuple[int, Any], ...], None] = {}
+    for equation in equations:
+        for row in _by_monomials(equation):
+            # Scaled so that equal conditions are met once.
+            first = row[0][1]
+            rows[tuple((k, x / first) for k, x in row)] = None
+    if not rows:
+        return [[Fraction(int(j == k)) for j in range(width)] for k in range(width)]
+    matrix = fmpq_mat(len(rows), width)
+    for i, row in enumerate(rows):
+        for k, value in row:
+            matrix[i, k] = value
+    reduced, rank = matrix.rref()
+    pivots: list[int] = []
+    for i in range(rank):
+        start = pivots[-1] + 1 if pivots else 0
+        pivots.append(next(k for k in range(start, width) if reduced[i, k] != 0))
+    free = [k for k in range(width) if k not in set(pivots)]
+    found = []
+    for k in free:
+        solution = [Fraction(0)] * width
+        solution[k] = Fraction(1)
+        for i, pivot in enumerate(pivots):
+            value = -reduced[i, k]
+            solution[pivot] = Fraction(int(value.p), int(value.q))
+        found.append(solution)
+    return found
+
+
+def _by_monomials(equation: Sequence[Element]) -> list[list[tuple[int, Any]]]:
+    """The linear equations that one equation consists of: pairs (unknown, coefficient)."""
+    filled: list[tuple[int, Any]] = []
+    for k, value in enumerate(equation):
+        whole: Any = value.field.whole(value) if value.is_kept else value
+        if whole._num:
+            filled.append((k, whole))
+    if not filled:
+        return []
+    field = filled[0][1].field
+    common: Any = ()
+    for _, value in filled:
+        common = field.lcm(common, value._den)
+    found: dict[Any, list[tuple[int, Any]]] = {}
+    for k, value in filled:
+        numerator = field.lift(value)
+        if value._den != common:
+            numerator = numerator * field.cofactor(common, value._den)
+        for monomial, coefficient in numerator.to_dict().items():
+            found.setdefault(monomial, []).append((k, coefficient))
+    return list(found.values())

@@ -1,0 +1,66 @@
+"""Front: the five rows of the README's table of speed.
+
+    python -m tests.benchmarks.front
+
+Prints the table as Markdown. Times are processor time, the best of several rounds in a warm process
+(code of motions and loops compiled, frames of tensors fresh). Needs the extra `fast`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import geomtorsion as gt
+from tests.benchmarks.cases import load
+from tests.benchmarks.compare import seconds
+from tests.benchmarks.geometry import whole_geometry
+from tests.benchmarks.motions import kerr
+from tests.benchmarks.test_crystal_speed import specimens
+
+ROUNDS = 5
+
+
+def best(call: Callable[[], object]) -> float:
+    """Processor time of the fastest round, after one that compiles."""
+    call()
+    times: list[float] = []
+    for _ in range(ROUNDS):
+        start = time.process_time()
+        call()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def rows() -> dict[str, Callable[[], object]]:
+    """What each row measures, by its words in the table."""
+    so3 = gt.spaces.load("so3").frame
+    loop = gt.Loop.circle([0.3, 1.0, 0.2], 1e-3)
+    straight = gt.autoparallel(gt.cartan(so3), [0.3, 1.0, 0.2], [0.9, 0.4, 0.7])
+    orbit = kerr()
+    atoms, cell = specimens()["lines"]
+    case = load("kerr_carter")
+    return {
+        "Kerr: both connections, torsion, contortion, both curvatures, exact": lambda: (
+            whole_geometry(case)
+        ),
+        "Autoparallel on SO(3) to t = 50, accuracy 1e-9": lambda: gt.solve(straight, 50.0, 1e-9),
+        "Kerr orbit to t = 1500, accuracy 1e-9": lambda: gt.solve(orbit, 1500.0, 1e-9),
+        "Burgers vector of a circle of radius 1e-3, accuracy 1e-12": lambda: gt.burgers_vector(
+            so3, loop
+        ),
+        f"Dislocation lines of {len(atoms):,} atoms": lambda: gt.crystals.Crystal(
+            atoms, cell, lattice="bcc"
+        ).dislocations(),
+    }
+
+
+def main() -> None:
+    """Print the table."""
+    print("| task | processor time |\n|---|---|")
+    for words, call in rows().items():
+        print(f"| {words} | {seconds(best(call))} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,176 @@
+"""Language: words that read like a translation, counted in all text of the project.
+
+    python -m tests.language                 a table: packages and patterns
+    python -m tests.language exact loops     each hit in these, with file and line
+
+`PATTERNS` names each pattern with its plain form. Text is strings, docstrings and comments of the
+package, the README, the changelog and the site; code in it does not count.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import sys
+import tokenize
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "geomtorsion"
+
+# Name of a pattern: what to look for, and the plain form.
+PATTERNS: dict[str, tuple[str, str]] = {
+    "was needed, but": (r"\b(?:was|were|is) needed, but\b", '"expected X, got Y. <remedy>"'),
+    "is no noun": (
+        r"(?<!there )(?<!There )\b(?:is|are|was|were|be|being) no "
+        r"(?!more\b|less\b|one\b|longer\b|\w+er than\b)[a-z]",
+        '"is not a number"',
+    ),
+    "what is": (
+        r"\b[Ww]hat (?:is|are|was|were|has|had|came|comes|follows|acts|stands|stood)\b(?![^.]*\?)",
+        "name the thing",
+    ),
+    "told, said": (
+        r"\b(?:tell|tells|told|telling|say|says|said|saying)\b",
+        "report, estimate, state, name",
+    ),
+    "stands, lies": (r"\b(?:stands?|stood|standing|lies|lie|lay)\b", "is, is in, is at"),
+    "alone": (r"\balone\b", "only, by itself"),
+    "round": (
+        r"\bround\b(?! (?:metric|sphere|spheres|body|bodies|trip|trips|bracket|brackets|off|to)\b)",
+        "around",
+    ),
+    ", too": (r", too\b", "also, or nothing at all"),
+    "asked for": (r"\basked\s+for\b", "requested"),
+    "in the place of": (r"\bin the place of\b|\bin place of\b", "instead of"),
+    "anew": (r"\banew\b", "again, restart"),
+    "go on": (r"\b(?:go|goes|going|went|gone) on\b", "continue, resume"),
+    "left out": (r"\b(?:leave|leaves|left|leaving) out\b", "omit"),
+    "that of": (r"\b[Tt](?:hat|hose) of\b|\b[Tt]he same of\b", "name the thing"),
+    "film": (r"\bfilms?\b", "animation"),
+    "floor": (r"\bfloors?\b|\brooms?\b", "package, layer; memory, space"),
+    "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
+    "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
+}
+_COMPILED = {name: re.compile(pattern) for name, (pattern, _) in PATTERNS.items()}
+# Code within text: doctests, fenced blocks, inline code, formulas between dollars.
+_CODE = re.compile(
+    r"^```.*?^```|^ *(?:>>>|\.\.\. ).*?$|`[^`\n]*`|\$[^$]*\$", re.MULTILINE | re.DOTALL
+)
+_DOCTEST = re.compile(r"^ *>>>.*?(?=^\s*$|\Z)", re.MULTILINE | re.DOTALL)
+_QUOTES = re.compile(r"^[A-Za-z]*(\"\"\"|'''|\"|')")
+
+
+class Text(NamedTuple):
+    """A piece of text and the line on which it begins."""
+
+    line: int
+    text: str
+
+
+class Hit(NamedTuple):
+    """A pattern, where it occurs, and the words around it."""
+
+    file: Path
+    line: int
+    pattern: str
+    words: str
+
+
+def python_texts(source: str) -> Iterator[Text]:
+    """Strings and comments of Python code; neighbours of one kind are one text.
+
+    Examples
+    --------
+    >>> [one.text for one in python_texts('a = "x " "y"  # z\\n# w\\nb = 1')]
+    ['x y', 'z w']
+    """
+    kind, line, parts = 0, 0, list[str]()
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        found = ""
+        if token.type == tokenize.STRING:
+            opening = _QUOTES.match(token.string)
+            assert opening
+            found = token.string[opening.end() : -len(opening[1])]
+        elif token.type == tokenize.COMMENT:
+            found = token.string.lstrip("#").strip() + " "
+        elif tokenize.tok_name[token.type] == "FSTRING_MIDDLE":
+            found = token.string
+        elif token.type in (tokenize.NL, tokenize.NEWLINE):
+            if token.type == tokenize.NL or kind == tokenize.COMMENT:
+                continue
+        new = tokenize.COMMENT if token.type == tokenize.COMMENT else tokenize.STRING
+        if not found or new != kind:
+            if parts:
+                yield Text(line, "".join(parts).strip())
+            kind, line, parts = (new, token.start[0], []) if found else (0, 0, [])
+        if found:
+            parts.append(found)
+    if parts:
+        yield Text(line, "".join(parts).strip())
+
+
+def prose(text: str) -> str:
+    """Text without the code in it; the lines stay where they are."""
+    without = text
+    for code in (_DOCTEST, _CODE):
+        without = code.sub(lambda found: "x" + "\n" * found[0].count("\n"), without)
+    return without
+
+
+def hits_of(file: Path) -> list[Hit]:
+    """Each occurrence of a pattern in a file."""
+    source = file.read_text("utf-8")
+    texts = python_texts(source) if file.suffix == ".py" else [Text(1, source)]
+    found: list[Hit] = []
+    for line, text in texts:
+        plain = prose(text)
+        for name, pattern in _COMPILED.items():
+            # A phrase may continue on the next line.
+            for match in pattern.finditer(plain.replace("\n", " ")):
+                row = line + plain.count("\n", 0, match.start())
+                words = plain[max(match.start() - 50, 0) : match.end() + 50]
+                found.append(Hit(file, row, name, " ".join(words.split())))
+    return found
+
+
+def places() -> dict[str, list[Path]]:
+    """The files of each package, the support files, the README, the changelog and the site."""
+    found: dict[str, list[Path]] = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        parts = file.relative_to(PACKAGE).parts
+        found.setdefault(parts[0] if len(parts) > 1 else "support files", []).append(file)
+    site = ROOT / "examples" / "site"
+    pages = [x for x in sorted(site.rglob("*")) if x.suffix in (".md", ".rst", ".py")]
+    found["site"] = [file for file in pages if file.parent.name != "pages"]
+    found["README"], found["CHANGELOG"] = [ROOT / "README.md"], [ROOT / "CHANGELOG.md"]
+    return found
+
+
+def counts() -> dict[str, Counter[str]]:
+    """How often each pattern occurs in each place."""
+    return {
+        name: Counter(hit.pattern for file in files for hit in hits_of(file))
+        for name, files in places().items()
+    }
+
+
+def main(wanted: list[str]) -> None:
+    """Print the table, or the hits in some places."""
+    for name in wanted:
+        for file in places()[name]:
+            for hit in hits_of(file):
+                print(f"{hit.file.relative_to(ROOT)}:{hit.line}: [{hit.pattern}] {hit.words}")
+    if not wanted:
+        found = counts()
+        for name, one in found.items():
+            print(f"{name:15} {one.total():5}  {dict(one.most_common())}")
+        total = sum(found.values(), Counter[str]())
+        print(f"{'all':15} {total.total():5}  {dict(total.most_common())}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,101 @@
+"""Plain English: the counts of `tests.language` may only fall, in every package."""
+
+from pathlib import Path
+
+import pytest
+
+from tests import language
+
+# Occurrences in each package; a number may only fall. It is lowered as soon as less is reached.
+CEILINGS = {
+    "CHANGELOG": 103,
+    "accuracy": 17,
+    "action": 29,
+    "cli": 123,
+    "codegen": 73,
+    "curves": 82,
+    "exact": 216,
+    "geometry": 116,
+    "loops": 178,
+    "materials": 871,
+    "ode": 223,
+    "paper": 14,
+    "pictures": 152,
+    "proofs": 61,
+    "rigid": 12,
+    "scenes": 180,
+    "site": 40,
+    "spaces": 73,
+    "support files": 2,
+    "teaching": 482,
+}
+
+
+def test_no_package_exceeds_its_ceiling():
+    """Each package has at most as many occurrences as stated; one that is not listed has none."""
+    found = {name: one.total() for name, one in language.counts().items()}
+    over = {name: count for name, count in found.items() if count > CEILINGS.get(name, 0)}
+    assert not over, "python -m tests.language NAME lists them"
+
+
+def test_ceilings_fall_with_the_counts():
+    """A ceiling far above the count is lowered."""
+    found = {name: one.total() for name, one in language.counts().items()}
+    assert set(CEILINGS) <= set(found)
+    high = {name: found[name] for name, most in CEILINGS.items() if found[name] < 0.9 * most - 5}
+    assert not high
+
+
+def test_the_readme_has_none():
+    """The first page that a visitor reads is plain."""
+    assert "README" not in CEILINGS
+    assert language.places()["README"]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "wrong", "right"),
+    [
+        ("was needed, but", "a number was needed, but 'x' came.", "expected a number, got 'x'."),
+        ("is no noun", "it is no number.", "there is no number; it is no longer there."),
+        ("what is", "It shows what is left.", "What is torsion?"),
+        ("told, said", "The error is told.", "The error is reported."),
+        ("stands, lies", "It stands in a file and lies there.", "a Lie group; understand."),
+        ("alone", "of the metric alone", "only of the metric"),
+        ("round", "once round the loop", "a round metric, around the loop"),
+        (", too", "That works, too.", "too many"),
+        ("asked for", "the accuracy asked\nfor", "the requested accuracy"),
+        ("in the place of", "in the place of a name", "instead of a name"),
+        ("anew", "begins anew", "a new one"),
+        ("go on", "Motions go on.", "Motions continue."),
+        ("left out", "what it left out", "what it omitted"),
+        ("that of", "the sign is that of Nye", "the sign of Nye"),
+        ("film", "a film of a top", "an animation of a top"),
+        ("floor", "the lowest floor", "the lowest layer"),
+        ("fronted of", "It ends. Of a grain all is known.", "Of course."),
+        ("moment of a force", "the moment of a force", "a torque"),
+    ],
+)
+def test_each_pattern_is_found(tmp_path: Path, pattern: str, wrong: str, right: str):
+    """A pattern is found in its example, and not in the plain form."""
+    for text, expected in ((wrong, True), (right, False)):
+        file = tmp_path / "page.md"
+        file.write_text(text, "utf-8")
+        assert any(hit.pattern == pattern for hit in language.hits_of(file)) is expected
+
+
+def test_every_pattern_has_an_example():
+    """The table above misses none."""
+    [mark] = test_each_pattern_is_found.pytestmark
+    assert [row[0] for row in mark.args[1]] == list(language.PATTERNS)
+
+
+def test_code_is_not_prose(tmp_path: Path):
+    """Strings and comments count; code, doctests and formulas do not."""
+    file = tmp_path / "code.py"
+    file.write_text(
+        'def said(alone):\n    """It stands\n\n    >>> round(1.5)\n    "told"\n    """\n'
+        '    # what is\n    # alone\n    return f"`told` " "as said"\n',
+        "utf-8",
+    )
+    found = [(hit.line, hit.pattern) for hit in language.hits_of(file)]
+    assert found == [(2, "stands, lies"), (7, "what is"), (7, "alone"), (9, "told, said")]
