@@ -151,7 +151,7 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
         changes = ([(1, operator[j, k], u[m]), (1, u[k], operator[j, m])] for j in range(n))
         vectors.append([exact.sum(terms) for terms in changes])
     p = hamel.momenta
-    for number, row in enumerate(relations(exact, vectors), 1):
+    for number, row in enumerate(relations(vectors), 1):
         terms, weights = [], {k: [] for k in range(n)}
         for place, q in row.items():
             k, m = pairs[place]
@@ -182,7 +182,7 @@ class _Found:
         known = [*self.kept.values(), *products]
         if not (
             any(self._proportional(value, x) for x in known)
-            or depends(self.hamel.bundle.field, value, [*known, value.field.one])
+            or depends(value, [*known, value.field.one])
         ):
             self.kept[one.name] = value
         return True
@@ -274,7 +274,7 @@ def _combine(
     """Keep the rational combinations of candidates that do not change."""
     hamel, every = found.hamel, list(tried)
     number = 1
-    for row in relations(hamel.bundle.field, [[one.change(hamel)] for one in every]):
+    for row in relations([[one.change(hamel)] for one in every]):
         parts = [(q, every[j]) for j, q in row.items()]
         found.add(combined(hamel, f"{stem} {number}", parts), products)
         number = 1 + sum(name.removeprefix(f"{stem} ").isdigit() for name in found.kept)

@@ -460,7 +460,7 @@ class CurveProblem:
                 f"got rounding errors larger than what is left of {edge.element.sympy}: "
                 f"{edge.condition}, and the motion comes closer without reaching the edge. Use "
                 "Taylor(precision=113) or more, a coordinate that is the logarithm of "
-                f"{edge.element.sympy}, or a shorter time. What was computed is in the error's "
+                f"{edge.element.sympy}, or a shorter time. The computed part is in the error's "
                 "`solution`."
             )
         segment = trajectory.segments[-1]
@@ -490,7 +490,7 @@ class CurveProblem:
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
             f"chart {label!r} ends there ({trajectory.reason}). {chart.end if chart else ''}"
-            f"{advice} What was computed is in the error's `solution`."
+            f"{advice} The computed part is in the error's `solution`."
         )
 
     # -- reading a solution ----------------------------------------------------------------------

@@ -19,6 +19,7 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
+from geomtorsion.files import ending, opened
 from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_fields import (
@@ -110,6 +111,7 @@ _PIXELS = {
     ".png": (b"\x89PNG",),
     **dict.fromkeys((".tif", ".tiff"), (b"II*\x00", b"MM\x00*")),
     ".npy": (b"\x93NUMPY",),
+    **dict.fromkeys((".emd", ".hspy"), (HDF5,)),
 }
 # A new format is a line in FORMATS of grid_files or map_formats, or in KINDS of image_files.
 READERS = (
@@ -120,6 +122,8 @@ READERS = (
 # Arrays in parts, of which maps are made in blocks, are read by other means.
 ARRAYS = (".zarr",)
 SUFFIXES = (*dict.fromkeys(reader.suffix for reader in READERS), *ARRAYS)
+# Bytes at the beginning of a text file that tell fields from maps.
+_BEGINNING = 100_000
 _LONGEST = max(len(mark) for reader in READERS for mark in reader.begins)
 
 
@@ -132,7 +136,7 @@ def is_source(source: str | Path) -> bool:
     (True, True, False, False)
     """
     path = Path(source)
-    return path.suffix.lower() in SUFFIXES or bool(_suffixes(path))
+    return ending(path) in SUFFIXES or bool(_suffixes(path))
 
 
 def is_array(path: Path) -> bool:
@@ -187,7 +191,7 @@ def open_source(
         An option does not belong to this kind of file, or has no such value.
     """
     path = checks.file_name(path)
-    suffix, ends = path.suffix.lower(), _suffixes(path)
+    suffix, ends = ending(path), _suffixes(path)
     if ends and suffix not in ends:
         raise FileFormatError(
             f"{path.name}: expected a name ending in {' or '.join(ends)}, as its content says, "
@@ -253,17 +257,22 @@ def open_in_blocks(
 
 
 def kind_of(path: Path) -> Kind:
-    """What a file holds, by the end of its name; where several kinds share it, by its content."""
-    readers = [reader for reader in READERS if reader.suffix == path.suffix.lower()]
-    kinds = dict.fromkeys(reader.kind for reader in readers)
-    if len(kinds) > 1 and path.is_file():
-        if any(HDF5 in reader.begins for reader in readers):
-            return GRID if _has_grid(path) else MAP
-        content = path.read_bytes()
-        for reader in readers:
-            if reader.seems is not None and reader.seems(content):
-                return reader.kind
-    return next(iter(kinds))
+    """What a file holds, by the end of its name; where several share it, by its content."""
+    readers = [reader for reader in READERS if reader.suffix == ending(path)]
+    kinds = [reader.kind for reader in readers]
+    if GRID in kinds and MAP in kinds and path.is_file():
+        tests = [reader.seems for reader in readers if reader.seems is not None]
+        kinds.remove(GRID if _seems(path, tests) else MAP)
+    return kinds[0]
+
+
+def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
+    """Whether a file whose ending fields and maps share is a map."""
+    if not tests:
+        return not _has_grid(path)
+    with opened(path) as file:
+        content = file.read(_BEGINNING)
+    return any(seems(content) for seems in tests)
 
 
 def _has_grid(path: Path) -> bool:
@@ -285,5 +294,5 @@ def _suffixes(path: Path) -> tuple[str, ...]:
     """Ends of names that fit the first bytes of a file."""
     if not path.is_file():
         return ()
-    with path.open("rb") as file:
+    with opened(path) as file:
         return suffixes_of(file.read(_LONGEST))

@@ -33,7 +33,7 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
         shape_error=ShapeError,
         listed=f"{{subject}}: expected a list of {wanted} numbers, got {{value}}.",
         counted=f"{{subject}}: expected {wanted} numbers, got {{came}}.",
-        message="{subject} = {value} is no real number.",
+        message="{subject} = {value} is not a real number.",
         infinite="{subject} = {value} is not finite. Give finite numbers.",
     )
 
@@ -106,7 +106,7 @@ def perturbed(
     Up by the part and down by its golden section in turn: up and down by the same would leave the
     energy of a circular orbit as it is.
 
-    all_of_them: False leaves alone what a float of this precision holds without rounding, and
+    all_of_them: False keeps numbers that a float of this precision holds without rounding, and
         changes numbers of equal size alike, as rounding does: laws of conservation stay.
 
     Examples
@@ -161,8 +161,8 @@ def _is_held(value: Real, precision: int) -> bool:
     return q & (q - 1) == 0 and (p // (p & -p) if p else 0).bit_length() <= precision
 
 
-# A motion is divided into so many parts where nobody says how many: samples of a solution that is
-# asked for at one time only, pieces that are kept as it goes, places to look at its error between.
+# Default number of parts of a motion: samples of a solution requested at one time, pieces kept in a
+# checkpoint, and points between which its error is examined.
 PARTS = 64
 
 
@@ -170,7 +170,9 @@ def checked_accuracy(accuracy: object) -> float:
     """A positive finite number."""
     value = checks.real(accuracy)
     if value is None:
-        raise AccuracyError(f"accuracy = {checks.shown(accuracy)} is no number; 1e-10 is usual.")
+        raise AccuracyError(
+            f"accuracy = {checks.shown(accuracy)}: expected a number; 1e-10 is usual."
+        )
     if not 0 < value < float("inf"):
         raise AccuracyError(f"accuracy = {value} was given; a positive number is needed.")
     return value
@@ -227,7 +229,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
 
 
 def times_between(t: object) -> np.ndarray:
-    """Times at which a solution is asked for, of any shape, in any order."""
+    """Times at which a solution is requested, of any shape, in any order."""
     asked = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
     if not asked.size:
         raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
@@ -235,7 +237,7 @@ def times_between(t: object) -> np.ndarray:
 
 
 def check_memory(times: int, states: int, members: int = 1) -> None:
-    """Refuse more states than fit into memory, with those of the finer run beside them."""
+    """Refuse more states than fit into memory, together with the states of the finer run."""
     many = f"{members:,} members at " if members > 1 else ""
     checks.check_room(
         2 * times * states * members,
@@ -245,7 +247,7 @@ def check_memory(times: int, states: int, members: int = 1) -> None:
 
 
 def one_time_only(t: object, times: np.ndarray, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The last time alone, where one was asked for: ensembles keep no samples on the way."""
+    """Only the last time, if one was requested: ensembles keep no samples on the way."""
     if checks.real(t) is not None and len(grid) > 1:
         return times[-1:], np.array([0.0, float(times[-1])])
     return times, grid

@@ -133,7 +133,7 @@ def test_orientations_in_hdf5(tmp_path):
 
 
 def test_sizes_of_pixels_and_names_of_files(tmp_path):
-    """What is no pair, and no name, is said."""
+    """A pixel size that is not a pair and a path that is not a name are refused."""
     path = tmp_path / "atoms.npy"
     np.save(path, np.eye(40))
     for pixel in (0.5, (0.5,), (0.5, "nm", 1)):

@@ -15,6 +15,7 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown, unmasked
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
+from geomtorsion.files import ending
 from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import (
@@ -76,7 +77,7 @@ def read_grid(path: Path) -> Contents:
     """
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
-    kind = path.suffix.lower()
+    kind = ending(path)
     if kind not in FORMATS:
         raise FileFormatError(
             f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,9 @@ from geomtorsion.loops import Cochain, Complex, Loop
 from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
+from geomtorsion.materials.images.regions import Region, pixels_of
 from geomtorsion.materials.images.spots import Spots
+from geomtorsion.materials.images.squares import squares_of
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Errors, Survey, middles
 
@@ -43,6 +45,8 @@ class LatticePhases:
     borders: share of the Gaussian that lies within the image, by x and by y.
     picture: grey values of the image, picture[x, y].
     low: share of the median amplitude below which a place is a hole: a core, a void.
+    reference: e^i_mu of the lattice from which strain is counted, shape (2, 2), lattice vectors per
+        unit; that of the spots, the mean of the image, if None.
     """
 
     step: float
@@ -53,6 +57,7 @@ class LatticePhases:
     borders: tuple[np.ndarray, np.ndarray]
     picture: np.ndarray
     low: float = 0.2
+    reference: np.ndarray | None = None
 
     # -- the lattice ------------------------------------------------------------------------------
 
@@ -63,8 +68,43 @@ class LatticePhases:
 
     @property
     def lattice(self) -> np.ndarray:
-        """Lattice vectors a_1 and a_2 in units, rows, shape (2, 2): a_i g_j = delta_ij."""
-        return np.linalg.inv(self.spots).T
+        """Lattice vectors a_1 and a_2 of the reference in units, rows, shape (2, 2)."""
+        return np.linalg.inv(self.spots if self.reference is None else self.reference).T
+
+    def relative_to(self, region: Region) -> LatticePhases:
+        """The same phases with distortion, strain and lattice vectors counted from a region.
+
+        Parameters
+        ----------
+        region
+            Unstrained lattice: a rectangle ((x0, x1), (y0, y1)) in units, or truth values by pixel,
+            region[x, y]. Its mean coframe, without holes, is the reference.
+
+        Raises
+        ------
+        ImageError
+            The region lies outside of the image, is narrower than the resolution, or is all holes.
+
+        Examples
+        --------
+        Fringes whose spacing grows by 2 % in the right half, and strain from the left:
+
+        >>> from geomtorsion.materials.images import LatticeImage
+        >>> y, x = np.mgrid[127:-1:-1, 0:256]
+        >>> place = np.where(x < 128, x, 128 + (x - 128) / 1.02)
+        >>> image = LatticeImage(np.cos(2 * np.pi * place / 8) + np.cos(2 * np.pi * y / 8))
+        >>> phases = image.phases(reference=((20, 100), (20, 107)))
+        >>> phases.strain[0, 0, [60, 200], 64].round(4) + 0.0
+        array([0.    , 0.0196])
+        """
+        chosen = pixels_of(region, self.waves.shape[1:], self.step, self.unit, self.resolution)
+        chosen &= ~self.holes
+        if not chosen.any():
+            raise ImageError(
+                "reference: expected a region in which the lattice is seen, got only holes. Choose "
+                "another."
+            )
+        return replace(self, reference=self.coframe[:, :, chosen].mean(axis=2))
 
     @property
     def resolution(self) -> float:
@@ -151,7 +191,7 @@ class LatticePhases:
 
     @cached_property
     def distortion(self) -> np.ndarray:
-        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the mean lattice.
+        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the reference.
 
         NaN in holes. `strain` is its symmetric part, `rotation` the rest.
         """
@@ -437,43 +477,3 @@ def _resolution(spots: Spots, size: int, clear: float = 5.0, coarsest: float = 1
     ratio = float((spots.noise / np.maximum(weakest, TINY)).max())
     needed = clear * ratio / np.sqrt(4 * np.pi)
     return min(max(spacing, needed), max(spacing, size * coarsest))
-
-
-def squares_of(
-    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, size: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Windings of phases round all squares, which touch no hole, and expected clicks of noise.
-
-    phase, ratio: phase[i, x, y], and the amplitude in units of its noise. Sums from the first pixel
-    of each line make any size as cheap as a pixel.
-    """
-    sides = [_along(phase, ratio, holes, blur, axis, size) for axis in (1, 2)]
-    (whole, clicks, crossed), (up, more, met) = sides
-    n = size
-    # Right along the lower side, up the right one, back along the upper one, down the left one.
-    wound = whole[:, :, :-n] + up[:, n:] - whole[:, :, n:] - up[:, :-n]
-    total = clicks[:, :, :-n] + more[:, n:] + clicks[:, :, n:] + more[:, :-n]
-    touched = crossed[:, :-n] + met[n:] + crossed[:, n:] + met[:-n]
-    return wound, touched == 0, np.minimum(total, 1.0)
-
-
-def _along(
-    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, axis: int, size: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Along all sides of one direction: whole turns, expected clicks, pixels in holes."""
-    steps = np.diff(phase, axis=axis)
-    turns = np.rint(steps / (2 * np.pi)).astype(np.int64)
-    clicks = expected_clicks(ratio, steps - 2 * np.pi * turns, blur, axis)
-    spoilt = np.cumsum(np.insert(holes.astype(np.int64), 0, 0, axis - 1), axis=axis - 1)
-    n, last = size, holes.shape[axis - 1]
-    held = np.take(spoilt, range(n + 1, last + 1), axis - 1) - np.take(
-        spoilt, range(last - n), axis - 1
-    )
-    return _runs(-turns, axis, n), _runs(clicks, axis, n), held
-
-
-def _runs(steps: np.ndarray, axis: int, size: int) -> np.ndarray:
-    """Sums over so many steps that follow each other."""
-    sums = np.cumsum(np.insert(steps, 0, 0, axis), axis=axis)
-    count = sums.shape[axis]
-    return np.take(sums, range(size, count), axis) - np.take(sums, range(count - size), axis)

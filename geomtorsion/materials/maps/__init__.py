@@ -1,6 +1,7 @@
 """Orientations: maps of measured crystal orientations, and Burgers vectors of circuits in them."""
 
 from geomtorsion.materials.maps.circuits import Circuit
+from geomtorsion.materials.maps.curvature import Curvature
 from geomtorsion.materials.maps.orientation_map import OrientationMap
 from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import FamilyLines, MapBurgers
@@ -10,6 +11,7 @@ from geomtorsion.materials.maps.symmetry import LAUE_GROUPS, LaueGroup, laue_gro
 __all__ = [
     "LAUE_GROUPS",
     "Circuit",
+    "Curvature",
     "FamilyLines",
     "LaueGroup",
     "MapBurgers",

@@ -21,6 +21,7 @@ from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.maps.circuits import Circuit, circuit_of
+from geomtorsion.materials.maps.curvature import Curvature, curvature_of
 from geomtorsion.materials.maps.lattice_edges import (
     GrainMap,
     estimated_covariance,
@@ -33,7 +34,7 @@ from geomtorsion.materials.maps.phases import Phase
 from geomtorsion.materials.maps.results import MapBurgers, angstrom_in
 from geomtorsion.materials.maps.slip import FAMILIES as SLIP
 from geomtorsion.materials.maps.squares import COMPONENTS, survey_of_squares
-from geomtorsion.materials.maps.step_grid import StepGrid
+from geomtorsion.materials.maps.step_grid import StepGrid, two_steps
 from geomtorsion.materials.maps.symmetry import conjugated
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Survey
@@ -135,7 +136,7 @@ class OrientationMap:
         unit[0] = 1.0
         with np.errstate(invalid="ignore", divide="ignore"):
             q = np.where(known[..., None], q / length[..., None], unit)
-        steps = _two_steps(self.steps)
+        steps = two_steps(self.steps)
         shift = checks.number(self.shift, "shift", OrientationError)
         if abs(shift) not in (0, 0.5):
             raise OrientationError(
@@ -242,7 +243,7 @@ class OrientationMap:
         one = phase if isinstance(phase, Phase) else Phase("crystal", phase)
         q = quaternion_from_euler(np.radians(np.where(known[..., None], found, 0.0)), "ZXZ")
         return cls(
-            q, known.astype(int), {1: one}, _two_steps(steps), threshold=threshold, sigma=sigma,
+            q, known.astype(int), {1: one}, two_steps(steps), threshold=threshold, sigma=sigma,
             unit=unit,
         )  # fmt: skip
 
@@ -292,8 +293,27 @@ class OrientationMap:
                     found[number] = estimated_covariance(self.grains, self.phase > 0)
         return found
 
+    @cached_property
+    def curvature(self) -> Curvature:
+        """Lattice curvature within grains, and five components of the Nye tensor from it."""
+        q, most = self.grains.quaternions, np.radians(self.threshold)
+        return curvature_of(q, self.grain, self.steps, self.shift, most, self.unit)
+
+    def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
+        """Density of geometrically necessary dislocations from the curvature, and its noise floor.
+
+        See `Curvature.gnd_density`; lines per square of `unit`, shape (rows, columns) each.
+
+        burgers: length of the Burgers vector, in `unit`: 0.25e-3 um for 0.25 nm.
+        """
+        density = self.curvature.gnd_density(burgers)
+        return density, self.curvature.floor(burgers, self.phase, self.noise)
+
     def frame(self, grain: int, order: int = 2) -> SampledFrame:
         """The coframe of one grain as a sampled frame, for curved loops and the Nye tensor.
+
+        In a plane its Nye tensor has the three components of lines across the map alone: those of
+        a bend about an axis in the plane are in `curvature`.
 
         Axes are x and y: node [column, row]; pixels of other grains are holes. Its rows are crystal
         axes; its sigma is the mean over the axes of the noise of its phase, taken as independent
@@ -476,12 +496,3 @@ class OrientationMap:
         names = ", ".join(phase.name for phase in self.phases.values())
         step = f"{self.steps[0]:g} {self.unit}"
         return f"OrientationMap({rows} x {columns} pixels, step {step}, {names})"
-
-
-def _two_steps(steps: object) -> tuple[float, float]:
-    """Steps along x and y, from one number for both or from two."""
-    given = (steps, steps)
-    if checks.real(steps) is None:
-        given = checks.numbers(steps, 2, "steps", OrientationError)
-    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
-    return x, y

@@ -15,6 +15,15 @@ from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.lattice_edges import GrainMap
 
 
+def two_steps(steps: object) -> tuple[float, float]:
+    """Steps along x and y, from one number for both or from two."""
+    given = (steps, steps)
+    if checks.real(steps) is None:
+        given = checks.numbers(steps, 2, "steps", OrientationError)
+    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
+    return x, y
+
+
 @dataclass(frozen=True, eq=False)
 class Chain:
     """Steps to the next pixel in a row or a column, and how often each is made.
