@@ -192,7 +192,7 @@ def test_signals_with_odd_contents_are_refused():
     """Text in the place of pixels and of scales."""
     with pytest.raises(ImageError, match="scale: expected a number"):
         gt.LatticeImage.of_signal(Signal(GREY, "x", "x"))
-    with pytest.raises(ImageError, match="signal.data: an array of real numbers"):
+    with pytest.raises(ImageError, match="signal.data: expected an array of real numbers"):
         gt.LatticeImage.of_signal(Signal([["a"]], 1.0, 1.0))
 
 
