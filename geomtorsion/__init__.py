@@ -26,6 +26,7 @@ from geomtorsion.geometry import (
     Form,
     Frame,
     IdentityCheck,
+    Surface,
     Tensor,
     Torsion,
     blend,
@@ -39,6 +40,7 @@ from geomtorsion.geometry import (
     levi_civita,
     lie,
     lie_bracket,
+    surface,
 )
 from geomtorsion.spaces import read_file as read
 
@@ -53,9 +55,11 @@ if TYPE_CHECKING:
     )
     from geomtorsion.action import (
         EquationsOfMotion,
+        Linearization,
         Variation,
         conserved_quantities,
         equations_of_motion,
+        linearized,
         variation,
     )
     from geomtorsion.curves import (
@@ -152,14 +156,15 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
 # Imported on first use, so that geometry starts as fast as sympy.
 _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
-        "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
-        "variation",
+        "EquationsOfMotion", "Linearization", "Variation", "conserved_quantities",
+        "equations_of_motion", "linearized", "variation",
     ),
     "ode": (
         "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
@@ -185,6 +190,7 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
+    "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -229,12 +235,15 @@ __all__ = [
     "Form",
     "Frame",
     "FreeTop",
+    "Frequencies",
     "GeomtorsionError",
     "IdentityCheck",
+    "KerrOrbit",
     "LatticeBurgers",
     "LatticeImage",
     "LatticePhases",
     "LineArrays",
+    "Linearization",
     "LogMap",
     "Loop",
     "Network",
@@ -254,6 +263,7 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Surface",
     "Symmetries",
     "Taylor",
     "Tensor",
@@ -296,11 +306,13 @@ __all__ = [
     "holonomy",
     "identities",
     "images",
+    "kerr_orbit",
     "killing_equations",
     "levi_civita",
     "lie",
     "lie_bracket",
     "limits",
+    "linearized",
     "log_map",
     "numpy_function",
     "parallel_dislocations",
@@ -316,6 +328,7 @@ __all__ = [
     "solve_many",
     "spaces",
     "spinning",
+    "surface",
     "symmetries",
     "variation",
 ]

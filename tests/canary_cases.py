@@ -74,13 +74,50 @@ def _public(name: str, /, **arguments: Any) -> Case:
     return Case(name, getattr(gt, name), arguments)
 
 
+def gravity_functions() -> list[Case]:
+    """Lagrangians, connections and matter of field equations."""
+    g = gt.gravity
+    space = gt.Frame([X, Y, sp.Symbol("z")], sp.eye(3))
+    tau = [[[0, 0, 0], [0, 0, 1], [0, -1, 0]]] * 3
+    fluid = {"density": "rho", "pressure": 0, "velocity": [1, 0]}
+    return [
+        _of(
+            "gravity.equations", g.equations, connections=[CARTAN, RIEMANN],
+            lagrangian="T + c*Rbar", matter=[],
+        ),
+        _of("gravity.fluid", lambda **given: _with_matter(g.fluid(**given)), **fluid),
+        _of(
+            "gravity.weyssenhoff", lambda **given: _with_matter(g.weyssenhoff(**given)),
+            **fluid, spin=[[0, 0], [0, 0]],
+        ),
+        _of("gravity.scalar_field", lambda phi: _with_matter(g.scalar_field(phi)), phi="x"),
+        _of(
+            "gravity.maxwell", lambda potential: _with_matter(g.maxwell(potential)),
+            potential=["y", 0],
+        ),
+        _of("gravity.f_of", g.f_of, invariants=["T", "Rbar"], f="f"),
+        _of("gravity.new_gr", g.new_gr, c1=1, c2="c2", c3=X),
+        _of("gravity.holst", g.holst, barbero_immirzi="gamma"),
+        _of(
+            "gravity.poincare", g.poincare, scalar=1, cosmological=0, tensor=0, vector=0, axial=0,
+            curvature=[0] * 6,
+        ),
+        _of("gravity.torsion_from_spin", g.torsion_from_spin, frame=space, tau=tau, kappa=1),
+        _of("gravity.inertial", g.inertial, frame=space, limit={}),
+    ]  # fmt: skip
+
+
+def _with_matter(matter: Any) -> Any:
+    return gt.gravity.equations(CARTAN, "T", matter)
+
+
 def public_functions() -> list[Case]:
     """Everything that geomtorsion exports itself."""
     u1, u2 = sp.symbols("u1 u2")
     energy = {"lagrangian": (u1**2 + u2**2) / 2, "forces": [0, 0], "constraints": None}
     energy |= {"principle": "closed_in_coordinates", "parameters": None, "connection": None}
     starts = {"start": [0, 0], "velocity": [1, 1]}
-    settings = {"parameters": {}, "causal": None, "atlas": None}
+    settings = {"parameters": {}, "causal": None, "atlas": None, "stop": "u1 + 9"}
     return [
         _public(
             "Frame", coordinates=[X, Y], coframe=[[1, 0], [0, X]], signature=(1, 1),
@@ -96,6 +133,7 @@ def public_functions() -> list[Case]:
         _public("limits", seconds=1.0, megabytes=100.0),
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
+        *gravity_functions(),
         _of("contract", _contracted, letters="ab,b->a"),
         _public("from_coefficients", frame=PLANE, coefficients=[[[0, X], [0, 0]]] * 2),
         _public("from_contortion", frame=PLANE, contortion=[[[0, 0], [0, 0]]] * 2),
@@ -108,6 +146,8 @@ def public_functions() -> list[Case]:
         ),
         _public("equations_of_motion", frame=PLANE, **energy),
         _public("conserved_quantities", frame=PLANE, **energy),
+        _public("linearized", frame=PLANE, **energy, at={"x": 1, "y": 0}, velocities=None),
+        _public("kerr_orbit", a=0.9, p=6, e=0.3, x=0.5),
         _public("variation", frame=PLANE, principle="closed_in_coordinates", connection=None),
         _public("autoparallel", connection=CARTAN, **starts, frame_velocity=None, **settings),
         _public(
@@ -555,5 +595,6 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases Certainty Proof".split()
+    "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
+    "Frequencies".split()
 )

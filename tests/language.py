@@ -25,8 +25,7 @@ PACKAGE = ROOT / "geomtorsion"
 PATTERNS: dict[str, tuple[str, str]] = {
     "was needed, but": (r"\b(?:was|were|is) needed, but\b", '"expected X, got Y. <remedy>"'),
     "is no noun": (
-        r"(?<!there )(?<!There )\b(?:is|are|was|were|be|being) no "
-        r"(?!more\b|less\b|one\b|longer\b|\w+er than\b)[a-z]",
+        r"(?<![Tt]here )\b(?:is|are|was|were|be) no (?!(?:more|less|one|longer|\w+er than)\b)",
         '"is not a number"',
     ),
     "what is": (
@@ -43,7 +42,7 @@ PATTERNS: dict[str, tuple[str, str]] = {
         r"\bround\b(?! (?:metric|sphere|spheres|body|bodies|trip|trips|bracket|brackets|off|to)\b)",
         "around",
     ),
-    ", too": (r", too\b", "also, or nothing at all"),
+    ", too": (r", too(?=[.,;:)]| and\b|$)", "also, or nothing at all"),
     "asked for": (r"\basked\s+for\b", "requested"),
     "in the place of": (r"\bin the place of\b|\bin place of\b", "instead of"),
     "anew": (r"\banew\b", "again, restart"),
@@ -51,14 +50,17 @@ PATTERNS: dict[str, tuple[str, str]] = {
     "left out": (r"\b(?:leave|leaves|left|leaving) out\b", "omit"),
     "that of": (r"\b[Tt](?:hat|hose) of\b|\b[Tt]he same of\b", "name the thing"),
     "film": (r"\bfilms?\b", "animation"),
-    "floor": (r"\bfloors?\b|\brooms?\b", "package, layer; memory, space"),
+    "floor": (
+        r"\b(?:lowest|higher|later|lower|same|one) floors?\b|\brooms?\b",
+        "package, layer; memory, space",
+    ),
     "fronted of": (r"(?:^|[.;:] )Of (?!course)", "put the subject first"),
     "moment of a force": (r"\bmoments? of (?:a )?forces?\b", "torque"),
 }
 _COMPILED = {name: re.compile(pattern) for name, (pattern, _) in PATTERNS.items()}
-# Code within text: doctests, fenced blocks, inline code, formulas between dollars.
+# Code within text: fenced blocks, doctests, inline code, formulas, fields of f-strings.
 _CODE = re.compile(
-    r"^```.*?^```|^ *(?:>>>|\.\.\. ).*?$|`[^`\n]*`|\$[^$]*\$", re.MULTILINE | re.DOTALL
+    r"^```.*?^```|^ *(?:>>>|\.\.\. ).*?$|`[^`\n]*`|\$[^$]*\$|\{[^{}\n]*\}", re.MULTILINE | re.DOTALL
 )
 _DOCTEST = re.compile(r"^ *>>>.*?(?=^\s*$|\Z)", re.MULTILINE | re.DOTALL)
 _QUOTES = re.compile(r"^[A-Za-z]*(\"\"\"|'''|\"|')")
@@ -99,9 +101,11 @@ def python_texts(source: str) -> Iterator[Text]:
             found = token.string.lstrip("#").strip() + " "
         elif tokenize.tok_name[token.type] == "FSTRING_MIDDLE":
             found = token.string
-        elif token.type in (tokenize.NL, tokenize.NEWLINE):
-            if token.type == tokenize.NL or kind == tokenize.COMMENT:
-                continue
+        elif token.type == tokenize.NL or (token.type, kind) == (
+            tokenize.NEWLINE,
+            tokenize.COMMENT,
+        ):
+            continue
         new = tokenize.COMMENT if token.type == tokenize.COMMENT else tokenize.STRING
         if not found or new != kind:
             if parts:
@@ -118,7 +122,7 @@ def prose(text: str) -> str:
     without = text
     for code in (_DOCTEST, _CODE):
         without = code.sub(lambda found: "x" + "\n" * found[0].count("\n"), without)
-    return without
+    return "\n".join(line.strip() for line in without.split("\n"))
 
 
 def hits_of(file: Path) -> list[Hit]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
+from itertools import combinations_with_replacement, product
 from math import prod
 from typing import TYPE_CHECKING
 
@@ -169,6 +169,24 @@ def ansatz_functions(
     words = " ".join(f"({listed(row)})" for row in choices)
     products = [sp.Mul(*factors) for factors in product(*choices)]
     return products, f"a product of one of each {words}"
+
+
+def powers(frame: Frame) -> tuple[list[sp.Expr], str]:
+    """Functions f(q) for an ansatz xi = sum c f d_mu, and the same in words.
+
+    They are 1, the coordinates and the products of two of them, where these are not too many.
+
+    Examples
+    --------
+    >>> from geomtorsion.spaces import load
+    >>> powers(load("flat_polar").frame)
+    ([1, r, phi, r**2, phi*r, phi**2], 'of degree 2 in r, phi')
+    """
+    n, q = frame.dimension, frame.coordinates
+    squares = [one * two for one, two in combinations_with_replacement(q, 2)]
+    degree = 2 if n * (1 + n + len(squares)) <= _MOST else 1
+    found = [sp.S.One, *q, *(squares if degree == 2 else ())]
+    return found, f"of degree {degree} in {listed(q)}"
 
 
 def separable_functions(frame: Frame) -> list[sp.Expr]:

@@ -17,10 +17,12 @@ from geomtorsion.action.hamel import (
     torsion_over,
 )
 from geomtorsion.action.invariants import ConservedQuantities, conserved
+from geomtorsion.action.linearized import linearized
 from geomtorsion.action.principles import Principle, principle_named
+from geomtorsion.action.steady import Linearization
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.caching import cached_property
-from geomtorsion.errors import LagrangianError
+from geomtorsion.errors import LagrangianError, LimitError
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
@@ -210,6 +212,30 @@ class EquationsOfMotion:
         """
         return reduced(self.rates, self.invariants, self.frame.coordinates)
 
+    def linearized(
+        self, at: Mapping[object, object], parameters: Iterable[sp.Symbol | str] | None = None
+    ) -> Linearization:
+        """The equations to first order around a steady motion; see `geomtorsion.linearized`.
+
+        at: the steady motion: name of a coordinate, velocity or parameter -> value.
+        parameters: names that may occur in texts there besides those of the equations.
+
+        Examples
+        --------
+        A top about its middle axis, which is unstable:
+
+        >>> from geomtorsion.spaces import load
+        >>> top = equations_of_motion(load("so3").frame, "(u1**2 + 2*u2**2 + 3*u3**2)/2")
+        >>> top.linearized(at={"u2": 1}).eigenvalues.real.round(6).tolist()
+        [0.57735, 0.0, -0.57735]
+        """
+        listed = None if parameters is None else [*self.hamel.bundle.frame.parameters, *parameters]
+        return linearized(
+            self.frame, self.lagrangian, list(self.forces), self.principle,
+            list(self.constraints) or None, at=at, velocities=self.velocities,
+            parameters=listed, connection=self.lagrange.connection,
+        )  # fmt: skip
+
     @property
     def text(self) -> str:
         """One line for each rate."""
@@ -308,8 +334,14 @@ def equations_of_motion(
     read = validation.expressions(frame, [("lagrangian", lagrangian), *pushes, *fixed], parameters)
     energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
     bundle = bundle_over(frame, read)
-    hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
-    _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
+    try:
+        hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
+        _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
+    except LimitError as error:
+        raise LimitError(
+            f"{error}. For small motions around a steady one, gt.linearized(..., at={{...}}) needs "
+            "no equations that are written out"
+        ) from None
     lagrange = Lagrange(bundle, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
 
@@ -329,7 +361,8 @@ def conserved_quantities(
     The search covers a stated ansatz: the energy; momenta p_k xi^k of coordinates, of legs, of
     right-invariant fields on a Lie group, and of all fields xi = sum c f(q) E_k with constant c
     and a few functions f (products of 1, x, cos(x), sin(x) as they fit the coordinates, or 1 and
-    the coordinates where there would be too many); Casimirs; and sums of c f(q) p_k p_l for the
+    the coordinates where there would be too many), or xi = sum c f(q) d_mu with polynomials f of
+    degree 2; Casimirs; and sums of c f(q) p_k p_l for the
     terms f of which the coframe is made, such as Carter's constant. `ansatz` of the result, which
     is printed with it, lists the functions. All rational combinations within the ansatz are found,
     and the derivative of each along the motion is exactly zero. Others may exist.
@@ -351,6 +384,7 @@ def conserved_quantities(
       energy p_k u^k - L
       sums of c*p(xi), the momenta along coordinates and legs
       sums of c*f(q)*p_k, f a product of one of each (1, r) (1, phi, cos(phi), sin(phi))
+      sums of c*f(q)*p(q), the momenta of coordinates, f of degree 2 in r, phi
       sums of c*f(q)*p_k*p_l, f one of (1, r**2)
 
     Carter's constant of Kerr's space, in Carter's tetrad:

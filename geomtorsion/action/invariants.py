@@ -13,6 +13,7 @@ from geomtorsion.action.ansatz import (
     ansatz_functions,
     fitting_functions,
     listed,
+    powers,
     right_invariant,
     separable_functions,
 )
@@ -120,6 +121,16 @@ def killing_candidates(hamel: Hamel, functions: Sequence[sp.Expr]) -> Iterator[C
             yield _along(hamel, f"{function}*p{k + 1}", {k: value})
 
 
+def coordinate_candidates(hamel: Hamel, functions: Sequence[sp.Expr]) -> Iterator[Candidate]:
+    """f(q) times the momenta of coordinates, for a few functions."""
+    columns = hamel.bundle.frame.coframe.components.columns
+    for function in functions:
+        value = hamel.bundle.field.read(function)
+        for mu, column in enumerate(columns):
+            name = f"{function}*p({hamel.bundle.frame.coordinates[mu]})"
+            yield _along(hamel, name, {k: value * entry for k, entry in column})
+
+
 def tensor_candidates(hamel: Hamel, functions: Sequence[sp.Expr]) -> Iterator[Candidate]:
     """f(q) p_k p_l for a few functions."""
     p = hamel.momenta
@@ -151,7 +162,7 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
         changes = ([(1, operator[j, k], u[m]), (1, u[k], operator[j, m])] for j in range(n))
         vectors.append([exact.sum(terms) for terms in changes])
     p = hamel.momenta
-    for number, row in enumerate(relations(exact, vectors), 1):
+    for number, row in enumerate(relations(vectors), 1):
         terms, weights = [], {k: [] for k in range(n)}
         for place, q in row.items():
             k, m = pairs[place]
@@ -182,7 +193,7 @@ class _Found:
         known = [*self.kept.values(), *products]
         if not (
             any(self._proportional(value, x) for x in known)
-            or depends(self.hamel.bundle.field, value, [*known, value.field.one])
+            or depends(value, [*known, value.field.one])
         ):
             self.kept[one.name] = value
         return True
@@ -232,8 +243,9 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
 
     Tried are: the energy p_i u^i - L, of driven systems also without what is driven; momenta
     p_i xi^i along coordinate lines, along legs, along right-invariant fields of a Lie group, and
-    along f(q) E_k for a few functions f; rational combinations of these; the quadratic Casimirs of
-    the legs; and, without constraints, f(q) p_k p_l for the terms f of which the coframe is made.
+    along f(q) E_k and f(q) d_mu for a few functions f; rational combinations of these; the
+    quadratic Casimirs of the legs; and, without constraints, f(q) p_k p_l for the terms f of which
+    the coframe is made.
 
     frame: as the user gave it. base: the same over the field of the equations.
     """
@@ -249,6 +261,9 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
     functions, words = ansatz_functions(frame, fitting_functions(frame, entries))
     _combine(found, killing_candidates(hamel, functions), "killing")
     ansatz.append(f"sums of c*f(q)*p_k, f {words}")
+    functions, words = powers(frame)
+    _combine(found, coordinate_candidates(hamel, functions), "killing")
+    ansatz.append(f"sums of c*f(q)*p(q), the momenta of coordinates, f {words}")
     # L.L of a body is no news where each component of L is kept.
     inside = set(hamel.bundle.frame.coordinates)
     squares = [x * x for x in found.kept.values() if not x.symbols & inside]
@@ -273,8 +288,10 @@ def _combine(
 ) -> None:
     """Keep the rational combinations of candidates that do not change."""
     hamel, every = found.hamel, list(tried)
-    number = 1
-    for row in relations(hamel.bundle.field, [[one.change(hamel)] for one in every]):
+
+    def number() -> int:
+        return 1 + sum(name.removeprefix(f"{stem} ").isdigit() for name in found.kept)
+
+    for row in relations([[one.change(hamel)] for one in every]):
         parts = [(q, every[j]) for j, q in row.items()]
-        found.add(combined(hamel, f"{stem} {number}", parts), products)
-        number = 1 + sum(name.removeprefix(f"{stem} ").isdigit() for name in found.kept)
+        found.add(combined(hamel, f"{stem} {number()}", parts), products)

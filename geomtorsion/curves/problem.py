@@ -21,7 +21,14 @@ from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
-from geomtorsion.curves.stops import Stop, check_stops, in_chart, stopped, with_stops
+from geomtorsion.curves.stops import (
+    Stop,
+    check_stops,
+    in_chart,
+    stopped,
+    terms_in_chart,
+    with_stops,
+)
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
@@ -349,6 +356,11 @@ class CurveProblem:
         groups = equations.groups
         return Stage(label, system, states, numbers, begin, (event,), groups=groups)
 
+    def stop_terms(self, label: str) -> list[sp.Expr]:
+        """The conditions that end the curve, over the states of a chart."""
+        equations = self.equations(label)
+        return terms_in_chart(self.stops, self.atlas, label, equations, self.time_unit)
+
     def system(self, label: str) -> System:
         """What engines integrate in a chart, with the conditions that end the curve."""
         if label not in self._systems:
@@ -460,7 +472,7 @@ class CurveProblem:
                 f"got rounding errors larger than what is left of {edge.element.sympy}: "
                 f"{edge.condition}, and the motion comes closer without reaching the edge. Use "
                 "Taylor(precision=113) or more, a coordinate that is the logarithm of "
-                f"{edge.element.sympy}, or a shorter time. What was computed is in the error's "
+                f"{edge.element.sympy}, or a shorter time. The computed part is in the error's "
                 "`solution`."
             )
         segment = trajectory.segments[-1]
@@ -490,7 +502,7 @@ class CurveProblem:
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
             f"chart {label!r} ends there ({trajectory.reason}). {chart.end if chart else ''}"
-            f"{advice} What was computed is in the error's `solution`."
+            f"{advice} The computed part is in the error's `solution`."
         )
 
     # -- reading a solution ----------------------------------------------------------------------
@@ -647,7 +659,8 @@ def _advice(frame: Frame, point: Mapping[str, float]) -> str:
     values = {symbol: point[symbol.name] for symbol in symbols}
     outside = broken_relations(frame.domain, values)
     if not outside:
-        return f"{_charts_around(frame, point)}Start beside the edge of the chart."
+        around = _charts_around(frame, point)
+        return f"{around}Start {'there, or ' if around else ''}beside the edge of the chart."
     return f"The domain is {', '.join(map(str, outside))}. Start inside."
 
 
@@ -665,13 +678,11 @@ def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
         values = {key: float(x) + 0.0 for key, x in zip(chart.names, there, strict=True)}
         if np.isfinite(there).all() and not (chart.at_edges({**point, **values}) <= 0).any():
             listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
-            found.append(f"chart {name!r} holds there, at {listed}")
-    if not found:
-        return ""
-    return (
-        f"Of this space {'; '.join(found)}. Its frame, for a start there, is "
-        "problem.atlas.chart(name).frame of any curve of this space. "
-    )
+            found.append(
+                f"Chart {name!r} holds there, at {listed}; its frame is "
+                f"problem.atlas.chart({name!r}).frame of any curve of this space. "
+            )
+    return "".join(found)
 
 
 def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:

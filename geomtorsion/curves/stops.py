@@ -71,7 +71,8 @@ def read_stops(
                 f"{where}: expected an expression that changes along the curve, got {read}. "
                 f"Use {', '.join(names)}."
             )
-        found.append(Stop(str(read), read.xreplace(values)))
+        text = term.strip() if isinstance(term, str) else str(read)
+        found.append(Stop(text, read.xreplace(values)))
     return tuple(found)
 
 
@@ -121,6 +122,17 @@ def with_stops(
     unit: frame velocities are states in units of it.
     single: whether there is no other chart, so that the motion goes on to the very end.
     """
+    margin, end = equations.guard_terms
+    terms = [term + TINY for term in terms_in_chart(stops, atlas, chart, equations, unit)]
+    arguments = (*equations.states, *equations.parameters)
+    guard = graph(arguments, [*(end if single else margin), *terms], equations.parameters)
+    return replace(system, guard=guard, end=None)
+
+
+def terms_in_chart(
+    stops: Sequence[Stop], atlas: Atlas, chart: str, equations: Equations, unit: float
+) -> list[sp.Expr]:
+    """Conditions over the states of a chart; frame velocities are states in a unit."""
     terms = []
     for stop in stops:
         term = in_chart(stop, atlas, chart, equations.velocities) if chart else stop.term
@@ -130,11 +142,8 @@ def with_stops(
             for symbol in term.free_symbols
             if symbol.name in equations.velocities
         }
-        terms.append(term.xreplace(scaled) + TINY)
-    margin, end = equations.guard_terms
-    arguments = (*equations.states, *equations.parameters)
-    guard = graph(arguments, [*(end if single else margin), *terms], equations.parameters)
-    return replace(system, guard=guard, end=None)
+        terms.append(term.xreplace(scaled))
+    return terms
 
 
 def stopped(

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Size:
-    """Of an algebraic number: times below it is an integer, and no conjugate exceeds the bound."""
+    """Size of an algebraic number: times below it is an integer; bound limits its conjugates."""
 
     below: int
     bound: int
 
 
 def is_algebraic_constant(field: Tower, generator: Generator) -> bool:
-    """Whether a generator is a root or a root of unity, built from numbers alone."""
+    """Whether a generator is a root or a root of unity, built only from numbers."""
     if generator.depends or generator.kind == "symbol":
         return False
     if generator.kind == "root":
@@ -57,7 +57,8 @@ def part_of_turn(generator: Generator) -> fmpq | None:
 def vanishes(element: Element) -> bool | None:
     """Whether an element, multiplied out, vanishes; None if that is not seen from its constants.
 
-    Its terms are sorted by what is no algebraic constant: each sum of constants has to vanish.
+    Its terms are sorted by their factors that are not algebraic constants: each sum of constants
+    has to vanish.
     """
     field = element.field
     used = field.generators_of(element)
@@ -98,7 +99,7 @@ def _sum_vanishes(field: Tower, poly: fmpq_mpoly) -> bool | None:
 
 
 def _size(field: Tower, poly: fmpq_mpoly, sizes: dict[str, _Size]) -> _Size:
-    """The size of a polynomial in algebraic constants; those of its generators are collected."""
+    """The size of a polynomial in algebraic constants; collects the sizes of its generators."""
     below, parts = 1, []
     for coefficient, powers in polynomials.terms(field.generators, poly):
         for generator, _ in powers:
@@ -112,7 +113,7 @@ def _size(field: Tower, poly: fmpq_mpoly, sizes: dict[str, _Size]) -> _Size:
 
 
 def _size_of_generator(field: Tower, generator: Generator, sizes: dict[str, _Size]) -> _Size:
-    """Of a root, of the imaginary unit, or of a cosine: twice that is an integer."""
+    """Size of a root, of the imaginary unit, or of a cosine: twice a cosine is an integer."""
     if generator.kind == "imaginary":
         return _Size(1, 1)
     if generator.kind != "root":
@@ -140,7 +141,7 @@ def _degree(field: Tower, sizes: dict[str, _Size]) -> int:
 
 
 def _ball(field: Tower, poly: fmpq_mpoly, bits: int) -> acb:
-    """A ball of numbers in which a polynomial in algebraic constants lies."""
+    """A ball that contains a polynomial in algebraic constants."""
     known: dict[str, acb] = {}
 
     def of_generator(generator: Generator) -> acb:

@@ -60,8 +60,8 @@ class RationalBasis:
     def choose(self, elements: list[Element]) -> None:
         """Adds atoms for all these at once: whole sums where these are fewer than their terms.
 
-        cos(k*x - w*t) alone keeps its angle; cos(x), cos(y) and cos(x + y) are split.  exp of
-        a logarithm is undone, cos of one is not: there its sums stay whole, too.
+        A single cos(k*x - w*t) keeps its angle; cos(x), cos(y) and cos(x + y) are split. exp of a
+        logarithm is simplified, cos of a logarithm is not: there sums also stay whole.
         """
         if self._all_monomials and all(_is_monomial(element) for element in elements):
             # Different monomials are independent: no linear algebra is needed.
@@ -144,7 +144,7 @@ def rational_gcd(a: fmpq, b: fmpq) -> fmpq:
 
 
 def terms(element: Element) -> list[tuple[fmpq, Element]]:
-    """The element as sum of rational * monomial: its polynomial part, then what is over den.
+    """The element as sum of rational * monomial: its polynomial part, then the part over den.
 
     u/R + pi/3 is kept as (3 u + pi R)/(3 R); division with remainder takes pi/3 out again.
     """
@@ -208,8 +208,8 @@ def _without_own_poles(
 ) -> list[int] | None:
     """The places of the vectors that may have a share in the target; None if it is in no span.
 
-    What has a factor below the line to a higher power than all others has no share in a sum
-    without it.  To see this is cheap; a common denominator has 2**n terms for n nested logarithms.
+    A vector whose denominator has a factor to a higher power than all others has no share in a sum
+    without it. This test is cheap; a common denominator has 2**n terms for n nested logarithms.
     """
     # The target comes last.
     vectors, left = [*basis, target], list(range(len(basis) + 1))
@@ -355,7 +355,7 @@ class Angles:
         return unit, pair
 
     def _part(self, angle: Element, whole: Pair, prime: int) -> Pair:
-        """cos and sin of angle from those of prime * angle."""
+        """cos and sin of angle from cos and sin of prime * angle."""
         field = self._field
         cos = None
         if prime == 2:
@@ -370,7 +370,7 @@ class Angles:
         return cos, whole[1] / _second_kind(prime - 1, cos, field)
 
     def _algebraic_part(self, angle: Element, whole: Pair, prime: int) -> Element:
-        """cos of the part of an angle; where cos of the whole is no polynomial, by a root."""
+        """cos of the part of an angle; by a root where cos of the whole is not a polynomial."""
         field = self._field
         # A polynomial relation T_n(w) = cos(n u) can be a generator; a quotient cannot.
         if not whole[0]._den:
@@ -470,7 +470,7 @@ class Exponents:
     """exp over a rational basis of the exponents.
 
     An atom met only under cosh and sinh keeps these two as its generators; one that is
-    also met under exp is written in exp alone.
+    also met under exp is written only in exp.
     """
 
     def __init__(self, field: Tower) -> None:

@@ -89,9 +89,9 @@ class Collector:
 def _by_powers(
     field: Tower, num: fmpq_mpoly, generator: Generator, parts: list[fmpq_mpoly]
 ) -> Iterator[tuple[Form, ...]]:
-    """A sum of coefficients times powers of a generator, unless it is what was there."""
+    """A sum of coefficients times powers of a generator, unless it is unchanged."""
     shared = {power: part for power, part in enumerate(parts) if part}
-    # One term for each power is what was there.
+    # One term for each power means no change.
     if 0 < len(shared) < len(num):
         forms = {power: form(field.polynomial(part)) for power, part in shared.items()}
         yield tuple(
@@ -119,7 +119,7 @@ def _digits(field: Tower, num: fmpq_mpoly, quantity: Element) -> Iterator[list[f
             rest, digit = _divided(rest, top, lead)
             digits.append(field.reduced(digit * power))
             power = power * below
-        # What is no shorter may go round in a ring, from name to name.
+        # A result that is not shorter could lead from name to name in a cycle.
         if all(len(digit) < len(num) for digit in digits):
             yield digits
 

@@ -1,4 +1,4 @@
-"""Degrees: bounds on those of elements in the numbers that are chosen at random (see `modular`)."""
+"""Degrees: bounds on degrees of elements in the random numbers of `modular`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def degree(element: Element) -> int:
-    """A bound on the degree of an element's numerator and denominator in what is random."""
+    """A bound on the degree of an element's numerator and denominator in the random numbers."""
     field = element.field
     weights: dict[str, int] = {}
 

@@ -50,7 +50,7 @@ class Certainty:
         if self.proved:
             return "proved"
         if self.error >= 1:
-            return "undecided: no known relation tells whether it vanishes"
+            return "undecided: no known relation decides whether it vanishes"
         return f"at a random point modulo a prime: chance of error below {self.error:.0e}"
 
 
@@ -92,7 +92,7 @@ class Element(ABC):
     # The number of generators over which the numerator is written; -1 for a lazy element.
     _level: int
 
-    # What is filled in on first use.
+    # Filled in on first use.
     _bits: int | None
     _diffs: dict[sympy.Symbol, Element] | None
     # What form.py made of it; its type would close a ring of imports.
@@ -260,7 +260,7 @@ class Element(ABC):
         Raises
         ------
         ValueError
-            the element is no rational number.
+            the element is not a rational number.
         """
         if not self.is_rational:
             raise ValueError(f"{self} is not a rational number")
@@ -528,7 +528,7 @@ def in_order(element: Element, is_done: Callable[[Lazy], bool]) -> Iterator[Lazy
     """The lazy elements that are not done, each after its own parts."""
 
     def parts(one: Lazy) -> Sequence[Lazy]:
-        # The last one first: what is derived on the way keeps its place in the field.
+        # The last one first, so that derived elements keep their place in the field.
         return [part for part in one._recipe.parts if isinstance(part, Lazy)][::-1]
 
     return inside_out(element, parts, is_done) if isinstance(element, Lazy) else iter(())

@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     AtPoint = dict[int, Known]
 
 
-# Bits that one begins with beyond those asked for: with more or fewer the value is the same, and
-# twice as many are tried less or more often.
+# Bits at the beginning beyond the requested ones. The value does not depend on them; they change
+# how often the precision is doubled.
 _GUARD = 30
 # Expanded numerators cancel; precision is doubled up to this many bits until they agree.
 LARGEST_BITS = 2**12
@@ -54,7 +54,7 @@ def evaluate(
 ) -> mpmath.mpf:
     """The value of an element at a point; see `Element.evaluate`.
 
-    at: what is known there from other elements, by working precision.
+    at: known values there from other elements, by working precision.
     """
     given = partial(_given, point)
     value = settled_value(
@@ -76,7 +76,7 @@ def evaluate(
 
 
 def _bits_before_the_point(element: Element, known: Known) -> int:
-    """How many bits terms of the element may have before the point, by what is known there."""
+    """How many bits terms of the element may have before the point, from known values there."""
     field, bits = element.field, 0
     for leaf in leaves(element):
         below = [(field.factors[index], exponent) for index, exponent in leaf._den]
@@ -95,12 +95,12 @@ def settled_value(
     largest: int,
     more: Callable[[Known], int] = lambda known: 0,
 ) -> mpmath.mpf:
-    """The value on which two working precisions agree to the precision asked for.
+    """The value on which two working precisions agree to the requested precision.
 
-    levels: what is known at the point, by working precision; each is handed to `compute`.
+    levels: known values at the point, by working precision; each is passed to `compute`.
 
-    Zero is accepted only at the largest precision, as what is below 2**(-largest/4) there.  `more`
-    tells how many bits numbers have before the point: with twice as many on top two runs see them.
+    Zero is accepted only at the largest precision, if the value is below 2**(-largest/4) there.
+    `more` returns the number of bits before the point: two runs with twice as many see them.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def settled_value(
                 is_seen = before_the_point <= _MOST_BEFORE_THE_POINT
                 if bits > largest and (not is_seen or bits > largest + 2 * before_the_point):
                     if is_seen and abs(value) < mpmath.ldexp(1, -largest // 4):
-                        # Below all rounding of the largest precision: zero, as far as can be told.
+                        # Below all rounding of the largest precision, so that it counts as zero.
                         return value * 0
                     raise SingularPointError(
                         f"the value drowns in cancellation even with {bits} bits; "
@@ -170,7 +170,7 @@ def values(element: Element, given: Given, known: Known) -> mpmath.mpf:
 def _quotient(
     element: Element, num: fmpq_mpoly, den: Denominator, below: Below, given: Given, known: Known
 ) -> mpmath.mpf:
-    """The value of an element that is num over den and over what is below, term by term."""
+    """The value of an element that is num over den and over `below`, term by term."""
     factors, generators = element.field.factors, element.field.generators
     value = _total(polynomials.terms(generators, num), given, known)
     divisors = [(factors[index], exponent) for index, exponent in den]
@@ -194,7 +194,7 @@ def _kept_value(
     """The value of an element that is kept as it was built, part after part."""
 
     def shared(part: Element) -> mpmath.mpf:
-        # The part itself stands beside its value: no other one can get its identity.
+        # The part is kept with its value, so that no other part can get its identity.
         if id(part) not in known:
             known[id(part)] = (part, value_of(part, given, known))
         return known[id(part)][1]
@@ -281,7 +281,7 @@ def arguments(generator: Generator) -> tuple[Element, ...]:
 
 
 def made_of(generator: Generator) -> list[Generator]:
-    """The generators whose values that of one needs."""
+    """The generators on whose values a generator depends."""
     made_of: list[Generator] = []
     for part in arguments(generator):
         made_of += part.field.generators_of(part)
@@ -289,7 +289,7 @@ def made_of(generator: Generator) -> list[Generator]:
 
 
 def _computed(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
-    """The value of one generator from those of its arguments."""
+    """The value of one generator from the values of its arguments."""
     kind = generator.kind
     if kind in ("symbol", "jet"):
         return given(generator)

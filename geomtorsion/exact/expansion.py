@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.element import Element
     from geomtorsion.exact.field import Field
 
-# Signs of roots are read off here, and what sympy says of a limit is compared with numbers here:
-# so near that nothing else is as small, and far from the 1e-90 at which cancellation drowns values.
+# Point for signs of roots and for checks of limits by sympy: so near that nothing else is as small,
+# and far from the 1e-90 at which values lose all digits by cancellation.
 NEAR = tuple(sympy.Rational(1, 10**digits) for digits in (30, 20, 10))
 
 
@@ -129,7 +129,7 @@ class Expansion:
 
     def _leading(self, expression: sympy.Expr) -> tuple[int, Element, Iterator[Element]]:
         """Order and value of the first coefficient that does not vanish, and all after it."""
-        # That of a function which does not vanish comes after finitely many that do.
+        # A function that does not vanish has finitely many vanishing coefficients before it.
         coefficients = self._coefficients(expression)
         for order, coefficient in enumerate(coefficients):
             if coefficient.is_zero is None:
@@ -217,7 +217,7 @@ class Expansion:
         )
         try:
             found = sympy.limit(expression, self._w, 0, "+")
-        # In these ways sympy says that it finds none.
+        # sympy raises these if it finds no limit.
         except (NotImplementedError, ValueError, TypeError, sympy.PoleError):
             raise undecided from None
         if found.has(sympy.AccumBounds):

@@ -1,6 +1,6 @@
 """Factoring process: a script that factors polynomials, one JSON request a line, until they end.
 
-It imports flint alone, so that it starts in a tenth of a second.
+It imports only flint, so that it starts in a tenth of a second.
 """
 
 from __future__ import annotations

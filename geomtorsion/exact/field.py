@@ -1,4 +1,4 @@
-"""Field: a differential field that grows with what is read into it, and its derivation."""
+"""Field: a differential field that grows with each reading, and its derivation."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _has_slope(field: Tower, symbol: sympy.Symbol, generator: Generator) -> bool
 
 
 def _made_of(symbol: sympy.Symbol, generator: Generator) -> list[Generator]:
-    """The generators whose derivatives that of one needs."""
+    """The generators on whose derivatives the derivative of one depends."""
     return [
         inner
         for part in arguments(generator)
@@ -193,11 +193,11 @@ _RULES: dict[str, Rule] = {
 
 
 class Field(Tower):
-    """The smallest differential field that holds what was read into it.
+    """The smallest differential field that contains everything read into it.
 
     Over the rationals, in polynomials of generators: coordinates and parameters, cos and
     sin, exp, log, roots, jets of unknown functions.  The field only ever grows, and growth
-    changes no element: everything in it is a table of what is known so far.
+    changes no element: it contains only tables of known relations.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ class Field(Tower):
         if briefly:
             tails = [g.tail for g in self.generators_of(element) if g.tail is not None]
             if tails:
-                # Where a sum under a root is short, so is what is left when the root is cleared.
+                # If a sum under a root is short, so is the remainder after the root is cleared.
                 own = int(element.length) + sum(len(self.lift(tail)) for tail in tails)
                 largest = min(largest, own**4)
         found = inverse(self, element, largest)
@@ -371,7 +371,7 @@ class Field(Tower):
         if not unsure and not element.is_kept:
             return not element._num
         # A polynomial in generators without relations vanishes whatever they are.  A root that may
-        # lie in the field already has more relations than its own, and only one of its values.
+        # be in the field already has more relations than its own, and only one of its values.
         if any(g.degree or is_algebraic_constant(self, g) for g in unsure):
             return self._decide_by_numbers(element)
         # A point at which very many roots have values is long to be found.
@@ -383,7 +383,7 @@ class Field(Tower):
                 return self.decide_zero(whole)
         image = self._image(element)
         if image is None and element.is_kept:
-            # Of very many roots no point is found; what has a value does not vanish.
+            # For very many roots no point is found; an element with a value does not vanish.
             if self.sample.is_surely_nonzero(element):
                 return False
             element = self.whole(element)

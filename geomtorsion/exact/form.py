@@ -2,7 +2,7 @@
 
 High powers of cos and sin are written as multiple angles, which keeps their digits: cos(60 x) is a
 polynomial of degree 60 in cos(x) with coefficients near 2**59, exact, but worthless in floating
-point.  As a sum of multiple angles the coefficients stay small.  The factors tell signs, too.
+point.  As a sum of multiple angles the coefficients stay small.  The factors also determine signs.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def form(element: Element) -> Form:
 
 
 def radicals(field: Tower) -> Radicals:
-    """The table of radicals, made anew when the field has grown."""
+    """The table of radicals, made again when the field has grown."""
     known = field.tables.get("radicals")
     if known is None or known.level != field.level:
         fresh = Radicals(field)

@@ -1,4 +1,4 @@
-"""Functions: f(r) with its partial derivatives, and those that are known by name alone.
+"""Functions: f(r) with its partial derivatives, and functions known only by name.
 
 The partial derivatives of an unknown function are independent: each is a generator (a jet).
 An opaque function, such as erf, has a derivative in the field but no relation that is known.

@@ -22,7 +22,7 @@ class Generator:
     name
         its variable name inside the polynomial ring.
     shown
-        the sympy expression it stands for.
+        its sympy expression.
     depends
         sympy symbols on which it depends.
     degree, tail
@@ -58,9 +58,9 @@ class Branch:
     read_as
         the sympy expression that it was replaced with.
     words
-        where in the domain the replacement is right, unless `holds` says it all.
+        part of the domain where the replacement is right, unless `holds` is enough.
     holds
-        an element that is positive where it is right; None where no single element says so.
+        an element that is positive where it is right; None if no single element expresses it.
     """
 
     radical: sympy.Expr
@@ -81,8 +81,8 @@ class Branch:
 class Name:
     """A quantity that is written by its name.
 
-    generator: how it is written; it belongs to no field.
-    quantity: what it stands for, multiplied out.
+    generator: its notation; it belongs to no field.
+    quantity: its value, multiplied out.
     """
 
     generator: Generator

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def without_idle_symbols(element: Element) -> Element | None:
-    """An equal element without symbols on which it does not depend; None where it is long, too."""
+    """An equal element without symbols on which it does not depend; None where it is also long."""
     field = element.field
     try:
         point = roomy_point_of(field)

@@ -137,7 +137,7 @@ class Whole:
     brief: bool
 
 
-# What has been tried: it would not be brief.
+# Result of an attempt: it would not be brief.
 _LONG = Whole(None, LARGEST_PRODUCT, brief=False)
 
 
@@ -182,7 +182,7 @@ def stays_kept(element: Element) -> bool:
         not brief.
     """
     field = element.field
-    # Terms of numerators, as if nothing cancelled, and powers of what stands below the line.
+    # Terms of numerators, as if nothing cancelled, and powers of denominators.
     sizes: dict[int, tuple[int, Counter[_Divisor]]] = {}
     lengths: dict[_Divisor, int] = {}
 

@@ -1,6 +1,6 @@
 """Lengths: how long an expression would be, before any of it is written.
 
-What is far too long is refused by what it is built of: names and numbers, each where it stands.
+Expressions that are far too long are refused by the number of names and numbers that they contain.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def vanishes(part: Element) -> bool:
 
 
 def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> None:
-    """Refuses a kept element that has too many parts in what is surely written as it is.
+    """Refuses a kept element with too many parts in sums that are surely written unchanged.
 
-    The longest sums are looked at first: how long one is where it is collected takes time to find,
-    and what is far too long is so by a few of them.
+    The longest sums are examined first, because the length of a collected sum takes time to find,
+    and a few sums suffice for an element that is far too long.
     """
     sums: dict[Sum, None] = {}
     either: dict[int, Element] = {}
@@ -57,7 +57,7 @@ def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> N
             either[id(one)] = short
         else:
             waiting += one._recipe.parts
-    # What is written in one way or another may have as few as one part.
+    # A sum that may be written in several forms counts as one part.
     sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
     longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
     for k, base in enumerate(longest):
@@ -73,10 +73,10 @@ def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> N
 def parts_at_least(
     element: Element, chosen: dict[int, Element], size_of: Callable[[Generator | Sum], int]
 ) -> int:
-    """How many parts a kept element has at least as it is written, each counted where it stands.
+    """Lower bound on the written parts of a kept element, each counted at every occurrence.
 
-    chosen: what is written multiplied out. Of products bases and exponents are looked at alone;
-    what all terms of a sum have in common stands in front of it once, as `_sum_of` writes it.
+    chosen: elements that are written multiplied out. Bases and exponents of products are examined
+    separately; a common factor of a sum is written once in front of it, as in `_sum_of`.
     """
     sizes: dict[object, int] = {}
     known: dict[int, dict[Any, int]] = {}
@@ -113,7 +113,7 @@ def parts_at_least(
 
 
 def terms_of(element: Element) -> Iterator[object]:
-    """All terms of which a kept element is built, those of its parts included."""
+    """All terms of a kept element, including the terms of its parts."""
     seen: set[int] = set()
     for one in in_order(element, lambda x: id(x) in seen):
         seen.add(id(one))
@@ -121,6 +121,6 @@ def terms_of(element: Element) -> Iterator[object]:
 
 
 def exponents(base: object, exponent: int) -> int:
-    """How many numbers a power has beside those of its base: 3 in x**3, none in exp(3*x)."""
+    """Number of numbers in a power besides its base: 3 in x**3, none in exp(3*x)."""
     inside = isinstance(base, Generator) and base.kind in ("exp", "root")
     return 0 if exponent == 1 or inside else 1

@@ -24,11 +24,11 @@ LARGEST_POWER_TERMS = 1_000_000
 LARGEST_WRITTEN = LARGEST_POWER_TERMS // 4
 # Pairs of terms in any product: more would take minutes, and fill the memory.
 LARGEST_PRODUCT = 30_000_000
-# A product of more pairs is not multiplied out before somebody asks for that: half a millisecond.
-# Numbers of what is multiplied out lose no digits where terms of a sum cancel.
+# A product of more pairs is multiplied out only on request: half a millisecond. Products that are
+# multiplied out lose no digits where terms of a sum cancel.
 MOST_AT_ONCE = LARGEST_POWER_TERMS // 250
-# Terms times degrees: what is below is factored in less than a second, also two variables of high
-# degree.
+# Terms times degrees: smaller polynomials are factored in less than a second, also with two
+# variables of high degree.
 FACTORED_HERE = LARGEST_POWER_TERMS // 50
 # Terms that a sum of quotients may have over its common denominator, which nobody multiplies out.
 LARGEST_KEPT = LARGEST_PRODUCT * LARGEST_POWER_TERMS
@@ -98,7 +98,7 @@ def product_too_large(a: Element, b: Element) -> LimitError:
 
 
 def check_size(element: Element) -> None:
-    """Refuses an expression that is too long, multiplied out, to go on with.
+    """Refuses an expression that is too long when multiplied out.
 
     Whatever is derived from a frame multiplies its entries by one another: a polynomial whose
     square is above the limit of a product is of no use. Numbers have to be such as Python writes.
@@ -151,14 +151,14 @@ def check_exponent(exponent: Element) -> None:
 
 
 def check_written(shown: sympy.Expr) -> None:
-    """Refuses an expression that sympy would not end over, each part counted where it stands.
+    """Refuses an expression on which sympy would not end, each part counted at every occurrence.
 
     Raises
     ------
     LimitError
         it has more than LARGEST_WRITTEN parts.
     """
-    # Parts that stand at several places are counted once and added as often.
+    # The size of a part with several occurrences is computed once and added for each.
     sizes: dict[int, int] = {}
     waiting: list[tuple[sympy.Basic, bool]] = [(shown, False)]
     while waiting:

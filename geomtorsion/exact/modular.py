@@ -1,9 +1,9 @@
 """Modular: the value of an element at a random point modulo a large prime, which decides zero.
 
 Generators take values in the integers modulo a prime of 256 bits that obey all their relations:
-cos and sin lie on the circle, roots are roots.  This is a homomorphism: what is zero goes to zero,
-and what goes to a number that is not zero is not zero.  What is not zero goes to zero with a
-chance of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` tells.
+cos and sin are on the circle, roots are roots. This is a homomorphism: zero is mapped to zero, and
+an element with a nonzero image is not zero. An element that is not zero is mapped to zero with a
+probability of at most degree / prime (Schwartz 1980, Zippel 1979), which `chance` returns.
 
 Of the numbers modulo a prime one half have no square root.  In the field of p**2 numbers all of
 them have one: it is taken where many square roots would have to be there at once.
@@ -66,7 +66,7 @@ class _PrimeError(_MovedError):
 class ModularPoint:
     """A random point modulo a prime for the generators of a field, the same at every run.
 
-    extended: values lie in the field of p**2 numbers, in which all of the p have square roots.
+    extended: values are in the field of p**2 numbers, where each of the p numbers has square roots.
     """
 
     def __init__(self, field: Tower, extended: bool = False) -> None:
@@ -80,7 +80,7 @@ class ModularPoint:
         self._place = self._number_of_prime = -1
         # Places since the last at which all generators had values.
         self._tried: int = 0
-        # Of the generators, the oldest first, as far as they have values.
+        # Values of the generators, the oldest first, as far as they exist.
         self._values: list[fmpz_mod | None] = []
         self._rests: dict[str, frozenset[int]] = {}
         # sin goes with cos, sinh with cosh: both are chosen at once.
@@ -109,7 +109,7 @@ class ModularPoint:
         return self._somewhere(found)
 
     def square_class(self, element: Element, roots: Generators) -> Generators | None:
-        """Those of some square roots whose radicands make a square of an element, times it.
+        """The square roots whose radicands, times an element, form a square.
 
         In F(sqrt(a), sqrt(b), ...) an element of F has a root exactly if one of its products with
         a, b, ... has one in F (Kummer), and only one does where these are independent. At each
@@ -118,7 +118,7 @@ class ModularPoint:
         Raises
         ------
         NoPointError
-            no point was found at which what is below the roots and in the element has values.
+            no point was found at which the radicands and the element have values.
         """
         every = [*(root.tail for root in roots if root.tail is not None), element]
         needed = self._below(every)
@@ -130,9 +130,9 @@ class ModularPoint:
                 raise _MovedError
             return sum(self._is_no_residue(value) << k for k, value in enumerate(values))
 
-        # (pivot, row) of the equations so far, each pivot in its own row alone.
+        # (pivot, row) of the equations so far, each pivot only in its own row.
         rows: list[tuple[int, int]] = []
-        # One place for each unknown; each of the others takes half of what is no square away.
+        # One point for each unknown; each further point removes half of the wrong candidates.
         for _ in range(len(every) + BITS):
             equation = self._somewhere(nonresidues)
             self._settle()
@@ -183,7 +183,7 @@ class ModularPoint:
         self._settle()
 
     def _somewhere(self, found: Callable[[], T]) -> T:
-        """What is found at the present place, or at the next at which all it needs has a value."""
+        """The result at the present point, or at the next where all of its operands have values."""
         while True:
             check_limits()
             try:
@@ -302,7 +302,7 @@ class ModularPoint:
         # Where more than ten square roots rest on one symbol a point may be missed, after 20 s.
         if tried > BITS * min(prod(self._degrees()), 2**10):
             raise NoPointError
-        # Symbols have other values at each place.  Roots of numbers, alone or below a root of a
+        # Symbols have other values at each place.  Roots of numbers, also below a root of a
         # product, need another prime, which takes more time to find.
         values: list[fmpz_mod | None] = []
         if another_prime or place % BITS == 0:
@@ -418,13 +418,13 @@ class ModularPoint:
         if generator.degree == 2 and not generator.middle:
             return self._square_root(generator.tail, tail)
         if not generator.middle:
-            # The number of those that are not zero where the value lies.
+            # The number of nonzero elements of the field of the value.
             whole = self._prime - 1 if self._is_whole(tail) else self._prime**2 - 1
             shared = whole.gcd(fmpz(generator.degree))
             if shared == 1:
                 return tail ** pow(generator.degree, -1, int(whole))
             if not self._extended and tail ** int(whole // shared) not in (0, 1):
-                # Euler's criterion: no power of this degree, told without a search for roots.
+                # Euler's criterion: not a power of this degree, without a search for roots.
                 raise _MovedError
         relation: list[Any] = [-tail, *([self._zero] * (generator.degree - 1)), self._ring(1)]
         for power, value in generator.middle:
@@ -439,7 +439,7 @@ class ModularPoint:
         return not isinstance(value, fq_default) or not any(value.to_list()[1:])
 
     def _square_root(self, tail: Element, value: fmpz_mod) -> fmpz_mod:
-        """The square root; that of a small whole number agrees with the roots of unity."""
+        """The square root; for small whole numbers it agrees with the roots of unity."""
         if tail.is_rational:
             number = tail.as_fraction()
             # Large numbers are not factored: products of these primes are small.
@@ -490,11 +490,11 @@ class ModularPoint:
     def chance(self, element: Element) -> float:
         """A bound on the chance that an element that is not zero goes to zero."""
         roots = self._degrees()
-        # The norm multiplies degrees by those of all roots; points without roots are left out.
+        # The norm multiplies degrees by the degrees of all roots; points without roots are omitted.
         size = degree(element) * prod(roots) ** 2
         return int(size) / 2 ** (BITS - 1)
 
 
 def _in_order(value: fmpz_mod | fq_default) -> list[int]:
-    """What tells which of several values comes first."""
+    """Key for the order of several values."""
     return list(map(int, value.to_list())) if isinstance(value, fq_default) else [int(value)]

@@ -84,7 +84,7 @@ class OtherProcess:
         process.wait()
         for stream in (process.stdin, process.stdout):
             if stream is not None:
-                # What was still to be written has no reader any more.
+                # Pending output has no reader any more.
                 with contextlib.suppress(OSError, ValueError):
                     stream.close()
 

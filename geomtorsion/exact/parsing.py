@@ -41,7 +41,7 @@ def parse_expression(
     """Read a sympy expression from text that may come from anywhere.
 
     Numbers are exact; ``**`` and ``^`` are powers; ``pi``, ``E`` and ``I`` are the constants unless
-    ``symbols`` says otherwise; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and
+    ``symbols`` redefines them; ``diff(f(r), r, 2)`` is a derivative of an unknown function, and
     so are ``Derivative(f(r), (r, 2))`` and ``Subs(Derivative(f(x), x), x, 2*r)``, sympy's own.
 
     Parameters
@@ -68,7 +68,7 @@ def parse_expression(
     Raises
     ------
     ExpressionError
-        The text is no expression, uses an undeclared name or a decimal number, or is code.
+        The text is not an expression, uses an undeclared name or a decimal number, or is code.
     LimitError
         The text, its nesting, an exponent or a number is larger than ``limits`` allow.
 
@@ -138,7 +138,7 @@ class _Reader:
             coefficient, rest = self._product(node)
             return coefficient * rest
         if node.kind == "group":
-            self._fail(node, "a comma stands only between the arguments of a function")
+            self._fail(node, "a comma is allowed only between the arguments of a function")
         base, exponent = node.parts
         return self._power(node, self.read(base), self.read(exponent))
 
@@ -222,7 +222,7 @@ class _Reader:
 
     def _call(self, node: Node) -> Any:
         name = node.text
-        # Of a mistake in the name itself, the name is shown and not its arguments.
+        # For a mistake in the name itself, the message shows the name without its arguments.
         called = replace(node, end=node.start + len(name))
         if name in DERIVATIVE_NAMES and name not in (self.functions or ()):
             return self._derivative(node, name)
@@ -280,11 +280,11 @@ class _Reader:
             elif item.is_Symbol:
                 variables.append(item)
             else:
-                self._fail(node, f"{item} is no symbol to differentiate by", usage)
+                self._fail(node, f"{item} is not a symbol to differentiate by", usage)
         return target.diff(*variables)
 
     def _at_a_place(self, node: Node) -> Any:
-        """A derivative of an unknown function where its arguments are no lone symbols."""
+        """A derivative of an unknown function whose arguments are not single symbols."""
         usage = "Write Subs(Derivative(f(x), x), x, 2*r)."
         if len(node.parts) != 3:
             self._fail(node, "Subs needs a derivative, its symbols and their places", usage)
@@ -324,7 +324,7 @@ class _Reader:
 
 
 def _parts(node: Node) -> tuple[Node, ...]:
-    """What stands in a bracket with commas; any other part is alone."""
+    """The parts of a bracket with commas; any other part by itself."""
     return node.parts if node.kind == "group" else (node,)
 
 

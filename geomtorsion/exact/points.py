@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def point_of(field: Tower) -> ModularPoint:
-    """The point of a field, made when it is asked for first."""
+    """The point of a field, made on first use."""
     point = field.tables.get("modular point")
     if point is None:
         point = field.tables["modular point"] = ModularPoint(field)
@@ -31,7 +31,7 @@ def roomy_point_of(field: Tower) -> ModularPoint:
     """The point at which elements have values: where square roots are many, an extended one.
 
     A point has n square roots in the numbers modulo a prime with a chance of 2**-n. In the extended
-    field that is so for roots of roots alone.
+    field this concerns only roots of roots.
 
     Raises
     ------

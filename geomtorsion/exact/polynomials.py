@@ -1,4 +1,4 @@
-"""Polynomials: those of FLINT in a larger ring, terms, long sums and products, numbers, factors.
+"""Polynomials of FLINT in a larger ring: terms, long sums and products, numbers, factors.
 
 Flint is deaf to Ctrl-C and to limits while it factors, which takes half a minute for some
 polynomials of 300 terms: that is done in a process of its own, which can be ended at once; its
@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 
 # Numbers of up to this many bits are factored in well under a second.
 _BITS = 150
-# Of larger ones the prime factors of up to this many bits are found.
+# In larger numbers, prime factors of up to this many bits are found.
 _SMOOTH_BITS = 30
-# What stands for a variable of the ring.
+# The value of a variable of the ring.
 T = TypeVar("T")
 
 
@@ -101,7 +101,7 @@ def prime_factors(number: fmpz | int) -> list[tuple[fmpz, int]]:
     Raises
     ------
     LimitError
-        a part of more than 150 bits without small factors is no prime.
+        a part of more than 150 bits without small factors is not a prime.
     """
     number = fmpz(number)
     if number.bit_length() <= _BITS:
@@ -128,10 +128,10 @@ def as_fmpq(value: int | Fraction | fmpq) -> fmpq:
 def factored(poly: fmpq_mpoly, largest: int) -> Factors:
     """(content, [(irreducible factor, exponent)]) of a polynomial that is not zero.
 
-    What has more terms times degrees than the largest is done by the other process.
+    The other process factors polynomials with too many terms times degrees.
     """
     degrees = poly.degrees()
-    # What has degree 1 in a variable is irreducible up to what its two coefficients share.
+    # With degree 1 in a variable it is irreducible up to common factors of its two coefficients.
     slopes = [poly.derivative(k) for k, degree in enumerate(degrees) if degree == 1]
     slope = min(slopes, key=len, default=None)
     # One term shares nothing where no variable divides the whole.
@@ -155,8 +155,8 @@ def factored(poly: fmpq_mpoly, largest: int) -> Factors:
 
 
 def _irreducible(poly: fmpq_mpoly) -> Factors:
-    """What has no factors, as Flint writes it: whole numbers without a common divisor, the first
-    one positive.
+    """An irreducible polynomial in the form of Flint: whole numbers without a common divisor, the
+    first one positive.
     """
     coefficients = poly.coeffs()
     above, below = map(attrgetter("p"), coefficients), map(attrgetter("q"), coefficients)
@@ -166,9 +166,9 @@ def _irreducible(poly: fmpq_mpoly) -> Factors:
 
 
 def is_irreducible_on_a_line(poly: fmpq_mpoly) -> bool:
-    """Whether a polynomial is irreducible on a certain line, and hence at all; False says nothing.
+    """Whether a polynomial is irreducible on a certain line, and hence at all; False means unknown.
 
-    Where the degree on the line is the whole one, so is that of each factor: none is lost.  By
+    If the degree on the line is the total degree, no factor is lost. By
     Hilbert's theorem nearly all lines will do, and factoring in one variable is far quicker.
     """
     numbers = random.Random(1)
@@ -189,7 +189,7 @@ def known_taken_out(
     poly: fmpq_mpoly, known: list[fmpq_mpoly]
 ) -> tuple[fmpq, list[tuple[fmpq_mpoly, int]], fmpq_mpoly]:
     """(content, powers, rest) with poly = content * powers * rest, where rest has leading
-    coefficient 1; the powers are those of variables and of irreducible polynomials that are known.
+    coefficient 1; the powers belong to variables and known irreducible polynomials.
 
     Trial division by a few of these takes a tenth of the time of factoring.
     """

@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
     from geomtorsion.exact.tower import Tower
 
-# Of the primes: the chance that a zero is one by accident is far below that of a broken computer.
+# Bits of the primes: an accidental zero is far less probable than a broken computer.
 BITS = 256
 # The prime is one more than a multiple of this, so that roots of unity of all these orders and the
-# square roots of small whole numbers lie in it; but see `order_for`.
+# square roots of small whole numbers exist; but see `order_for`.
 ORDER = prod((8, 9, 25, 7, 11, 13, 17, 19, 23))
 
 
 def order_for(field: Tower) -> int:
-    """Of which order a prime has roots of unity for a field.
+    """Order of the roots of unity that a prime has for a field.
 
     Where it has none of order 3, each number has one cube root; else one number in three has any.
     So with all odd degrees, unless a constant needs the roots of unity.

@@ -1,7 +1,7 @@
 """Primitives: logarithms and inverse functions, kept independent by their derivatives.
 
 Functions with derivatives in the field are algebraically dependent exactly when a constant
-combination of them lies in the field (Ostrowski 1946, Kolchin 1968).  Each new one is
+combination of them is in the field (Ostrowski 1946, Kolchin 1968).  Each new one is
 therefore compared, derivative by derivative, with those known, with the exponents and
 angles in use and with the coordinates themselves.
 """
@@ -39,7 +39,7 @@ _CLOSE = mpmath.mpf(10) ** -70
 
 
 def _stated_root(radicand: Element) -> Element:
-    """The square root in a slope; a sign that was chosen for it is stated as that of any other."""
+    """The square root in a slope; a chosen sign is stated as for any other root."""
     # Not evaluated, or sympy makes Abs of it.
     radical = sympy.Pow(radicand.sympy, sympy.Rational(1, 2), evaluate=False)
     return radicand.field.root(radicand, 2, radical)
@@ -142,12 +142,12 @@ class Primitives:
         return field.add(Generator("constant", field.next_name("number"), shown, frozenset()))
 
     def _log_of_factor(self, base: Element) -> Element:
-        """The logarithm of one factor; that of an exponential or a root needs no generator."""
+        """The logarithm of one factor; exponentials and roots need no generator."""
         field = self._field
         known = self._by_argument.get(("log", (base,)))
         if known is not None:
             return known
-        # The logarithm of an exponential is its exponent, that of a root a part of a logarithm.
+        # log(exp(u)) is u; the logarithm of a root is a part of a logarithm.
         for generator in field.generators_of(base):
             if generator.kind == "imaginary" and base == field.imaginary:
                 return field.read(sympy.pi / 2) * field.imaginary
@@ -176,7 +176,7 @@ class Primitives:
     ) -> Element:
         known = self._by_argument.get((name, arguments))
         if known is None:
-            # Unevaluated, so that its type stays the name: sympy turns asinh(-u) round.
+            # Unevaluated, so that its type stays the name: sympy rewrites asinh(-u).
             shown = getattr(sympy, name)(*(part.sympy for part in arguments), evaluate=False)
             slopes = tuple(slope * inner.diff(s) for s in self._field.symbols)
             data = (inner, slope, arguments)
@@ -197,7 +197,7 @@ class Primitives:
         depends: frozenset[sympy.Symbol] = frozenset()
         for argument in arguments:
             depends |= argument.symbols
-        # A constant: its derivatives say nothing about dependence.
+        # A constant: its derivatives do not show dependence.
         if not any(slope._num for slope in slopes):
             return self._constant_function(name, shown, data)
         value = self._number(name, arguments)
@@ -224,7 +224,7 @@ class Primitives:
         shown: sympy.Expr,
         data: Data,
     ) -> Element:
-        """A logarithm or inverse function of a constant; of log(pi) alone more is believed."""
+        """A logarithm or inverse function of a constant; only log(pi) is believed to be more."""
         field = self._field
         pi = field.by_name.get("pi")
         sure = name == "log" and pi is not None and data == field.generator_element(pi)

@@ -1,4 +1,4 @@
-"""Printing: expressions as text and as LaTeX, where equal parts stand at many places."""
+"""Printing: expressions as text and as LaTeX, where equal parts occur many times."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from geomtorsion.outgoing import latex_formula
 
 
 class PrintedOnce(Printer):
-    """A printer that writes each part once, however often it stands in what it prints.
+    """A printer that writes each part once, however often it occurs.
 
     Components of dense frames are made of few different parts: 4,000 at a million places.
     """
@@ -24,7 +24,7 @@ class PrintedOnce(Printer):
         self._texts: dict[sp.Basic, str] = {}
 
     def _print(self, expr: Any, **kwargs: object) -> str:
-        # What stands in another's exponent or is asked for in another style is another text.
+        # A part in an exponent or in another style has another text.
         if kwargs or not isinstance(expr, sp.Basic) or not expr.args:
             return super()._print(expr, **kwargs)
         if expr not in self._texts:

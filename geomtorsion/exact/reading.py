@@ -132,8 +132,8 @@ def counted_as(
 ) -> dict[sympy.Basic, sympy.Symbol]:
     """Which declared symbol each other one of its name counts as: {twin: declared symbol}.
 
-    In one frame a name means one thing, whatever was assumed of it where it was written. Of two
-    twins neither of which is declared, nobody knows which is meant: they are refused.
+    In one frame a name has one meaning, whatever its assumptions are. Two twins without a
+    declaration are ambiguous and refused.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def _by_name(symbols: Iterable[sympy.Symbol], error: ErrorClass) -> dict[str, sy
     if len(found) == len(given):
         return found
     found = {}
-    # In an order that does not depend on where symbols lie in memory.
+    # In an order that does not depend on the addresses of symbols.
     for symbol in sorted(given, key=sympy.srepr):
         twin = found.setdefault(symbol.name, symbol)
         if twin != symbol:
@@ -221,7 +221,7 @@ FUNCTIONS: dict[str, Rule] = {
 }
 
 
-# What is made of its arguments as they are, by name.
+# Functions that keep their arguments unchanged, by name.
 _PLAIN_FUNCTIONS = {*FUNCTIONS, *INVERSE_FUNCTIONS, "log", "atan2", RootOfSquare.__name__}
 
 
@@ -241,7 +241,7 @@ class Scan:
             yield self._found[depth]
 
     def _visit(self, expr: sympy.Basic) -> int:
-        """The depth of functions inside an expression, from those of its parts; notes it."""
+        """The depth of functions inside an expression, from the depths of its parts; notes it."""
         if not expr.args:
             return 0
         depth = max([self._depth[arg] for arg in expr.args])
@@ -268,7 +268,7 @@ class Scan:
 
 
 class Reader:
-    """Reads expressions into one field; what was read once is remembered."""
+    """Reads expressions into one field, each once."""
 
     def __init__(self, field: Tower) -> None:
         self.field = field
@@ -304,7 +304,7 @@ class Reader:
                     check_size(element)
                 written = entry[1]
                 if element._sympy is None and _is_longer(element, written):
-                    # What was written is shorter than all that can be made of it.
+                    # The input is shorter than any form of the element.
                     element._sympy = None if written.has(RootOfSquare) else written
                 elements.append(element)
             self._close()
@@ -358,7 +358,7 @@ class Reader:
         return self._known[expr]
 
     def _parts_of(self, expr: sympy.Basic) -> tuple[sympy.Basic, ...]:
-        """What is read before an expression, in this order; of what is rare, nothing."""
+        """Parts that are read before an expression, in this order; none for rare kinds."""
         if expr.is_Atom:
             return ()
         if expr.is_Add or expr.is_Mul or _is_plain_function(expr):
@@ -436,7 +436,7 @@ class Reader:
             value = self.element(chosen)
         finally:
             self._choosing.remove(expr)
-        # The same root written otherwise: results with it would be read as those of the other one.
+        # The same root in another notation: results with it would be read as the other root.
         if value.sympy.has(expr):
             raise _chosen_by_itself(expr, chosen)
         base, exponent = expr.args
@@ -597,7 +597,7 @@ def _chosen_by_itself(root: sympy.Basic, value: sympy.Expr) -> ExpressionError:
 
 
 def _is_longer(element: Element, written: sympy.Expr) -> bool:
-    """Whether an element has more terms, multiplied out, than what was written has parts."""
+    """Whether an element has more terms, multiplied out, than the input has parts."""
     if element.is_kept:
         return True
     terms = len(element._num)

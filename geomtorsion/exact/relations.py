@@ -14,6 +14,9 @@ from geomtorsion.exact.points import roomy_point_of
 if TYPE_CHECKING:
     from geomtorsion.exact.field import Field
 
+# One linear equation with rational coefficients: pairs (unknown, coefficient).
+Condition = tuple[tuple[int, Any], ...]
+
 
 class Echelon:
     """Independent rows of elements, found by their values at a random point modulo a prime.
@@ -107,32 +110,61 @@ def vanishing_sums(equations: Iterable[Sequence[Element]], width: int) -> list[l
     >>> [[str(c) for c in found] for found in vanishing_sums([one], 4)]
     [['-2', '-2', '0', '1']]
     """
-    rows: dict[tuple[tuple[int, Any], ...], None] = {}
+    rows: dict[Condition, None] = {}
     for equation in equations:
         for row in _by_monomials(equation):
             # Scaled so that equal conditions are met once.
             first = row[0][1]
             rows[tuple((k, x / first) for k, x in row)] = None
-    if not rows:
-        return [[Fraction(int(j == k)) for j in range(width)] for k in range(width)]
-    matrix = fmpq_mat(len(rows), width)
-    for i, row in enumerate(rows):
+    basis: dict[int, list[Fraction]] = {}
+    for unknowns, conditions in _blocks(list(rows), width):
+        basis |= _kernel(unknowns, conditions, width)
+    return [basis[free] for free in sorted(basis)]
+
+
+def _blocks(rows: Sequence[Condition], width: int) -> list[tuple[list[int], list[Condition]]]:
+    """Unknowns that share conditions, directly or through others, with these conditions."""
+    block = list(range(width))
+
+    def root(k: int) -> int:
+        while block[k] != k:
+            k = block[k]
+        return k
+
+    for row in rows:
+        for k, _ in row:
+            one, two = root(row[0][0]), root(k)
+            block[max(one, two)] = min(one, two)
+    every: dict[int, tuple[list[int], list[Condition]]] = {}
+    for k in range(width):
+        every.setdefault(root(k), ([], []))[0].append(k)
+    for row in rows:
+        every[root(row[0][0])][1].append(row)
+    return list(every.values())
+
+
+def _kernel(
+    unknowns: Sequence[int], conditions: Sequence[Condition], width: int
+) -> dict[int, list[Fraction]]:
+    """Solutions in some of the unknowns, each by the number of the unknown that is free in it."""
+    places = {k: place for place, k in enumerate(unknowns)}
+    matrix = fmpq_mat(len(conditions), len(unknowns))
+    for i, row in enumerate(conditions):
         for k, value in row:
-            matrix[i, k] = value
+            matrix[i, places[k]] = value
     reduced, rank = matrix.rref()
     pivots: list[int] = []
     for i in range(rank):
         start = pivots[-1] + 1 if pivots else 0
-        pivots.append(next(k for k in range(start, width) if reduced[i, k] != 0))
-    free = [k for k in range(width) if k not in set(pivots)]
-    found = []
-    for k in free:
+        pivots.append(next(k for k in range(start, len(unknowns)) if reduced[i, k] != 0))
+    found = {}
+    for place in sorted(set(range(len(unknowns))) - set(pivots)):
         solution = [Fraction(0)] * width
-        solution[k] = Fraction(1)
+        solution[unknowns[place]] = Fraction(1)
         for i, pivot in enumerate(pivots):
-            value = -reduced[i, k]
-            solution[pivot] = Fraction(int(value.p), int(value.q))
-        found.append(solution)
+            value = -reduced[i, place]
+            solution[unknowns[pivot]] = Fraction(int(value.p), int(value.q))
+        found[unknowns[place]] = solution
     return found
 
 
@@ -153,7 +185,7 @@ def _by_monomials(equation: Sequence[Element]) -> list[list[tuple[int, Any]]]:
     for k, value in filled:
         numerator = field.lift(value)
         if value._den != common:
-            numerator = numerator * field.cofactor(common, value._den)
+            numerator = field.reduced(numerator * field.cofactor(common, value._den))
         for monomial, coefficient in numerator.to_dict().items():
             found.setdefault(monomial, []).append((k, coefficient))
     return list(found.values())

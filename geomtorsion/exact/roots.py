@@ -18,7 +18,7 @@ from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.allowance import check_limits
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.limits import (
@@ -122,7 +122,7 @@ def _square_part(value: fmpq) -> tuple[fmpq, fmpz]:
 
 
 def _is_decided(field: Tower, tail: Element) -> bool:
-    """Whether the tower decides that `tail` is no square (no higher roots involved)."""
+    """Whether the tower decides that `tail` is not a square (no higher roots involved)."""
     return not any(g.degree > 2 for g in field.generators_of(tail))
 
 
@@ -184,14 +184,14 @@ def _odd_root(field: Tower, element: Element, order: int) -> Element:
         _state_odd(field, element, order, result)
     if sign < 0 and field.is_complex:
         raise ExpressionError(
-            f"the root of order {order} of {element} is that of a negative number at the sample "
+            f"the root of order {order} of {element} has a negative radicand at the sample "
             "point; give a domain where it is positive"
         )
     return result * sign
 
 
 def _state_odd(field: Tower, element: Element, order: int, positive: Element) -> None:
-    """Notes that the odd root of what is negative is read as the real one."""
+    """Notes that the odd root of a negative element is read as the real root."""
     shown = element.sympy ** sympy.Rational(1, order)
     branch = Branch(shown, (-positive).sympy, f"{element} <= 0: the real root", -element)
     field.state_branch(branch)
@@ -228,15 +228,15 @@ def _irreducible_root(field: Tower, base: Element, order: int) -> Element:
 def square_root_inside(
     field: Tower, element: Element, *, by_its_own: bool = False
 ) -> Element | None:
-    """An exact square root within the field as it stands, or None.
+    """An exact square root within the present field, or None.
 
     In F(w), w**2 = P: A is a square if A or A P is one in F; A + B w is one exactly if
     A**2 - B**2 P = n**2 in F and (A + n)/2 or (A - n)/2 is a square there.
 
-    by_its_own: with no other roots than the element has, and those that stand below them.
+    by_its_own: only with roots that occur in the element or in their radicands.
     """
     among = _with_those_below(field, element) if by_its_own else field.generators
-    # Oldest first: each root stands above those that its radicand contains.
+    # Oldest first: each root is newer than the roots in its radicand.
     quadratic = [g for g in reversed(field.generators) if g.degree == 2 and g in among]
     quadratic = [g for g in quadratic if _plain(field, g)]
     if any(
@@ -248,7 +248,7 @@ def square_root_inside(
     try:
         return _inside(field, element, *_levels(field, quadratic), briefly=True)
     except _DearError:
-        # Norms of sums under many roots are long: which roots there may be is told without them.
+        # Norms of sums under many roots are long: possible roots are found without them.
         return _by_classes(field, element, quadratic)
 
 
@@ -257,8 +257,8 @@ def _without_idle_roots(
 ) -> list[Generator]:
     """The quadratic roots without higher roots that cannot make a square of an element.
 
-    Above a field L in which an irreducible f has no double factor lie all roots f**(1/n). Of what
-    is in L only f itself can be made a square by them (Kummer), which sqrt(f) tells.
+    All roots f**(1/n) extend a field L in which an irreducible f has no double factor. In L, they
+    can make only f itself a square (Kummer), which sqrt(f) shows.
     """
     base, nested = _levels(field, quadratic)
     bottoms = [(g, _only_factor(field, g)) for g in nested]
@@ -275,7 +275,7 @@ def _without_idle_roots(
 
 
 def _only_factor(field: Tower, generator: Generator) -> str | None:
-    """The irreducible f of which a root is a power; None where it is of no f alone."""
+    """The irreducible f of which a root is a power; None if there is no such f."""
     if generator.kind != "root" or generator.tail is None or generator.tail._den:
         return None
     num, bottom = field.lift(generator.tail), None
@@ -295,7 +295,7 @@ def _only_factor(field: Tower, generator: Generator) -> str | None:
 
 
 def _levels(field: Tower, quadratic: list[Generator]) -> tuple[list[Generator], list[Generator]]:
-    """Roots whose radicands have none, which are compared by their factors alone, and others."""
+    """Roots whose radicands have none, which are compared only by their factors, and others."""
     base = [g for g in quadratic if g.tail is not None and not _algebraic(field, g.tail)]
     return base, [g for g in quadratic if g not in base]
 
@@ -304,7 +304,7 @@ def _by_classes(field: Tower, element: Element, quadratic: list[Generator]) -> E
     """The square root of an element with some of these roots; level by level, the highest first."""
     elements = [element, *(g.tail for g in quadratic if g.tail is not None)]
     inner = set[Generator]().union(*(_with_those_below(field, one) for one in elements))
-    # Square roots of small numbers are there modulo every prime: these are no equations.
+    # Square roots of small numbers exist modulo every prime, and give no equations.
     outer = tuple(g for g in quadratic if g not in inner and g.depends)
     try:
         chosen = field.square_class(element, outer)
@@ -340,7 +340,7 @@ def _with_those_below(field: Tower, element: Element) -> set[Generator]:
 def _plain(field: Tower, generator: Generator) -> bool:
     """Whether the tower below an algebraic generator is quadratic throughout.
 
-    A higher root must stand on no other root: its powers would bring those back.
+    The radicand of a higher root must contain no other root, because powers would bring it back.
     """
     assert generator.tail is not None
     below = [g for g in field.generators_of(generator.tail) if g.degree]
@@ -402,8 +402,8 @@ def _inside(
 def _by_parity(field: Tower, element: Element, base: list[Generator]) -> Element | None:
     """The square root of an element without radicals, by odd exponents of its factors.
 
-    The element is a square exactly if its odd factors are the sum, over GF(2), of those of
-    some radicands; then it is a rational square times these radicands.
+    The element is a square exactly if its odd factors are the sum, over GF(2), of the odd factors
+    of some radicands; then it is a rational square times these radicands.
     """
     rows: list[tuple[frozenset[str], frozenset[int]]] = []
     tails = [g.tail for g in base if g.tail is not None]
@@ -460,7 +460,7 @@ def without_odd_roots(field: Tower, element: Element) -> tuple[Element, Element]
         v = field.generator_element(generator)
         rest = field.polynomial(num / field.ctx.gen(position) ** power) / field.denominator(rest)
         if power % 2:
-            # v**e = v**(e + m) f / f**2: what stands below the line stays out of the root.
+            # v**e = v**(e + m) f / f**2: the denominator stays out of the root.
             rest, half = rest * generator.tail, half / generator.tail
             power += generator.degree
         half = half * v ** (power // 2)
@@ -518,12 +518,12 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
                     found = _conjugate(field, num, position, largest)
                 if found is None or len(multiplier) * len(found[1]) > largest:
                     return None
-                # What is divided by factors of so high a degree takes as long as its square.
+                # Division by factors of such a high degree takes as long as the square.
                 if _is_high(generator) and (len(multiplier) * len(found[1])) ** 2 > largest:
                     return None
                 num, conjugate = found
                 multiplier = field.reduced(multiplier * conjugate)
-                # A conjugate may bring in roots that stand below this one; later rounds clear them.
+                # A conjugate may bring in roots of the radicand; later passes clear them.
                 degrees = num.degrees()
                 continue
             assert generator.tail is not None
@@ -544,7 +544,7 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     # Where roots depend on one another, the norm may vanish of what does not.
     if not num or (not field.all_sure and field.polynomial(num).is_zero):
         return None
-    # The time of factoring grows at least as fast as that of squaring.
+    # The time of factoring grows at least as fast as the time of squaring.
     if len(num) ** 2 > largest or len(multiplier) * len(den) > largest:
         return None
     if rooted:
@@ -689,7 +689,7 @@ class Norms:
         self._seen.add(key)
         conjugates, norm = [factor], factor
         for place, generator in enumerate(field.generators):
-            # The norm over one root may bring in those that stand below it.
+            # The norm over one root may bring in the roots of its radicand.
             if generator.degree != 2 or not norm.degrees()[place]:
                 continue
             below, above = polynomials.split(norm, place)
@@ -705,14 +705,18 @@ class Norms:
         factors = field.factored(norm)[1]
         # The norm of a square is one; as a polynomial it has no factors, for its roots are reduced.
         if len(factor) ** 2 <= MOST_AT_ONCE and all(exponent % 2 == 0 for _, exponent in factors):
-            inside = square_root_inside(field, field.polynomial(factor), by_its_own=True)
+            try:
+                inside = square_root_inside(field, field.polynomial(factor), by_its_own=True)
+            except LimitError:
+                # Numbers too large to be factored: the denominator is written as it is.
+                return
             if inside is not None and not inside._den:
                 for part, _ in field.factored(field.lift(inside))[1]:
                     self._enter(field, part)
                 return
         for part, exponent in factors:
             index = field.factor_index.get(str(part))
-            # Only norms that stand below some element can be replaced.
+            # Only norms in the denominator of some element can be replaced.
             if index is None:
                 return
             powers[index] = powers.get(index, 0) + exponent
@@ -723,7 +727,7 @@ class Norms:
 
 
 def norms(field: Tower) -> Norms:
-    """The table of norms, made anew when the field has grown."""
+    """The table of norms, made again when the field has grown."""
     known = field.tables.get("norms")
     if known is None or known.level != field.level or known.count != len(field.rooted):
         known = field.tables["norms"] = Norms(field)
@@ -745,7 +749,7 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
                 found = _divided(field, num, conjugates, part)
                 if found is None:
                     break
-                # num/part = quotient/divisor, and what was cleared is gone from below.
+                # num/part = quotient/divisor, and the cleared factor is gone from the denominator.
                 num, divisor = found
                 den = _without(den, part)
                 if divisor.leading_coefficient() < 0:
@@ -787,9 +791,9 @@ def _without(den: Denominator, part: Denominator) -> Denominator:
 
 
 def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly | None:
-    """den/num where that is a polynomial with roots: what was inverted shared a norm with more."""
+    """den/num where that is a polynomial with roots: the inverted factor shared a norm."""
     norm = field.cofactor(den, ())
-    # What is cleared from below is no shorter than the conjugate above.
+    # Clearing the denominator does not shorten the conjugate in the numerator.
     if len(num) > len(norm) or len(num) < 2:
         return None
     other, own = field.ctx.constant(1), num
@@ -797,7 +801,7 @@ def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly |
         if generator.degree == 2 and own.degrees()[place]:
             below, above = polynomials.split(own, place)
             flipped = below - above * field.ctx.gen(place)
-            # A norm that is long is that of a long polynomial, which nobody would read.
+            # A long norm belongs to a long polynomial, which is not worth writing.
             if max(len(other), len(own)) * len(flipped) > MOST_AT_ONCE:
                 return None
             other, own = field.reduced(other * flipped), field.reduced(own * flipped)

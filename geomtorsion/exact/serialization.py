@@ -42,7 +42,7 @@ def from_json(field: Tower, data: Mapping[str, Any], functions: Iterable[str]) -
     Raises
     ------
     ExpressionError
-        the text is no expression in the symbols of the field and the functions named.
+        the text is not an expression in the symbols of the field and the functions named.
     """
     symbols = {str(symbol): symbol for symbol in field.symbols}
     table = {name: sympy.Function(name) for name in functions}

@@ -1,7 +1,7 @@
 """Special functions: their derivatives, and the relations that tie them together.
 
 Bessel functions of neighbouring orders, gamma functions of neighbouring arguments, W and exp(W) are
-generators of their own, so that their numbers are those of the functions themselves: J_20 made of
+generators of their own, so that their numbers are exact function values: J_20 made of
 J_0 and J_1 has no right digit at small arguments.  The meaning of such a generator is what it is in
 terms of a few of them.  Zero is decided by meanings (see `modular`), numbers never are.
 """
@@ -55,7 +55,7 @@ def slope(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
             if inner is None:
                 raise ExpressionError(
                     f"{shown} has no derivative by {symbol} that is known exactly: {argument} is "
-                    f"an order. Write a number or a parameter in the place of {symbol}"
+                    f"an order. Write a number or a parameter instead of {symbol}"
                 )
             terms.append((1, inner, change))
     return field.sum(terms)
@@ -83,7 +83,7 @@ def meaning(field: Tower, generator: Generator) -> Element | None:
 
 
 def _attempt(read: Callable[[], Element | None]) -> Element | None:
-    """What is read, if it can be read."""
+    """The element that `read` returns, or None if it cannot be read."""
     try:
         return read()
     except (GeomtorsionError, ZeroDivisionError):
@@ -170,7 +170,7 @@ def _bessel_slopes(
 
 
 def _bessel_meaning(name: str, field: Tower, arguments: tuple[Element, ...]) -> Element | None:
-    """By two functions of one order between 0 and 1, and by J and I for those of second kind."""
+    """By two functions of one order between 0 and 1, and by J and I for the second kind."""
     order, z = arguments
     function = getattr(sympy, name)
     step, back, _, _ = _BESSEL[name]
@@ -200,7 +200,7 @@ def _bessel_meaning(name: str, field: Tower, arguments: tuple[Element, ...]) -> 
 
 
 def _of_half_order(name: str, field: Tower, n: int, z: Element) -> Element:
-    """Those of order 1/2 (n = 0) and -1/2 (n = -1)."""
+    """The functions of order 1/2 (n = 0) and -1/2 (n = -1)."""
     shown = z.sympy
     size = sympy.sqrt(2 / (sympy.pi * shown))
     if name == "besselk":
@@ -214,7 +214,7 @@ def _of_half_order(name: str, field: Tower, n: int, z: Element) -> Element:
 
 
 def _of_opposite_order(name: str, field: Tower, order: Element, z: Element) -> Element:
-    """The function of order -n by those of order n."""
+    """The function of order -n by the functions of order n."""
     angle = sympy.pi * order.sympy
     if name == "besselk":
         return _called(field, sympy.besselk, order, z)
@@ -258,7 +258,7 @@ def _lambert_meaning(field: Tower, arguments: tuple[Element, ...]) -> Element | 
 
 
 def undone(field: Tower, shown: sympy.Expr, arguments: tuple[Element, ...]) -> Element | None:
-    """u, of W(u exp(u)), with its branch stated; None where W is no rational multiple of a factor.
+    """u, of W(u exp(u)), with its branch stated; None if W is not a rational multiple of a factor.
 
     W and u have to have one value at the point at which signs are read off.
     """
@@ -378,7 +378,7 @@ def _polygamma_meaning(field: Tower, arguments: tuple[Element, ...]) -> Element 
 
 
 def _uppergamma(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
-    """By that of a first argument between 0 and 1: gamma(s + 1, x) = s gamma(s, x) + x**s/e**x."""
+    """Reduce the first argument to 0..1 by gamma(s + 1, x) = s gamma(s, x) + x**s/e**x."""
     s, x = arguments
     base, n, share = _split(s)
     if abs(n) > LARGEST_MULTIPLE:
@@ -396,7 +396,7 @@ def _uppergamma(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
 
 
 def _expint(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
-    """E_1(x) = -Ei(-x); those of whole orders by E_1, others by incomplete gamma functions."""
+    """E_1(x) = -Ei(-x); whole orders by E_1, others by incomplete gamma functions."""
     order, x = arguments
     if not (order.is_rational and order.as_fraction().denominator == 1):
         power = x.sympy ** (order - 1).sympy

@@ -21,8 +21,8 @@ class Node:
     """A part of an expression.
 
     kind: "number", "name", "call", "sum", "product", "power" or "group".
-    text: the number or the name as it is written, of a call the name of the function.
-    parts: terms, factors, (base, exponent), arguments, or what stands in a bracket with commas.
+    text: the number or the name as written; for a call, the name of the function.
+    parts: terms, factors, (base, exponent), arguments, or the entries of a bracket with commas.
     signs: 1 or -1 for each term (plus, minus) or factor (times, by).
     start, end: columns in the text, without brackets around it.
     """
@@ -62,7 +62,7 @@ def parse(
 
 
 def too_deep(limits: Limits) -> str:
-    """What is said of brackets that go too deep."""
+    """Message for brackets that are nested too deeply."""
     return f"the expression is nested too deeply; the limit is {limits.depth} levels"
 
 
@@ -125,7 +125,7 @@ class _Parser:
         return self.made("power", first, [base, self.signed()])
 
     def value(self) -> Node:
-        """A number, a name, a call, or what stands in brackets."""
+        """A number, a name, a call, or a bracket."""
         first, token = self.place, self.taken()
         if token.text == "(":
             inner = [self.sum()]
@@ -151,7 +151,7 @@ class _Level:
     """An open bracket (None: the text itself), and the signs inside its present factor.
 
     called: the name of the function of which it holds the arguments, or nothing.
-    has_commas: whether commas may stand in it.
+    has_commas: whether it may contain commas.
     """
 
     opening: Token | None
@@ -161,7 +161,7 @@ class _Level:
 
 
 def _check(source: Source, tokens: Sequence[Token], limits: Limits) -> None:
-    """Refuse tokens that cannot stand where they do, and too many levels."""
+    """Refuse misplaced tokens, and too many levels."""
     levels = [_Level(None)]
     before: Token | None = None
     for token in tokens:
@@ -187,7 +187,7 @@ def _check(source: Source, tokens: Sequence[Token], limits: Limits) -> None:
 def _check_place(
     source: Source, token: Token, before: Token | None, after_value: bool, level: _Level
 ) -> None:
-    """Refuse a token that cannot stand where it does."""
+    """Refuse a misplaced token."""
     starts_value = token.kind != "sign" or token.text == "("
     if starts_value and after_value and before is not None:
         if token.text == "(" and before.kind == "name":
@@ -204,8 +204,8 @@ def _check_place(
         reason = "this closing bracket has no opening one"
         raise source.error(token.start, token.end, reason)
     if token.text == "," and not level.has_commas:
-        reason = "a comma stands only between the arguments of a function"
-        raise source.error(token.start, token.end, reason, "A decimal point is no comma either.")
+        reason = "a comma is allowed only between the arguments of a function"
+        raise source.error(token.start, token.end, reason, "Write decimals with a point.")
 
 
 def _check_end(source: Source, last: Token | None, level: _Level) -> None:

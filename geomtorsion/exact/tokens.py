@@ -52,7 +52,7 @@ class Source:
         return ExpressionError(self._message(start, end, reason, remedy))
 
     def limit(self, start: int, end: int, reason: str, remedy: str = "") -> LimitError:
-        """Return an error that says which limit the text meets, and where."""
+        """Return an error that names the exceeded limit and the position."""
         return LimitError(self._message(start, end, reason, remedy))
 
     def _message(self, start: int, end: int, reason: str, remedy: str) -> str:
@@ -80,11 +80,11 @@ _PLAIN = {"^": "**", "−": "-", "·": "*", "×": "*"}
 _REFUSED = {
     "//": "floor division is not smooth",
     "%": "a remainder is not smooth",
-    ".": "a dot stands only between the digits of a number; expressions have no attributes",
+    ".": "a dot is allowed only between the digits of a number; expressions have no attributes",
     "'": "text in quotes is not part of an expression",
     '"': "text in quotes is not part of an expression",
-    "[": "square brackets are not part of an expression; use round ones",
-    "{": "curly brackets are not part of an expression; use round ones",
+    "[": "square brackets are not part of an expression; use parentheses",
+    "{": "curly brackets are not part of an expression; use parentheses",
     "=": "an expression assigns and compares nothing; write one side only",
 }
 _CODE = {"eval", "exec", "compile", "open", "input", "getattr", "setattr", "globals", "locals"}

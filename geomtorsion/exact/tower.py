@@ -73,8 +73,8 @@ class Tower(ABC):
     sample: Point
 
     def __init__(self) -> None:
-        # Elements made before a generator was added stay valid: their level says in how many
-        # variables they are written, and `lift` brings them up when they are needed.
+        # Elements made before a generator was added stay valid: their level is the number of
+        # variables in which they are written, and `lift` brings them up when they are needed.
         self.ctx: fmpq_mpoly_ctx = fmpq_mpoly_ctx.get((), Ordering.lex)
         self.level: int = 0
         # Denominators are kept as exponents of these: no gcd is ever needed in a sum.
@@ -169,7 +169,7 @@ class Tower(ABC):
     def add(self, *added: Generator) -> Element:
         """Adds generators, one after the other, and returns the last as an element.
 
-        What is built from a generator whose independence is not proved is not proved either.
+        Elements built from a generator whose independence is not proved are not proved either.
         """
         # In front, because with a lexicographic order a relation w**n = tail then reduces
         # w before all that its tail contains.
@@ -283,7 +283,7 @@ class Tower(ABC):
         return self.branches if self._settled is None else self._settled
 
     def settle(self) -> None:
-        """Fix the branches on which elements rely; what is read later has branches of its own."""
+        """Fix the branches on which elements rely; later readings have other branches."""
         if self._settled is None:
             self._settled = self.branches
 

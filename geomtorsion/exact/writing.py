@@ -92,7 +92,7 @@ class Parts:
         return self.collector.parts_of(form(element))
 
     def size(self, base: Generator | Sum) -> int:
-        """How many names and numbers stand in a generator or in a sum as it is written."""
+        """Number of names and numbers in a generator or in a sum as written."""
         if base in self._sizes:
             return self._sizes[base]
         if isinstance(base, Generator):
@@ -141,7 +141,7 @@ class Parts:
         return found
 
     def order(self, parts: Iterable[Part]) -> dict[Part, int]:
-        """The places, those of the parts included."""
+        """The places, including the places of the parts."""
         new = dict.fromkeys(part for part in parts if part not in self._places)
         if new:
             ordered = list(self._places)
@@ -189,7 +189,7 @@ def shortest(element: Element, names: Names = ()) -> sympy.Expr:
 
 
 def _short_as_built(element: Element, parts: Parts) -> sympy.Expr:
-    """A long element that is kept, its sums collected where it is asked for or too long without."""
+    """A long element that is kept, its sums collected on request or if too long."""
     if parts.has_names:
         return _as_built(element, parts)
     # Collecting takes longer than it helps: hundreds of sums that nobody reads to the end.
@@ -207,14 +207,14 @@ def _size(shown: sympy.Expr) -> int:
 
 
 def _of_form(known: Parts, written: Form) -> sympy.Expr:
-    """What a form stands for."""
+    """The expression of a form."""
     if known.has_names:
         return _with_names(known, written)
     return _product(known, written.coefficient, _factors(known, written.powers))
 
 
 def _with_names(known: Parts, written: Form) -> sympy.Expr:
-    """What a form stands for, some of whose factors are products of names."""
+    """The expression of a form with factors that are products of names."""
     shown = [part.shown for part in _factors(known, written.powers)]
     product = sympy.Mul(_number(written.coefficient), *shown)
     number, rest = product.as_coeff_Mul()
@@ -246,7 +246,7 @@ def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
         return lengths[id(part)]
 
     whole = short_of(element)
-    # What was built has at least one part for each of its terms.
+    # The built form has at least one part for each of its terms.
     if whole is not None and parts.length(whole) <= len(list(terms_of(element))):
         return parts.written(whole)
     check_sums(element, parts.size)
@@ -266,7 +266,7 @@ def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
         lengths[id(one)] = built
     least = parts_at_least(element, chosen, parts.size)
     check_parts(least, f"more than {least:,}")
-    # What turns out to be too long is not kept: the next one who asks is told so, too.
+    # A form that is too long is not kept, so that the next request is refused again.
     made: dict[int, tuple[Element, sympy.Expr]] = {}
 
     def known(part: Element) -> sympy.Expr | None:
@@ -401,7 +401,7 @@ def _sum(known: Parts, base: Sum) -> sympy.Expr:
     if not all(_stay_apart(factors) for _, factors in split):
         products = zip(base.terms, split, strict=True)
         return sympy.Add(*(_product(known, x, factors) for (x, _), (_, factors) in products))
-    # sympy's order of all that occurs gives that of every product, and that of the products.
+    # sympy's order of all that occurs gives the order within every product and of the products.
     place = known.order(part for number, factors in split for part in (number, *factors))
     terms = [_plain_product(number, factors, place) for number, factors in split]
     # Longer sums stay in their own order.
@@ -431,7 +431,7 @@ def _plain_product(
 
 
 def _in_order(number: Part, factors: list[Part]) -> sympy.Expr:
-    """number * factors, which stand in sympy's order."""
+    """number * factors, which are in sympy's order."""
     shown = list(map(_SHOWN, factors))
     if number.shown is not sympy.S.One:
         shown.insert(0, number.shown)

@@ -18,6 +18,7 @@ from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.identity import IdentityCheck, identities
 from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
+from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
 
@@ -28,6 +29,7 @@ __all__ = [
     "Form",
     "Frame",
     "IdentityCheck",
+    "Surface",
     "Tensor",
     "Torsion",
     "blend",
@@ -42,5 +44,6 @@ __all__ = [
     "lie",
     "lie_bracket",
     "notation",
+    "surface",
     "validation",
 ]

@@ -384,6 +384,24 @@ class Connection:
         coefficients = self.coefficients.subs(values)
         return Connection(coefficients.frame, coefficients, self.name, self.kind)
 
+    def in_coordinates(self, new: object, old: object, domain: object = None) -> Connection:
+        """The connection over its frame in other coordinates (see Frame.in_coordinates).
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> x, y = sp.symbols("x y")
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> flat = cartan(Frame([x, y], [[1, 0], [0, 1]]))
+        >>> flat.in_coordinates([r, phi], [r * sp.cos(phi), r * sp.sin(phi)])[1, 1, 0]
+        -r
+        """
+        # A change of coordinates makes connections, so that the two files import each other.
+        from geomtorsion.geometry.change import connection_in
+
+        return connection_in(self, new, old, domain)
+
     # -- verdicts --------------------------------------------------------------------------------
 
     @property

@@ -202,10 +202,12 @@ class Form:
         >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion_form().part(1)
         dr ^ dphi
         """
-        if len(index) != len(self.values):
+        n = self.frame.dimension
+        found = [checks.whole(k) for k in index]
+        if len(index) != len(self.values) or any(k is None or not 0 <= k < n for k in found):
             raise TensorIndexError(
-                f"{self.symbol}: expected {len(self.values)} value indices, got {len(index)}. "
-                "Give one for each letter of `values`."
+                f"{self.symbol}: expected {len(self.values)} value indices from 0 to {n - 1}, got "
+                f"[{', '.join(map(checks.shown, index))}]. Give one for each letter of `values`."
             )
         return Form(self.frame, self.degree, lambda place: self.element(*index, *place))
 

@@ -446,6 +446,42 @@ class Frame:
         put = substitution.substitution(values, self.coordinates, self.field)
         return constructors.substituted(self, put)
 
+    def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
+        """This frame in other coordinates.
+
+        The legs stay what they are. A frame made from a metric is made from it again, so that its
+        legs may be others. `tensor.in_coordinates` and `connection.in_coordinates` go with it.
+
+        Parameters
+        ----------
+        new
+            The new coordinates: symbols or names.
+        old
+            {old coordinate: expression of the new ones}, or expressions in the order of the old
+            ones; text is read. A coordinate without an expression stays.
+        domain
+            Relations of the new coordinates, besides those of the frame, which are translated.
+
+        Raises
+        ------
+        CoordinateError
+            A coordinate is not known, has no expression, or the map leaves the domain.
+        CoframeError, MetricError
+            The map is singular.
+
+        Examples
+        --------
+        >>> x, y = sp.symbols("x y")
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> plane = Frame([x, y], [[1, 0], [0, 1]])
+        >>> plane.in_coordinates([r, phi], [r * sp.cos(phi), r * sp.sin(phi)]).metric.nonzero()
+        {(0, 0): 1, (1, 1): r**2}
+        """
+        # A change of coordinates makes frames, so that the two files import each other.
+        from geomtorsion.geometry.change import frame_in
+
+        return frame_in(self, new, old, domain)
+
     def expanded(self, symbol: sp.Symbol | str, order: int) -> Frame:
         """This frame as a power series in a small parameter, cut after an order.
 

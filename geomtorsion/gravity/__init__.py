@@ -1,8 +1,12 @@
 """Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
 
 from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.invariants import Invariant, invariants
 from geomtorsion.gravity.lagrangian import Lagrangian, names
 from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.statistical import statistical
 from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
 from geomtorsion.gravity.theories import (
     einstein_cartan,
@@ -15,12 +19,13 @@ from geomtorsion.gravity.theories import (
     stegr,
     tegr,
 )
-from geomtorsion.gravity.translations import TABLE as translations
-from geomtorsion.gravity.translations import Translation
+from geomtorsion.gravity.translations import Translation, translations
 
 __all__ = [
     "FieldEquations",
+    "Invariant",
     "Lagrangian",
+    "NewmanPenrose",
     "Symmetries",
     "Translation",
     "einstein_cartan",
@@ -30,12 +35,16 @@ __all__ = [
     "gauss_bonnet",
     "general_relativity",
     "holst",
+    "inertial",
+    "invariants",
     "killing_equations",
     "maxwell",
     "names",
     "new_gr",
+    "newman_penrose",
     "poincare",
     "scalar_field",
+    "statistical",
     "stegr",
     "symmetries",
     "tegr",

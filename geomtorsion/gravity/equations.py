@@ -22,7 +22,7 @@ from geomtorsion.gravity.momenta import Momenta
 ANTISYMMETRIC: tuple = (((1, 0), -1),)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FieldEquations:
     """Left sides of the field equations of a Lagrangian; a solution makes them vanish.
 
@@ -42,6 +42,10 @@ class FieldEquations:
     connections: tuple[Connection, ...]
     lagrangian: Lagrangian
     matter: tuple[MatterField | Fluid, ...] = ()
+
+    def __repr__(self) -> str:
+        names = ", ".join(one.name for one in self.connections)
+        return f"field equations of {self.lagrangian!r} ({names})"
 
     @property
     def frame(self) -> Frame:

@@ -154,6 +154,29 @@ def _q5(x: Traced, index: Index) -> Terms:
     ]
 
 
+# -- maps of one of torsion and nonmetricity to the other --------------------------------------
+
+
+def _u1_of_q(x: Traced, index: Index) -> Terms:
+    a, b, c = index
+    return [(HALF, x(a, b, c)), (-HALF, x(b, a, c))]
+
+
+def _u1_of_t(x: Traced, index: Index) -> Terms:
+    a, b, c = index
+    return [(HALF, x(a, b, c)), (HALF, x(a, c, b))]
+
+
+def _u3_of_q(x: Traced, index: Index) -> Terms:
+    a, b, c = index
+    return [(HALF, x.trace(0, 1, a), x.eta(b, c)), (-HALF, x.trace(0, 1, b), x.eta(a, c))]
+
+
+def _u3_of_t(x: Traced, index: Index) -> Terms:
+    a, b, c = index
+    return [(HALF, x.eta(a, b), x.trace(1, 2, c)), (HALF, x.eta(a, c), x.trace(1, 2, b))]
+
+
 # -- maps of curvature, X_abcd antisymmetric in ab ---------------------------------------------
 
 
@@ -203,6 +226,11 @@ MAPS: dict[str, tuple[str, Map]] = {
     "R1": ("curvature", _t1), "R2": ("curvature", _r2), "R3": ("curvature", _r3),
     "R4": ("curvature", _r4), "R5": ("curvature", _r5), "R6": ("curvature", _r6),
     "R7": ("curvature", _r7), "R dual": ("curvature", _dual),
+}  # fmt: skip
+# Products of torsion and nonmetricity: the momentum of torsion as a map of nonmetricity, and the
+# momentum of nonmetricity as a map of torsion.
+MIXED: dict[str, tuple[Map, Map]] = {
+    "U1": (_u1_of_q, _u1_of_t), "U2": (_t3, _q3), "U3": (_u3_of_q, _u3_of_t),
 }  # fmt: skip
 # Of these the value is <K, X> and the momentum the constant K.
 LINEAR: dict[str, Map] = {"R": _r, "R eps": _epsilon}
@@ -323,6 +351,9 @@ TABLE = (
     _plain("Q3", "Q_a Q^a, Q_a = Q_ab^b"),
     _plain("Q4", "q_a q^a, q_a = Q^b_ba"),
     _plain("Q5", "Q_a q^a"),
+    _plain("U1", "T_abc Q^abc"),
+    _plain("U2", "v_a Q^a"),
+    _plain("U3", "v_a q^a"),
     Invariant(
         "Q",
         "nonmetricity scalar (Q1 - Q3)/4 - (Q2 - Q5)/2",
@@ -330,6 +361,17 @@ TABLE = (
     ),
 )  # fmt: skip
 INVARIANTS = {one.name: one for one in TABLE}
+
+
+def invariants() -> tuple[Invariant, ...]:
+    """The invariants that a Lagrangian may name, with their formulas.
+
+    Examples
+    --------
+    >>> [one.name for one in invariants() if one.only == 4]
+    ['euler', 'pontryagin', 'holst', 'nieh_yan']
+    """
+    return TABLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,6 +402,17 @@ class Scalars:
         """The field on which a map acts."""
         kind = "curvature" if name in LINEAR else MAPS[name][0]
         return self._traced["antisymmetric" if antisymmetric and kind == "curvature" else kind]
+
+    def mixed(self, name: str, kind: str) -> Tensor:
+        """The momentum of torsion or of nonmetricity of a product of both, indices down."""
+        key = f"{name} {kind}", False
+        if key not in self._images:
+            of_torsion = kind == "torsion"
+            x = self._traced["nonmetricity" if of_torsion else "torsion"]
+            rule, total = MIXED[name][0 if of_torsion else 1], x.frame.field.sum
+            symmetry = FIRST_PAIR if of_torsion else LAST_PAIR_EVEN
+            self._images[key] = Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), symmetry)
+        return self._images[key]
 
     def image(self, name: str, antisymmetric: bool = False) -> Tensor:
         """M X (or the constant K) with all indices down in the frame."""
@@ -393,8 +446,13 @@ class Scalars:
             known = INVARIANTS[name]
             terms: Terms = []
             for one, factor in known.of(self.fields.frame.dimension).items():
-                if one == "R" or one == "R eps":
+                if one in LINEAR:
                     terms += self._linear(one, factor)
+                    continue
+                if one in MIXED:
+                    upper = self._traced["torsion"].tensor.raised().components.nonzero
+                    image = self.mixed(one, "torsion").components.get
+                    terms += [(factor, x, image(index)) for index, x in upper.items()]
                     continue
                 upper = self.field(one, known.antisymmetric).tensor.raised().components.nonzero
                 image = self.image(one, known.antisymmetric).components.get

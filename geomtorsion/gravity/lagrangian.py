@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
@@ -16,18 +16,47 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.gravity.invariants import INVARIANTS
 
-names: Mapping[str, sp.Symbol] = {name: sp.Symbol(name) for name in INVARIANTS}
-names |= {name + "bar": sp.Symbol(name + "bar") for name in INVARIANTS}
 # Names of matter fields, and what brings them.
 MATTER = {
     "X": "gravity.scalar_field(phi)",
     "phi": "gravity.scalar_field(phi)",
     "F2": "gravity.maxwell(A)",
 }
-names |= {name: sp.Symbol(name) for name in MATTER}
+
+
+class Names(Mapping[str, sp.Symbol]):
+    """The symbols of invariants and matter fields for Lagrangians written in sympy.
+
+    Examples
+    --------
+    >>> names["T"] + names["T"] ** 2
+    T**2 + T
+    >>> names["Rbar"], "tensor2" in names
+    (Rbar, True)
+    """
+
+    _known = (*INVARIANTS, *(f"{name}bar" for name in INVARIANTS), *MATTER)
+
+    def __getitem__(self, name: str) -> sp.Symbol:
+        return sp.Symbol(checks.known_name(name, self._known, "name", GravityError))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._known
+
+    def __repr__(self) -> str:
+        return f"names of invariants: {', '.join(self._known)}"
+
+
+names = Names()
 
 _NAME = re.compile(r"[^\W\d]\w*")
-_FAMILY = re.compile(r"[TRQP]\d+(bar|_[2-9])?")
+_FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
 _SUFFIX = re.compile(r"(.+?)(bar|_[2-9])")
 # Geometry that a theory assumes: what a connection has to be, in words.
 GEOMETRIES = {
@@ -142,7 +171,7 @@ def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
     own = {symbol.name: symbol for symbol in frame.field.symbols}
     expression = given.expression
     if isinstance(expression, str):
-        expression = _parsed(expression, frame, own, known)
+        expression = _parsed(expression, own, known)
     found: dict[sp.Symbol, str] = {}
     changed: dict[sp.Symbol, sp.Symbol] = {}
     for symbol in sorted(expression.free_symbols, key=str):
@@ -165,12 +194,19 @@ def scalar_of(frame: Frame, value: object, where: str) -> Element:
     if isinstance(value, Tensor) and not value.slots and value.frame is frame:
         return value.element()
     own = {symbol.name: symbol for symbol in frame.field.symbols}
+    applied = {
+        generator.argument[0].__name__: generator.shown
+        for generator in frame.field.generators
+        if generator.kind == "jet"
+        and isinstance(generator.shown, AppliedUndef)
+        and all(place.is_Symbol for place in generator.shown.args)
+    }
     message = "{subject}: expected one expression, got {value}."
     expression = checks.expression(
         value,
         where,
         GravityError,
-        read=lambda text: _parsed(text, frame, own, {}, where),
+        read=lambda text: _parsed(text, own, {}, where, applied),
         message=message,
     )
     (found,) = frame.read([(where, expression)])
@@ -178,22 +214,23 @@ def scalar_of(frame: Frame, value: object, where: str) -> Element:
 
 
 def _parsed(
-    text: str, frame: Frame, own: Mapping, known: Mapping[str, str], where: str = "lagrangian"
+    text: str,
+    own: Mapping[str, sp.Symbol],
+    known: Mapping[str, str],
+    where: str = "lagrangian",
+    applied: Mapping[str, sp.Expr] | None = None,
 ) -> sp.Expr:
-    """Text by the reader of this package; names that are new become parameters."""
-    functions: dict[str, sp.Basic] = {
-        generator.argument[0].__name__: generator.shown
-        for generator in frame.field.generators
-        if generator.kind == "jet"
-        and isinstance(generator.shown, AppliedUndef)
-        and all(place.is_Symbol for place in generator.shown.args)
-    }
+    """Text by the reader of this package; names that are new become parameters.
+
+    applied: functions that may be written without their arguments.
+    """
+    functions: dict[str, sp.Basic] = dict(applied or {})
     symbols = {}
     for word in dict.fromkeys(_NAME.findall(text)):
         if re.search(rf"\b{word}\s*\(", text):
             if word not in words.FUNCTIONS and word not in words.SPECIAL and word not in known:
                 functions[word] = sp.Function(word)
-        elif word in functions and word not in known:
+        elif word in functions:
             continue
         elif word in own and word not in known:
             symbols[word] = own[word]

@@ -19,7 +19,7 @@ from geomtorsion.gravity.fields import (
     Index,
     Terms,
 )
-from geomtorsion.gravity.invariants import INVARIANTS, MAPS, Scalars
+from geomtorsion.gravity.invariants import INVARIANTS, LINEAR, MAPS, MIXED, Scalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,12 @@ class Momenta:
         for name, weight in self.weights.items():
             known = INVARIANTS[name]
             for one, factor in known.of(frame.dimension).items():
-                linear = one not in MAPS
+                if one in MIXED:
+                    if kind != "curvature":
+                        image = self.scalars.mixed(one, kind).components.get
+                        parts.append((factor, weight, image))
+                    continue
+                linear = one in LINEAR
                 if ("curvature" if linear else MAPS[one][0]) == kind:
                     image = self.scalars.image(one, known.antisymmetric).components.get
                     parts.append((factor if linear else 2 * factor, weight, image))

@@ -93,14 +93,14 @@ def _own_momentum(connection: Connection) -> Tensor:
 
 def _modified(connection: Connection) -> Tensor:
     """S_ij^k + delta_i^k S_jl^l - delta_j^k S_il^l."""
-    S = connection.torsion.S.components.get
+    half = connection.torsion.S.components.get
     n = range(connection.frame.dimension)
 
     def terms(index: Index) -> Terms:
         i, j, k = index
-        found: Terms = [(1, S(index))]
-        found += [(1, S((j, m, m))) for m in n if i == k]
-        found += [(-1, S((i, m, m))) for m in n if j == k]
+        found: Terms = [(1, half(index))]
+        found += [(1, half((j, m, m))) for m in n if i == k]
+        found += [(-1, half((i, m, m))) for m in n if j == k]
         return found
 
     return _made(connection, "ddu", terms)
@@ -114,11 +114,11 @@ def _spin_momentum(connection: Connection) -> Tensor:
 
 def _hehl_contortion(connection: Connection) -> Tensor:
     """- S_ij^k + S_j^k_i - S^k_ij."""
-    S = connection.torsion.S.lowered(2).components.get
+    half = connection.torsion.S.lowered(2).components.get
     lower = _made(
         connection,
         "ddd",
-        lambda i: [(-1, S(i)), (1, S((i[1], i[2], i[0]))), (-1, S((i[2], i[0], i[1])))],
+        lambda i: [(-1, half(i)), (1, half((i[1], i[2], i[0]))), (-1, half((i[2], i[0], i[1])))],
     )
     return lower.raised(2)
 
@@ -297,3 +297,14 @@ TABLE = (
         lambda c: contract("mnc,ac->amn", c.torsion.T, c.frame.coframe),
     ),
 )
+
+
+def translations() -> tuple[Translation, ...]:
+    """The symbols of other papers and programs in those of this package.
+
+    Examples
+    --------
+    >>> print(translations()[1])
+    Maluf: T^a = T^b_b^a; here -v^a
+    """
+    return TABLE

@@ -153,7 +153,7 @@ class _Compiled:
     """Components that do not vanish as one NumPy function of coordinates, then of parameters.
 
     turn, step: indices of the first of them (omega or R) and of the others (e or T), in order.
-    poles: what may vanish in their denominators; for the form along a line alone.
+    poles: factors of their denominators that may vanish; only for the form along a line.
     """
 
     turn: tuple[tuple[int, ...], ...]
@@ -197,12 +197,12 @@ def _upper(entries: Entries) -> Entries:
 
 # Gauss points along the rays: pairs that are compared, the next if they disagree.
 LEVELS = ((6, 10), (10, 16), (16, 26))
-# Loops whose area is below this lose digits to underflow; the line integral alone is left to them.
+# Loops with a smaller area lose digits to underflow; only the line integral is used for them.
 SMALLEST_AREA = float(np.finfo(float).tiny / np.finfo(float).eps)
 
 
 def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | None:
-    """The development of one part, once round, from its base point; None if the cone is singular.
+    """The development of one part, once around, from its base point; None if the cone is singular.
 
     Equation
     --------

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import LoopError, ShapeError
 from geomtorsion.precision import PRINTED
 
-# Where the parts of a loop cancel, rounding alone is left of the turn.
+# Where the parts of a loop cancel, the rotation consists of rounding errors.
 ROUNDING = 64 * float(np.finfo(float).eps)
 
 
@@ -87,10 +87,10 @@ class AffineMap:
 
     @cached_property
     def frank(self) -> np.ndarray:
-        """Logarithm of the transport round the loop, shape (n, n): rotation = exp(-frank).
+        """Logarithm of the transport around the loop, shape (n, n): rotation = exp(-frank).
 
-        Positive angles are those by which a vector carried round the loop turns from the first leg
-        towards the second: the area on the unit sphere, 2 pi (1 - alpha) on a cone.
+        A positive angle means that a transported vector rotates from the first leg towards the
+        second: the area on the unit sphere, 2 pi (1 - alpha) on a cone.
 
         Raises
         ------
@@ -108,7 +108,7 @@ class AffineMap:
 
     @property
     def angle(self) -> float:
-        """Angle by which a vector carried round turns: signed in the plane, else in [0, pi].
+        """Angle by which a transported vector rotates: signed in the plane, else in [0, pi].
 
         The sign in the plane counts from the first leg to the second. In more than three
         dimensions it is the Frobenius norm of frank over sqrt(2).
@@ -116,7 +116,7 @@ class AffineMap:
         Raises
         ------
         LoopError
-            The linear part is no rotation: the connection does not keep Euclidean lengths.
+            The linear part is not a rotation: the connection does not keep Euclidean lengths.
         """
         n = len(self.increment) - 1
         turn = self._rotating
@@ -177,13 +177,13 @@ class AffineMap:
         # It stretches if it changes lengths by more than it should as a share of what it turns.
         if not stretch <= PRINTED * float(np.abs(turn).max(initial=0.0)) + ROUNDING:
             raise LoopError(
-                "the linear part is no rotation: the connection does not keep Euclidean lengths. "
-                "Use .frank, the logarithm, which has a meaning for boosts and shears as well."
+                "the linear part is not a rotation: the connection does not keep Euclidean "
+                "lengths. Use .frank, the logarithm, which also exists for boosts and shears."
             )
         return turn
 
     def _needs(self, dimension: int, what: str) -> None:
-        """Refuse what has a meaning only in one dimension."""
+        """Refuse quantities that exist only in one dimension."""
         n = len(self.increment) - 1
         if n != dimension:
             raise ShapeError(

@@ -80,8 +80,8 @@ def burgers_vector(
     [FizievKleinert1994], below (13)
 
     Both sides of Stokes are computed: the line integral, by the trapezoid rule on smooth loops, by
-    Gauss on the sides of parallelograms and by Gauss and Kronrod on those of other polygons; and
-    the flux through a parallelogram or the cone over another loop, from the exact curl of the
+    Gauss on the sides of parallelograms and by Gauss and Kronrod on the sides of other polygons;
+    and the flux through a parallelogram or the cone over another loop, from the exact curl of the
     coframe. The line integral loses a digit for every decade by which the loop shrinks; the
     flux loses none. Where both agree the more accurate one is given; where they differ, torsion
     sits on a line or point inside, and the line integral is the answer.
@@ -89,15 +89,15 @@ def burgers_vector(
     Parameters
     ----------
     frame
-        A frame; or one sampled on a grid or at scattered points, whose spacing decides how good the
-        result is (see `SampledFrame.burgers`): then nothing but the loop is asked for.
+        A frame; or one sampled on a grid or at scattered points, whose spacing determines the
+        error (see `SampledFrame.burgers`): then only the loop is a parameter.
     accuracy
-        Wanted relative error of the vector (largest component); `reached` says whether it was.
+        Wanted relative error of the vector (largest component); `reached` reports success.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     exact
         Give a closed form instead of numbers, in which parameters without a value stay symbols;
-        see `exact_burgers_vector`. It has no accuracy to be asked for.
+        see `exact_burgers_vector`. It has no accuracy.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def burgers_vector(
     MissingValueError
         A parameter has no value.
     CoordinateError
-        A value contradicts what was declared of its parameter.
+        A value contradicts the assumptions of its parameter.
     SingularPointError
         The loop passes through a point where the coframe is singular.
 
@@ -211,8 +211,8 @@ def _chosen(
 
 
 def _near_pole(part: Part, line: Route, flux: Route | None) -> tuple[Route, bool | None, str]:
-    """The line alone, so near to a pole of unknown shape that it may or may not be inside."""
-    why = "line: so near to a pole the flux does not tell on which side of the loop it lies"
+    """Only the line, so near to a pole of unknown shape that it may or may not be inside."""
+    why = "line: so near to a pole, the flux does not decide on which side of the loop it is"
     if flux is None:
         return line, None, why
     return line, bool(agreement(line, flux, np.array([part.size]))[0][0]), why

@@ -77,7 +77,7 @@ class ClosedCurve:
         """The trapezoid rule times Gauss along the rays from the tip."""
         x, v = self._nodes(level)
         count = _rays(self.first, level)
-        # Points opposite each other cancel odd powers: on an ellipse even ones alone need be exact.
+        # Opposite points cancel odd powers: on an ellipse only even ones need to be exact.
         s, w = even_ray_rule(count) if isinstance(self.arc, Ellipse) else ray_rule(count)
         a, b = pairs_of(len(x))
         area = (x[a] * v[b] - x[b] * v[a]) / x.shape[1]

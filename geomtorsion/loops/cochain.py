@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
@@ -32,7 +32,7 @@ class CycleBurgers(Signed):
     """What a cycle of a network misses.
 
     cycle: nodes in order; vector: b^i, shape (n,); error: bound on its largest component.
-    images: how often the cycle winds round each period, shape (d,). Where it does so
+    images: how often the cycle winds around each period, shape (d,). Where it does so
         at all, the vector is a measured period, and a Burgers vector only less the true one.
     """
 
@@ -52,7 +52,7 @@ class ChainSums:
     """Sums of a cochain over chains.
 
     vectors: shape (chains, n), whole where the values are; errors: bound on the largest component
-        of each, shape (chains,); images: periods that each chain of edges winds round, (chains, d).
+        of each, shape (chains,); images: periods around which each chain winds, (chains, d).
     """
 
     vectors: np.ndarray
@@ -78,13 +78,13 @@ class Cochain:
     Raises
     ------
     NetworkError
-        Shapes do not fit, or a value is no finite real number; the message names it.
+        Shapes do not fit, or a value is not a finite real number; the message names it.
     LimitError
         Whole numbers so large that their sums may leave 64 bits.
 
     Examples
     --------
-    Steps round a dislocation, in units of the lattice: four times three, and one more to close.
+    Steps around a dislocation, in units of the lattice: four times three, and one more to close.
 
     >>> ring = [[0, 1], [1, 2], [2, 3], [3, 0]]
     >>> steps = Cochain.of_edges(ring, [[3, 0], [0, 3], [-4, 0], [0, -3]])
@@ -151,7 +151,7 @@ class Cochain:
         pairs
             Numbers of the two nodes of each edge, shape (edges, 2).
         values, errors
-            What lies between the first node and the second, shape (edges, n), and bounds on its
+            Difference between the second node and the first, shape (edges, n), and bounds on its
             largest component, shape (edges,).
         images
             How many periods further the second node is meant, shape (edges, d), where the crystal
@@ -161,7 +161,7 @@ class Cochain:
 
         Examples
         --------
-        A chain of two atoms in a period of length 5, where the lattice says 2 + 2:
+        A chain of two atoms in a period of length 5, where the lattice has 2 + 2:
 
         >>> steps = Cochain.of_edges([[0, 1], [1, 0]], [[2], [2]], images=[[0], [1]])
         >>> steps.forest.closure.tolist(), steps.forest.images.tolist()
@@ -226,7 +226,7 @@ class Cochain:
         positions: np.ndarray | Sequence[Sequence[float]],
         periods: np.ndarray | Sequence[Sequence[float]] | None = None,
     ) -> Cochain:
-        """Differences of positions along the edges: the cochain that closes round every face.
+        """Differences of positions along the edges: the cochain that closes around every face.
 
         Parameters
         ----------
@@ -290,7 +290,7 @@ class Cochain:
         return self + (-other) if isinstance(other, Cochain) else NotImplemented
 
     def mapped(self, matrix: np.ndarray | Sequence[Sequence[float]]) -> Cochain:
-        """The values times a matrix, row by row: from lattice coordinates to lengths, say.
+        """The values times a matrix, row by row: for example from lattice coordinates to lengths.
 
         Parameters
         ----------
@@ -417,7 +417,7 @@ class Cochain:
         """Sums along a spanning forest and the closure of every chord, as arrays.
 
         `forest.chords` are the edges outside the forest, `forest.closure` what their fundamental
-        cycles miss (a basis of all cycles), `forest.potential` where each node comes to lie.
+        cycles miss (a basis of all cycles), `forest.potential` the resulting position of each node.
 
         Raises
         ------
@@ -476,7 +476,7 @@ class Cochain:
         return found[which]
 
     def _on_edges(self) -> None:
-        """Refuse what has no cycles."""
+        """Refuse cochains without cycles."""
         if self.degree != 1:
             raise NetworkError(
                 f"values on {NAMES[self.degree]}s have no cycles: expected values on edges."

@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -26,7 +26,7 @@ class Complex:
     nodes: how many there are, counted from 0.
     pairs: first and second node of each edge, shape (edges, 2); several edges may join the same
         nodes, and an edge may end where it begins (in another image).
-    images: how many periods lie between the two nodes of each edge, shape (edges, d): the second
+    images: number of periods between the two nodes of each edge, shape (edges, d): the second
         node is meant in the image so many periods further. d = 0: nothing is periodic.
     faces: sense in which each face runs through each edge, sparse, shape (faces, edges).
     cells: sense in which each cell has each face, sparse, shape (cells, faces): 1 outwards.
@@ -68,7 +68,7 @@ class Complex:
                 "Give whole periods from the first node of an edge to the second."
             )
         object.__setattr__(self, "images", images)
-        # A range of numbers stays one: a list of a million names is made when they are asked for.
+        # A range of numbers stays a range: a list of a million names is made only on request.
         labels = self.labels if isinstance(self.labels, range) else listed(self.labels, "labels")
         object.__setattr__(self, "labels", labels)
         if labels and len(labels) != self.nodes:
@@ -82,7 +82,7 @@ class Complex:
             if images.size and (self.faces @ images).any():
                 k = int(np.flatnonzero((self.faces @ images).any(axis=1))[0])
                 raise NetworkError(
-                    f"face {k} winds round a period: {(self.faces @ images)[k].tolist()}. A face "
+                    f"face {k} winds around a period: {(self.faces @ images)[k].tolist()}. A face "
                     "must close where it began, not in another image."
                 )
         if self.cells is not None:
@@ -215,8 +215,8 @@ class Complex:
     def boundary(self, degree: int) -> csr_array:
         """Boundaries as a matrix of whole numbers: of edges (0), faces (1) and cells (2).
 
-        Rows are what is bounded: the matrix takes values on nodes to their differences along edges,
-        values on edges to their sums round faces, values on faces to their sums over cells.
+        Each row belongs to a bounded element: the matrix takes values on nodes to their differences
+        along edges, values on edges to sums around faces, values on faces to sums over cells.
         The product of two neighbours is exactly zero.
 
         Raises
@@ -301,7 +301,7 @@ class Complex:
         return self._found(starts, ends)[1]
 
     def _found(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Places of pairs of nodes in the table, and whether they stand there."""
+        """Places of pairs of nodes in the table, and whether they are in it."""
         keys, _ = self._table
         wanted = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
         place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
@@ -345,7 +345,7 @@ class Complex:
 
 
 def _check_table(table: Any, subject: str) -> None:
-    """Refuse what is no sparse matrix of whole numbers."""
+    """Refuse everything except sparse matrices of whole numbers."""
     if table is None:
         return
     if not (scipy.sparse.issparse(table) and table.dtype.kind in "iu"):

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 import sympy as sp
 
 from geomtorsion import checks
@@ -110,7 +110,7 @@ def _periods(
 
 
 def filled(part: Part, values: Parameters) -> Part:
-    """A part with numbers for those of its symbols that have a value; see Loop.at."""
+    """A part with numbers for its symbols that have a value; see Loop.at."""
     (arc,) = part.arcs
     if not isinstance(arc, Curve) or not arc.symbols:
         return part
@@ -162,7 +162,7 @@ def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
     """A smooth real expression from text or sympy."""
     read = partial(parse_expression, symbols=names, functions={}, where=where, decimals=True)
     expression = exact_number(checks.expression(value, where, LoopError, read=read))
-    # Decimals count as what they say: 0.3 is 3/10.
+    # Decimals are exact: 0.3 is 3/10.
     expression = expression.xreplace({x: exact_number(x) for x in expression.atoms(sp.Float)})
     if expression.has(sp.I, sp.nan, sp.zoo, sp.oo):
         raise ExpressionError(f"{where}: {expression} is not real and finite.")

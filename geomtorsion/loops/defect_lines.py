@@ -27,9 +27,9 @@ class Lines(Mapping[str, Elements]):
     """What a frame of parallel lines is made from, as `Frame.given`; exact entries are made late.
 
     A sum over n lines has n quadratic denominators: over their product it is a polynomial of degree
-    2 n, which nobody can sum. Loops sum line by line instead, and ask for no exact entry.
+    2 n, which nobody can sum. Loops sum line by line instead, without exact entries.
 
-    coordinates: x, y, z. field: that of the frame.
+    coordinates: x, y, z. field: of the frame.
     places: (x_k, y_k), exact; vectors: b_k^i, exact, none of them zero.
     """
 
@@ -105,7 +105,7 @@ class Lines(Mapping[str, Elements]):
 
     @cached_property
     def _filled(self) -> Callable[..., np.ndarray]:
-        """All numbers from those of the parameters, shape (5 lines,)."""
+        """All numbers from the values of the parameters, shape (5 lines,)."""
         rows = [x for row in zip(self.places, self.vectors, strict=True) for x in sum(row, ())]
         elements = self.field.read_all([(f"line {k // 5}", x) for k, x in enumerate(rows)])
         return numpy_function(elements, self.parameters)
@@ -221,13 +221,13 @@ def parallel_dislocations(
             f"{len(vectors)} vectors."
         )
     if len(set(places)) < len(places):
-        raise ShapeError("two lines stand at the same place. Add their Burgers vectors instead.")
+        raise ShapeError("two lines have the same position. Add their Burgers vectors instead.")
     for k, place in enumerate(places):
         symbols = {s.name for x in (*place, *vectors[k]) for s in x.free_symbols}
         if symbols & {"x", "y", "z"}:
             raise ShapeError(
-                f"positions[{k}], burgers[{k}]: a straight line needs constants, but x, y or z "
-                "stands in them. Rename the symbol, or make a Frame."
+                f"positions[{k}], burgers[{k}]: a straight line needs constants, but they "
+                "contain x, y or z. Rename the symbol, or make a Frame."
             )
     return frame_of_lines((X, Y, Z), places, vectors, name or "parallel dislocations")
 
@@ -270,9 +270,9 @@ def dispiration(alpha: Number | str, b: Number | str) -> Frame:
     Parameters
     ----------
     alpha
-        Share of the full angle that is left; 1: no disclination.
+        Remaining fraction of the full angle; 1: no disclination.
     b
-        Step of the screw; 0: a wedge disclination alone.
+        Step of the screw; 0: only a wedge disclination.
 
     Examples
     --------

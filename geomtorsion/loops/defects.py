@@ -1,4 +1,4 @@
-"""Defects: lines and points where a coframe is singular, and the loops that wind round them."""
+"""Defects: lines and points where a coframe is singular, and the loops that wind around them."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from geomtorsion.exact.generators import Generator
     from geomtorsion.geometry import Connection, Frame
 
-# A loop as small as this share of the distance to the nearest other defect measures one alone; to a
-# smaller one less smooth torsion adds, but rounding takes more digits of it.
+# A loop this small, as a fraction of the distance to the nearest other defect, measures only one. A
+# smaller loop encloses less smooth torsion, but loses more digits to rounding.
 ALONE = 0.25
 SHAPES = {0: "point", 1: "line", 2: "surface"}
 
@@ -44,8 +44,8 @@ class Defect:
     point: a point on it, exact, shape (n,).
     across: two coordinates, or two covectors of shape (n,), that are constant along it: loops
         turn positively from the first to the second. None if it has more than two such
-        directions: then loops do not wind round it.
-    name: what it is called.
+        directions: then loops do not wind around it.
+    name: its name.
     source: "declared", or the expression whose zero it is.
     names: of the coordinates; free: numbers of those that vary along it.
 
@@ -94,18 +94,18 @@ class Defect:
         return tuple(numbers)
 
     def winding(self, loop: Loop, parameters: Parameters | None = None) -> int:
-        """How often a loop winds round it.
+        """How often a loop winds around it.
 
         Raises
         ------
         SingularPointError
             The loop passes through the defect; the message names the point.
         LoopError
-            It is no line: loops do not wind round a point in space.
+            It is not a line: loops do not wind around a point in space.
         """
         if self.across is None:
             raise LoopError(
-                f"{self}: a loop winds round a line (a point in the plane), not round this. "
+                f"{self}: a loop winds around a line (a point in the plane), not around this. "
                 "Surround it with a closed surface instead."
             )
 
@@ -124,8 +124,8 @@ class Defect:
 class EnclosedDefect:
     """A defect inside a loop.
 
-    defect: which; turns: how often the loop winds round it.
-    charge: what one turn round it misses: Burgers vector and rotation, in the frame at the base
+    defect: the defect; turns: how often the loop winds around it.
+    charge: closure failure of one turn: Burgers vector and rotation, in the frame at the base
         point of a small loop; None if it was not measured.
     """
 
@@ -235,21 +235,21 @@ def enclosed_defects(
     defects: Sequence[Defect] | None = None,
     connection: Connection | None = None,
 ) -> tuple[EnclosedDefect, ...]:
-    """The defects that a loop winds round, with turns and what one turn misses.
+    """The defects that a loop winds around, with turns and the charge of one turn.
 
     Parameters
     ----------
     defects
-        Which to look for; those that `find_defects` finds if not given.
+        The defects to look for; default: the result of `find_defects`.
     connection
-        Measures the charge of each on a small loop about it; without one it is left out.
+        Measures the charge of each on a small loop about it; without one it is omitted.
 
     Raises
     ------
     SingularPointError
         The loop passes through a defect; the message names defect and point.
     UnknownNameError, CoordinateError
-        A name means nothing to this frame; a value contradicts what was declared of its parameter.
+        A name means nothing to this frame; a value contradicts the assumptions of its parameter.
 
     Examples
     --------
@@ -260,7 +260,7 @@ def enclosed_defects(
     (-2, 'singular line at x = 0, y = 0, -2 times')
     """
     loop, parameters = with_numbers(frame, loop, parameters)
-    # Places need few of them; what was given is checked all the same.
+    # Positions need few of them; all given values are checked nevertheless.
     parameter_values(frame, (), parameters)
     known = [
         one
@@ -286,17 +286,17 @@ def charge(
     near: Loop,
     parameters: Parameters | None = None,
 ) -> AffineMap:
-    """What one turn round a defect misses: the development of a small circle about it.
+    """Charge of one turn around a defect: the development of a small circle about it.
 
     Parameters
     ----------
     near
-        A loop about it: the circle has a quarter of its size, or less, and lies at its height.
+        A loop about it: the circle has a quarter of its size, or less, at its height.
 
     Raises
     ------
     LoopError
-        The defect is no line, or the development does not converge.
+        The defect is not a line, or the development does not converge.
 
     Examples
     --------
@@ -336,7 +336,7 @@ def _circle_about(
 ) -> Loop:
     """A small circle about a defect at the height of a loop, with no other defect in it."""
     if defect.across is None:
-        raise LoopError(f"{defect}: it is no line; no loop winds round it.")
+        raise LoopError(f"{defect}: it is not a line; no loop winds around it.")
     n = frame.dimension
     place = np.array(defect.place(parameters))
     covectors = np.array(rows(defect.across, n))
@@ -384,7 +384,7 @@ def _bases(element: Element, below: bool) -> list[sp.Expr]:
 
 
 def _expression(base: Generator | Sum) -> sp.Expr:
-    """A factor as sympy; of a root what stands under it, which has the same zeros."""
+    """A factor as sympy; for a root its radicand, which has the same zeros."""
     if not isinstance(base, Sum):
         if base.kind == "root" and base.tail is not None:
             return base.tail.sympy

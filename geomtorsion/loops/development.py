@@ -28,7 +28,7 @@ from geomtorsion.outgoing import size_text
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
-    """The development once round along the line, with what rounding of the points does.
+    """The development once along the line, with the effect of rounding the points.
 
     Raises
     ------
@@ -118,7 +118,7 @@ class RouteCheck:
 
     line, cone: the motion by each; cone is None where curvature and torsion are not smooth inside.
     agrees: True, False, or None where there is nothing to compare.
-    text: what the comparison says, in words.
+    text: the comparison in words.
     """
 
     line: AffineMap
@@ -136,7 +136,7 @@ class Development:
     error: bound on the error of burgers; turn_error: of the entries of the rotation.
     route: "line", "cone", or "line and cone" where parts of the loop needed different ones.
     check: the other route, and whether both agree.
-    enclosed: defects that the loop winds round, with place and turns.
+    enclosed: defects that the loop winds around, with position and turns.
     evaluations: points at which the connection or its curvature was evaluated.
     seconds: wall time.
     parameters: the values of the frame's parameters, by name.
@@ -166,12 +166,12 @@ class Development:
 
     @property
     def frank(self) -> np.ndarray:
-        """Logarithm of the transport of vectors round the loop, shape (n, n): -log(rotation)."""
+        """Logarithm of the transport of vectors around the loop, shape (n, n): -log(rotation)."""
         return self.motion.frank
 
     @property
     def angle(self) -> float:
-        """Angle by which a vector carried round the loop turns (see AffineMap.angle)."""
+        """Angle by which a vector transported around the loop rotates (see AffineMap.angle)."""
         return self.motion.angle
 
     @property
@@ -218,7 +218,7 @@ def develop(
         Any connection; for the Cartan connection of a frame the rotation is 1 and burgers the
         plain loop integral of the coframe.
     accuracy
-        Wanted error, relative to the integral of what is summed along the chosen route.
+        Wanted error, relative to the integral of the absolute values along the chosen route.
     parameters
         Values of the parameters of frame and loop, {symbol or name: number}.
     defects
@@ -282,7 +282,9 @@ def develop(
     total = joined(chosen)
     check = _check(lines, cones, agrees, enclosed)
     if loop.gap.any():
-        check = replace(check, text="the loop closes modulo periods and bounds no cone: line alone")
+        check = replace(
+            check, text="the loop closes modulo periods and bounds no cone: only the line"
+        )
     return Development(
         connection, loop, total.motion, total.error, total.turn_error,
         " and ".join(sorted(set(routes), reverse=True)), check, enclosed,
@@ -304,11 +306,11 @@ def _check(
     places = "; ".join(str(one) for one in enclosed)
     if all(agrees):
         text = "line integral and cone over the loop agree"
-        return RouteCheck(line, cone, True, text + f"; winds round {places}" * bool(places))
+        return RouteCheck(line, cone, True, text + f"; winds around {places}" * bool(places))
     if False in agrees:
         text = "line integral and cone over the loop differ: "
-        text += f"enclosed defect: {places}" if enclosed else "something singular lies inside"
+        text += f"enclosed defect: {places}" if enclosed else "a singularity is inside"
         return RouteCheck(line, cone, False, text)
-    text = "curvature and torsion are not smooth on the cone over the loop, the line stands alone"
+    text = "curvature and torsion are not smooth on the cone over the loop; only the line is used"
     text += f"; enclosed defect: {places}" if enclosed else ""
     return RouteCheck(line, cone, None, text)

@@ -110,7 +110,7 @@ def edge_list(graph: nx.Graph[Hashable] | EdgeList, position: str, dimension: in
     if len(still):
         a, b = (labels[int(node)] for node in pairs[still[0]])
         raise NetworkError(
-            f"the edge between {a!r} and {b!r} has no length: both ends lie at "
+            f"the edge between {a!r} and {b!r} has no length: both ends are at "
             f"{positions[pairs[still[0], 0]].tolist()}. Remove it or move one of them."
         )
     return EdgeList(positions, pairs, labels)
@@ -190,7 +190,7 @@ def edge_integrals(
     # As many as fit in the cache go fastest.
     together = PIECE // sum(POINTS)
     for begin in range(0, len(others), together):
-        # A slice where all edges are meant: what lies together is taken together.
+        # A slice if all edges are meant, so that adjacent memory is used together.
         part = others[begin : begin + together] if len(alone) else slice(begin, begin + together)
         vectors[part], errors[part], points = _block(
             compiled.coframe, starts[part], ends[part], shares[part], distances[part], accuracy,
@@ -248,7 +248,7 @@ def _block(
 def _near_other_poles(
     frame: Frame, compiled: Forms, starts: np.ndarray, ends: np.ndarray
 ) -> np.ndarray:
-    """Numbers of the edges near poles that are no straight lines."""
+    """Numbers of the edges near poles that are not straight lines."""
     poles = compiled.poles
     found = [np.zeros(0, dtype=np.int64)]
     if poles is None or lines_alone(frame, poles):

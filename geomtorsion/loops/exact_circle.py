@@ -1,4 +1,4 @@
-"""Exact circle: the Burgers vector of a circle in closed form, by exact steps alone."""
+"""Exact circle: the Burgers vector of a circle in closed form, by exact steps."""
 
 from __future__ import annotations
 

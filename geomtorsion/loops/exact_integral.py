@@ -182,7 +182,7 @@ def _residues(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
 # The closed form is compared with a proved integral to this many digits, with bits to spare.
 DIGITS = np.finfo(float).precision
 CHECKED_BITS = 2 * np.finfo(float).nmant
-# Symbols are tried at so many times their sample values: what is small once is large then.
+# Symbols are tested at these multiples of their sample values, so that small terms become large.
 SCALES = (sp.Rational(1, 64), sp.Integer(64))
 Piece = tuple[tuple[sp.Expr, ...], sp.Symbol, sp.Expr, sp.Expr]
 
@@ -202,6 +202,17 @@ class ExactBurgersVector:
     vector: tuple[sp.Expr, ...]
     checked_at: Mapping[sp.Symbol, sp.Expr]
     seconds: float
+
+    @property
+    def magnitude(self) -> sp.Expr:
+        """Length of the vector, sqrt|eta_ij b^i b^j|."""
+        eta, b = sp.Matrix(self.frame.eta.to_sympy().tolist()), sp.Matrix(self.vector)
+        return sp.sqrt(sp.Abs((b.T * eta * b)[0]))
+
+    @property
+    def error(self) -> sp.Expr:
+        """Zero: the vector is exact."""
+        return sp.S.Zero
 
     def at(self, values: Parameters | None = None) -> np.ndarray:
         """Numbers for given parameters, shape (n,).
@@ -248,7 +259,7 @@ def exact_burgers_vector(
     The pulled-back one-forms are integrated over every arc: constants, polynomials, trigonometric
     polynomials and waves of them (Bessel functions), rational functions on the circle, and what
     sympy can integrate. The result is compared with a proved integral before it is given.
-    Decimal numbers in the loop count as what they say: 0.3 is 3/10.
+    Decimal numbers in the loop are exact: 0.3 is 3/10.
 
     Parameters
     ----------
@@ -349,14 +360,14 @@ def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, s
             try:
                 found[one].append(one.winding(here, values))
             except SingularPointError:
-                # This sample meets the line; the others tell.
+                # This sample meets the line; the others decide.
                 continue
     for one, turns in found.items():
         if len(set(turns)) > 1:
             names = ", ".join(sorted(map(str, symbols)))
             raise UndecidedError(
-                f"how often the loop winds round the {one} depends on {names}: no one closed form "
-                "holds for all values. Give numbers for what decides it."
+                f"the winding number around the {one} depends on {names}: no single closed form "
+                "holds for all values. Give numbers for these symbols."
             )
 
 

@@ -82,8 +82,8 @@ class Form:
 def perturbed(points: np.ndarray, centre: np.ndarray | float = 0.0) -> np.ndarray:
     """Points a few roundings away: what a form changes by there is what rounding does to it.
 
-    centre: from which the points were computed; where they come near the origin, its digits are
-        what is rounded.
+    centre: from which the points were computed; near the origin, its digits
+        determine the rounding error.
     """
     up = np.arange(points.size).reshape(points.shape) * 7 % 3 == 1
     scale = np.maximum(np.abs(points), np.abs(centre))
@@ -98,7 +98,7 @@ class Forms:
     poles: what may vanish in a denominator of the coframe, or None.
     parameters: the symbols other than coordinates that need values; numbers: their values.
     pairs: m and n of each pair m < n, shape (2, n (n - 1) / 2).
-    constants: denominators of the coframe that hold parameters alone.
+    constants: denominators of the coframe that contain only parameters.
     """
 
     coframe: Form
@@ -115,9 +115,9 @@ class Poles:
     """Denominators, at whose zeros forms have no finite values.
 
     function: from coordinates, then parameters, to their values, shape (poles, k).
-    names: what they are, as text. owner: what has no finite value there.
+    names: their expressions as text. owner: the quantity that has no finite value there.
     numbers: values of the parameters.
-    single: the same for one of them alone, by its number, where that is cheaper.
+    single: the same for a single pole, by its number, where that is cheaper.
     sizes: from coordinates and parameters of one point to the sizes of all forms, exactly.
     """
 
@@ -166,13 +166,13 @@ def forms(
     Raises
     ------
     LoopError
-        The frame has one coordinate only, or a parameter is no finite number.
+        The frame has one coordinate only, or a parameter is not a finite number.
     MissingValueError
         A parameter has no value.
     UnknownNameError
         A name means nothing to this frame.
     CoordinateError
-        A value contradicts what was declared of its parameter.
+        A value contradicts the assumptions of its parameter.
     SingularPointError
         The coframe has no finite value anywhere, for these parameters.
     """
@@ -275,7 +275,7 @@ def poles_of(
     arguments: Sequence[sp.Symbol],
     owner: str = "coframe",
 ) -> Poles | None:
-    """Whatever stands in a denominator of the elements and depends on a coordinate."""
+    """Factors in denominators of the elements that depend on a coordinate."""
     coordinates = set(frame.coordinates)
     found = {k: x for k, x in _denominators(frame, elements).items() if x.symbols & coordinates}
     if not found:
@@ -302,7 +302,7 @@ def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Elemen
 
 
 def constant_poles(frame: Frame, elements: Sequence[Element]) -> tuple[Element, ...]:
-    """The factors of denominators that hold parameters alone: zero there is zero everywhere."""
+    """Factors of denominators that contain only parameters, and vanish everywhere if at all."""
     coordinates = set(frame.coordinates)
     found = _denominators(frame, elements).values()
     return tuple(x for x in found if x.symbols and not x.symbols & coordinates)
@@ -343,7 +343,7 @@ def parameter_values(
     UnknownNameError
         A name means nothing to this frame.
     CoordinateError
-        A value contradicts what was declared of its parameter.
+        A value contradicts the assumptions of its parameter.
     """
     table = checks.by_name(given, "parameters", UnknownNameError)
     refuse_unknown(frame, table)
@@ -361,18 +361,18 @@ def parameter_values(
 
 
 def refuse_unknown(frame: Frame, names: Iterable[str]) -> None:
-    """Refuse names that are no parameters of a frame.
+    """Refuse names that are not parameters of a frame.
 
     Raises
     ------
     UnknownNameError
-        One is none; the message says which there are.
+        A name is not; the message lists the parameters.
     """
     known = [s.name for s in frame.field.symbols if s not in frame.coordinates]
     for name in names:
         if name not in known:
             raise UnknownNameError(
-                f"{name} is no parameter of this frame. Parameters are: "
+                f"{name} is not a parameter of this frame. Parameters are: "
                 f"{', '.join(known) or 'none'}."
             )
 

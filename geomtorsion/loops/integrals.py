@@ -29,19 +29,19 @@ from geomtorsion.precision import HALF
 
 # Two routes disagree when they differ by more than this many times their errors together.
 DISAGREE = 30
-# Every fifth node of the first level, or of the first intervals, is perturbed to see the rounding:
-# of fewer all may lie where there is little, more cost as much as a finer rule.
+# Every fifth node of the first level, or of the first intervals, is perturbed to estimate rounding:
+# fewer may all be where rounding is small, more cost as much as a finer rule.
 EVERY = 5
 # Gauss points along the rays of a cone: pairs that are compared, the next if they disagree.
 RAYS = ((4, 6), (6, 10), (10, 16), (16, 26), (26, 42))
-# An integral whose error is this share of what is summed does not converge at all; of others that
-# did not reach the accuracy the error says so.
+# An integral whose error is this fraction of the sum of absolute values does not converge at all;
+# the error of others reports that they did not reach the accuracy.
 DIVERGES = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """One route to the Burgers vectors of several loops, once round each.
+    """One route to the Burgers vectors of several loops, once around each.
 
     values: b^i / size**power, shape (n, k); power: 1 for the line, 2 for the flux.
     truncation, rounding: the two sources of the error, in the same unit, shape (k,).
@@ -65,12 +65,12 @@ class Route:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where copies of one shape lie.
+    """Positions of copies of one shape.
 
     centres: q0^mu, shape (n, k). sizes: shape (k,).
     shares: half-axes or steps along the coordinates of the shape, in units of the size, (d, k);
         None: all of them are 1.
-    directions: of the coordinates of the shape, shape (d, n); None: those of the frame.
+    directions: of the coordinates of the shape, shape (d, n); None: the coordinates of the frame.
     """
 
     centres: np.ndarray
@@ -108,7 +108,7 @@ class Places:
     def projection(self, form: Form, pairs: np.ndarray | None) -> np.ndarray:
         """Components along the coordinates (or pairs) of the shape, shape (n, c, entries).
 
-        pairs: those of the coordinates of the frame, for a two-form; None for a one-form.
+        pairs: pairs of coordinates of the frame, for a two-form; None for a one-form.
         """
         if self.directions is None:
             return form.components
@@ -145,8 +145,8 @@ class _Copies:
     ) -> tuple[list[np.ndarray], np.ndarray]:
         """The integrals over each chain at some places, shape (n, k) each.
 
-        And what rounding does to the first of them, shape (k,), from those of its nodes that are
-        probed. All is evaluated in one call: for one loop the calls take longer than the numbers.
+        Also the effect of rounding on the first of them, shape (k,), from its probed nodes. All is
+        evaluated in one call, because calls take longer than the numbers of one loop.
         """
         offsets = np.concatenate([chain.points for chain in chains], axis=1)
         at = self.places.chosen(which).points(offsets)
@@ -279,7 +279,7 @@ def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> np.ndarr
     with np.errstate(all="ignore"):
         below = np.abs(poles.values(points)).prod(axis=0)
         farther = np.fmin(below[chosen].max() / below, 1.0)
-    # A few places stand for all: the next may have been less lucky.
+    # A few points represent all: the next may have a larger error.
     return EVERY * worst * farther
 
 
@@ -410,7 +410,7 @@ def _flux_rounding(forms: Forms, part: Part) -> tuple[float, int]:
 
 
 def as_copy(part: Part) -> tuple[Shape, Places] | None:
-    """A part as the only copy of a shape of which maps have many: the shape, and where it lies.
+    """A part as the only copy of a shape of which maps have many: the shape and its position.
 
     None for polygons and splines, but for parallelograms.
     """

@@ -35,7 +35,7 @@ _FOUND: Mapping[str, Any] = {
 def integrated(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr | None:
     """The integral of f over t that sympy finds, from the other process; None where it finds none.
 
-    None also for an expression that is no text of ours, such as one with unknown functions.
+    None also for an expression that is not in our syntax, such as one with unknown functions.
     """
     given = (f, low, high)
     if any(x.has(AppliedUndef) for x in given):
@@ -57,7 +57,7 @@ def integrated(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr
 
 
 def _declared(symbol: sp.Symbol) -> dict[str, bool]:
-    """What is known of a symbol."""
+    """The assumptions of a symbol."""
     return {key: bool(value) for key, value in symbol.assumptions0.items() if value is not None}
 
 
@@ -81,7 +81,7 @@ def serve(requests: IO[str], replies: IO[str]) -> None:
         # Whatever sympy raises: there is no closed form then.
         except Exception:  # noqa: BLE001
             text = ""
-        # A blank tells an answer without an integral from a process that has ended.
+        # A blank distinguishes an answer without an integral from a process that has ended.
         replies.write(f"{text} \n")
         replies.flush()
 

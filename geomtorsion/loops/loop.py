@@ -116,7 +116,7 @@ class Loop:
             Shape (k, n), at least three; the last is joined to the first. Without a centre these
             are coordinates; with one they are offsets from it, in units of `size`.
         centre, size
-            Where a tiny polygon lies, and how large it is.
+            Position and size of a tiny polygon.
 
         Raises
         ------
@@ -185,7 +185,7 @@ class Loop:
             Names that the text may use in addition to the parameter.
         periods
             {coordinate, counted from 0: period} where coordinates are angles: the curve may end
-            whole periods from where it starts. The frame must have these periods, too.
+            whole periods from where it starts. The frame must also have these periods.
 
         Raises
         ------
@@ -276,7 +276,7 @@ class Loop:
         """
         if checks.instance(other, Loop, "other").dimension != self.dimension:
             raise LoopError(
-                f"{self.name} lies in {self.dimension} dimensions, {other.name} in "
+                f"{self.name} has {self.dimension} dimensions, {other.name} has "
                 f"{other.dimension}: only loops in the same space can follow each other."
             )
         one, two = self.parts[0], other.parts[0]
@@ -419,7 +419,7 @@ class Loop:
         return total
 
     def winding(self, axis: Sequence[float], plane: Plane = (0, 1)) -> int:
-        """How often it turns round an axis, counted from the first direction to the second.
+        """How often it winds around an axis, counted from the first direction to the second.
 
         Parameters
         ----------
@@ -444,12 +444,12 @@ class Loop:
 
 
 def check_loop(loop: object, dimension: int) -> None:
-    """Refuse what is no loop in so many coordinates.
+    """Refuse values that are not loops in this number of coordinates.
 
     Raises
     ------
     ArgumentError
-        It is no loop.
+        It is not a loop.
     LoopError
         The loop has another dimension than the frame.
 
@@ -466,7 +466,7 @@ def check_loop(loop: object, dimension: int) -> None:
 
 
 def filled(loop: Loop, values: Parameters) -> Loop:
-    """A loop with numbers for those of its symbols that have a value; the others stay."""
+    """A loop with numbers for its symbols that have a value; the others stay."""
     if not loop.symbols:
         return loop
     return Loop(tuple(constructors.filled(part, values) for part in loop.parts), loop.name)

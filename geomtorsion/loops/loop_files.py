@@ -37,8 +37,8 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
 
     Exactly one key names the kind: circle (centre, radius, plane), ellipse (centre, axes, plane),
     polygon (vertices, centre, size), plaquette (corner, steps, plane), curve (expressions,
-    parameter, interval, centre, size, periods), spline (points, centre, size); name and times may
-    stand next to it. Periods are {coordinate: period}, such as {"phi": "2*pi"}. Numbers may be text
+    parameter, interval, centre, size, periods), spline (points, centre, size); name and times are
+    optional. Periods are {coordinate: period}, such as {"phi": "2*pi"}. Numbers may be text
     such as "pi/2"; a plane is two coordinates, by number or name, or two vectors.
 
     Raises
@@ -84,7 +84,7 @@ def loop_from_data(frame: Frame, data: Any, where: str = "loop") -> Loop:
 
 
 def _check_keys(data: object, known: Sequence[str], where: str) -> None:
-    """Refuse what is no mapping, and unknown keys."""
+    """Refuse values that are not mappings, and unknown keys."""
     if not isinstance(data, Mapping):
         came = checks.shown(data)
         raise FileFormatError(f"{where}: expected a mapping, got {came}.")
@@ -121,7 +121,7 @@ def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
             found.append(names.index(side))
         elif isinstance(side, str) and not side.isdigit():
             raise FileFormatError(
-                f"{where}: plane: {checks.shown(side)} is no coordinate; they are "
+                f"{where}: plane: {checks.shown(side)} is not a coordinate; they are "
                 f"{', '.join(names)}."
             )
         else:
@@ -144,7 +144,7 @@ def number_of(text: str, where: str) -> float | sp.Expr:
     Raises
     ------
     ExpressionError
-        The text is no number.
+        The text is not a number.
 
     Examples
     --------
@@ -165,10 +165,10 @@ TOP_KEYS = ("loops", "parameters", "accuracy")
 
 @dataclass(frozen=True)
 class LoopFile:
-    """What a file of loops says.
+    """Content of a file of loops.
 
     loops: the loops in order. parameters: values of the frame's parameters, by name.
-    accuracy: the relative error asked for, or None.
+    accuracy: the requested relative error, or None.
     """
 
     loops: tuple[Loop, ...]
@@ -189,7 +189,7 @@ def read_loops(frame: Frame, path: str | Path) -> LoopFile:
     FileFormatError
         The file cannot be read, is truncated or malformed; the message names place and reason.
     LoopError
-        One of the loops is none; the message says which.
+        An entry is not a loop; the message names it.
     LimitError
         The file is too large.
     """

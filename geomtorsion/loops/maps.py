@@ -34,9 +34,9 @@ FIRST, FIRST_ON_SIDE = ClosedCurve.first // 2, Square.first // 2
 class BurgersMap:
     """Burgers vectors of many loops of one shape in parallel planes.
 
-    frame: what they belong to.
+    frame: their frame.
     plane: the two directions of the plane, shape (2, n).
-    centres: q^mu, shape (n, *shape); shape: that of the map, as (rows, columns) of a grid.
+    centres: q^mu, shape (n, *shape); shape: of the map, as (rows, columns) of a grid.
     areas: signed area of each loop in the coordinates of the plane, shape (*shape).
     vectors: b^i in the frame, shape (n, *shape); NaN where a loop was not done or is singular.
     density: b^i per area, shape (n, *shape): it does not underflow.
@@ -68,12 +68,12 @@ class BurgersMap:
 
     @property
     def reached(self) -> np.ndarray:
-        """Where the relative error asked for was reached, shape (*shape)."""
+        """Where the requested relative error was reached, shape (*shape)."""
         return self.errors <= self.accuracy * np.abs(self.vectors).max(axis=0)
 
     @property
     def total(self) -> np.ndarray:
-        """Sum of all finished vectors, shape (n,): on a grid, b of the loop round all of it."""
+        """Sum of all finished vectors, shape (n,): on a grid, b of the loop around all of it."""
         return np.nansum(self.vectors.reshape(len(self.vectors), -1), axis=1)
 
     _repr_html_ = drawn_by("notebook_pictures", "map_html")
@@ -151,7 +151,7 @@ def burgers_map(
     Parameters
     ----------
     edges
-        Where the lines of the grid lie along both directions of the plane: two increasing arrays
+        Positions of the lines of the grid along both directions of the plane: two increasing arrays
         of k + 1 and m + 1 numbers, counted from the point `at`.
     plane
         Two coordinates, or two vectors of shape (n,), taken as given.
@@ -201,7 +201,7 @@ class _Family:
 
     frame, accuracy, parameters, plane: as the user gave them.
     shape: of every loop; area: of the shape itself.
-    forms: those of the frame along the plane.
+    forms: the forms of the frame along the plane.
     """
 
     frame: Frame
@@ -312,7 +312,7 @@ def _map(
     accuracy: float,
     parameters: Parameters | None,
 ) -> BurgersMap:
-    """Do all loops block by block; on Ctrl-C keep what is done."""
+    """Do all loops block by block; on Ctrl-C keep the finished blocks."""
     start = time.perf_counter()
     validation.check_accuracy(accuracy, 1e-14)
     columns = tuple(np.flatnonzero(plane.any(axis=0)).tolist())
@@ -336,7 +336,7 @@ def _map(
                 if show is not None:
                     show(done)
     except KeyboardInterrupt:
-        # What is finished is worth more than the interruption; `complete` says that it came.
+        # Finished blocks are returned; `complete` records the interruption.
         pass
     return BurgersMap(
         frame=frame,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import LimitError, NetworkError
@@ -35,7 +35,7 @@ MOST_LISTED = 100_000
 class Network:
     """A graph laid into a frame: Burgers vectors of all its cycles from one integral per edge.
 
-    frame: whose coframe is integrated: a `Frame`, or a `SampledFrame` that all edges lie in.
+    frame: whose coframe is integrated: a `Frame`, or a `SampledFrame` that contains all edges.
     graph: networkx graph whose nodes have coordinates, or an `EdgeList` of arrays; edges are
         straight in the coordinates.
     position: the node attribute that holds q^mu, shape (n,).
@@ -181,7 +181,7 @@ class Network:
 
     def _minimum_cycles(self) -> tuple[Cycle, ...]:
         """The minimum cycle basis, by networkx."""
-        import networkx as nx  # 0.15 s, and this basis alone needs it
+        import networkx as nx  # 0.15 s, and only this basis needs it
 
         if len(self.edges.pairs) > MINIMUM_BASIS_EDGES:
             raise LimitError(

@@ -6,7 +6,7 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.errors import LimitError, NetworkError
 from geomtorsion.loops.arcs import shown
@@ -30,7 +30,7 @@ Face = tuple[Hashable, ...]
 Cell = tuple[Face, ...]
 # Nodes of faces: triangles as an array, others one by one.
 Corners = Sequence[np.ndarray] | np.ndarray
-# Of each triangle and tetrahedron some ten points are evaluated.
+# Each triangle and tetrahedron needs some ten points.
 MOST_CELLS = MOST_POINTS // 8
 
 
@@ -54,7 +54,7 @@ class Violation:
 class NodeRule:
     """Whether lines of torsion are conserved in every cell.
 
-    checked: number of cells; 0 says that nothing was checked.
+    checked: number of cells; 0 means that nothing was checked.
     violations: cells in which the flux of torsion out of all faces is not zero (a line ends
         there, or the frame is not smooth inside), or whose line integrals do not cancel.
     pierced: faces whose line integral is not the flux of torsion through them: a singular line
@@ -173,7 +173,7 @@ def tetrahedra(complex: Complex) -> np.ndarray:
             size += len(new)
             if size > MOST_CELLS:
                 raise LimitError(
-                    f"more than {MOST_CELLS} triangles or tetrahedra stand in the network. "
+                    f"more than {MOST_CELLS} triangles or tetrahedra are in the network. "
                     "Give the cells that shall be checked."
                 )
         cliques = np.concatenate(grown)

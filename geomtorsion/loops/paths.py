@@ -1,4 +1,4 @@
-"""Paths: development along open paths, round periodic coordinates, and point by point."""
+"""Paths: development along open paths, around periodic coordinates, and point by point."""
 
 from __future__ import annotations
 
@@ -116,10 +116,10 @@ def develop_period(
     lengths: dict[int, float] = {}
     for name, value in checks.by_name(periods, "periods", LoopError).items():
         if name not in names:
-            raise LoopError(f"periods: {name} is no coordinate; they are {', '.join(names)}.")
+            raise LoopError(f"periods: {name} is not a coordinate; they are {', '.join(names)}.")
         period = number(value, f"period of {name}")
         if not period:
-            raise LoopError(f"periods: that of {name} is 0. Give how much it grows in one turn.")
+            raise LoopError(f"periods: expected the change of {name} in one turn, got 0.")
         lengths[names[name]] = period
     given = checks.entries(points, "points", LoopError)
     rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(given)]
@@ -143,7 +143,7 @@ class DevelopedPath:
     """A loop and its development, step by step.
 
     points: along the loop, coordinates, shape (n, k).
-    places: where they come to lie in the frame at the base point, shape (n, k).
+    places: their images in the frame at the base point, shape (n, k).
     legs: the frames there, seen in the frame at the base point, shape (k, n, n); column i: leg i.
     """
 

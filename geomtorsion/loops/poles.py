@@ -14,7 +14,7 @@ from geomtorsion.precision import CALCULATED
 
 # A denominator goes with the square of the distance; as a share of its largest value on an arc:
 ZERO = CALCULATED**2
-# Places on an arc at which denominators are looked at first: those of the coarsest rule.
+# Points on an arc at which denominators are evaluated first, from the coarsest rule.
 SAMPLES = equidistant(0, 0)
 
 
@@ -80,7 +80,7 @@ def _cuts(
     """
     arc, count, sizes = part.arcs[number], len(s), np.abs(row)
     signs = np.flatnonzero(row[1:] * row[:-1] < 0) if not np.iscomplexobj(row) else ()
-    # An arc that begins or ends nearest to a pole: the loop comes from there, or goes on.
+    # An arc that begins or ends nearest to a pole: the loop comes from there, or continues there.
     ends = {j for j, inner in ((0, 1), (count - 1, count - 2)) if sizes[j] <= sizes[inner]}
     dips = {int(sizes.argmin()), *_dips(sizes).tolist(), *map(int, signs), *ends}
     for start in sorted(dips):

@@ -17,7 +17,7 @@ Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # From arcs by number, shape (p,), and s on each, shape (p, k), to values of shape (m, p, k).
 Sampler = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-# Points that are evaluated at once, which fit in the cache: more or fewer change the time alone. An
+# Points that are evaluated at once, which fit in the cache: more or fewer change only the time. An
 # integral may take many such pieces, and one level of a rule a few.
 PIECE = 2**15
 MOST_POINTS, MOST_AT_ONCE = 1024 * PIECE, 4 * PIECE
@@ -70,7 +70,7 @@ class Integral:
     value: shape (m,).
     truncation: estimate of the error by comparison with a coarser rule, norm of a vector.
     points: how many points were evaluated.
-    converged: whether truncation is below the accuracy or the floor asked for.
+    converged: whether truncation is below the requested accuracy or floor.
     rule: which rule it was.
     worst: where it converged worst, (number of the arc, s); None if it converged.
     """
@@ -121,7 +121,7 @@ def integrate(
     most
         Largest number of points.
     """
-    # What is not finite is looked at, and never counts as converged.
+    # Values that are not finite never count as converged.
     with np.errstate(all="ignore"):
         if len(arcs) == 1 and arcs[0].is_periodic:
             found = trapezoid(arcs[0], integrand, accuracy, floor, most)
@@ -200,7 +200,7 @@ def refined(
 
 
 def norm(vector: np.ndarray) -> float:
-    """Largest component; what is not finite counts as infinite."""
+    """Largest component; infinite if one is not finite."""
     largest = float(np.abs(vector).max(initial=0.0))
     return math.inf if math.isnan(largest) else largest
 

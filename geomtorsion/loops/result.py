@@ -31,7 +31,7 @@ class Check:
     line, flux: b^i by each, shape (n,); flux is None where the torsion is not smooth inside.
     line_error, flux_error: their own error estimates.
     agrees: True, False, or None where there is nothing to compare.
-    text: what the comparison says, in words.
+    text: the comparison in words.
     """
 
     line: np.ndarray
@@ -61,7 +61,7 @@ class BurgersVector(Signed):
     route: "line", "flux", or "line and flux" where the parts of the loop needed different ones.
     reason: why that route, in words.
     check: the other route, and whether both agree.
-    accuracy: the relative error that was asked for.
+    accuracy: the requested relative error.
     evaluations: points at which coframe or curl were evaluated; seconds: wall time.
     parameters: the values of the frame's parameters, by name.
     """
@@ -105,7 +105,7 @@ class BurgersVector(Signed):
 
     @property
     def reached(self) -> bool:
-        """Whether the relative error asked for was reached."""
+        """Whether the requested relative error was reached."""
         return self.relative_error <= self.accuracy
 
     @property
@@ -117,7 +117,7 @@ class BurgersVector(Signed):
     def enclosed(self) -> tuple[EnclosedDefect, ...]:
         """Defects inside with place and turns, where line and flux disagree and they are found.
 
-        A loop round a defect has a Burgers vector although the torsion vanishes all along it.
+        A loop around a defect has a Burgers vector although the torsion vanishes all along it.
         """
         if self.check.agrees is not False:
             return ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,8 +17,8 @@ class Forest:
     root: number of the component of each node.
     chords: numbers of the edges that are not in the forest: one fundamental cycle each, along the
         chord and back in the forest.
-    closure: what each of these cycles misses, shape (chords, n); closure_error: shape (chords,).
-    images: how often each of these cycles winds round the periods, shape (chords, d); d is 0 where
+    closure: closure failure of each of these cycles, shape (chords, n); closure_error: (chords,).
+    images: how often each of these cycles winds around the periods, shape (chords, d); d is 0 where
         there are none. Only where all are zero is the closure a Burgers vector.
     """
 
@@ -62,8 +62,8 @@ def spanning_forest(
     """
     tail, head = edges[:, 0], edges[:, 1]
     component, order, before = _breadth_first(nodes, tail, head)
-    # From here on nodes are counted in the order of the search: parents then ascend, and what
-    # belongs together lies together in memory.
+    # From here on nodes are counted in the order of the search: parents then ascend, and related
+    # nodes are adjacent in memory.
     place = np.empty(nodes, dtype=np.int64)
     place[order] = np.arange(nodes)
     above = np.where(before < 0, np.arange(nodes), place[before])
@@ -138,7 +138,7 @@ def _edges_to(
 
     def first(chosen: np.ndarray, ends: np.ndarray) -> np.ndarray:
         found = np.full(len(above), len(tail))
-        # Of several assignments the last holds: backwards that of the first edge.
+        # The last of several assignments holds: in reverse order, the assignment of the first edge.
         mine = np.flatnonzero(chosen)[::-1]
         found[ends[mine]] = mine
         return found
@@ -153,7 +153,7 @@ def _edges_to(
 def _climbed(above: np.ndarray, steps: list[np.ndarray]) -> list[np.ndarray]:
     """Sums of each array along the way to the root, nodes counted so that parents ascend."""
     steps = list(steps)
-    # Each round doubles the length of the way that is summed: log2(depth) rounds.
+    # Each pass doubles the length of the summed path: log2(depth) passes.
     while True:
         further = above[above]
         if (further == above).all():

@@ -185,7 +185,7 @@ def listed(values: object, subject: str) -> list[Any]:
 
 
 def once_round(values: object, subject: str) -> list[Any]:
-    """The entries of a cycle in order, the first of which may stand at its end again.
+    """The entries of a cycle in order, with an optional repetition of the first at the end.
 
     Examples
     --------
@@ -227,7 +227,7 @@ def value_rows(values: object, name: str, count: int) -> np.ndarray:
 
 
 def largest(values: np.ndarray) -> float:
-    """The largest magnitude, as a double: that of the least int64 is no int64."""
+    """The largest magnitude, as a double, because |least int64| does not fit into int64."""
     return float(np.abs(values.astype(float)).max(initial=0.0))
 
 

@@ -1,4 +1,4 @@
-"""Winding: how often a loop winds round a line, however near it comes."""
+"""Winding: how often a loop winds around a line, at any distance."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def turns_round(
     name: str,
     refusal: type[GeomtorsionError] = SingularPointError,
 ) -> int:
-    """Winding number round the line through a place on which both covectors are constant.
+    """Winding number around the line through a point on which both covectors are constant.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def turns_round(
     for part in parts:
         if part.gap:
             raise LoopError(
-                f"a loop that closes modulo periods has no winding number round the {name}: give "
+                f"a loop that closes modulo periods has no winding number around the {name}: give "
                 "one that closes in the coordinates themselves."
             )
         offset = across @ ((np.array(part.centre) - np.array(place)) / part.size)
@@ -59,7 +59,7 @@ def turns_round(
 
 
 def _turned(arc: Arc, across: np.ndarray, offset: np.ndarray) -> tuple[float, float | None]:
-    """The angle by which one arc turns round the line, and the s at which it meets it."""
+    """The angle by which one arc turns around the line, and the s at which it meets it."""
 
     def plane(s: np.ndarray) -> np.ndarray:
         return across @ arc.shape(s)[0] + offset[:, None]
@@ -109,6 +109,6 @@ def _through(part: Part, arc: Arc, s: float, name: str) -> str:
     """The message for a loop that goes through the line."""
     place = shown(part.points(arc, np.array([s]))[0][:, 0])
     return (
-        f"the loop passes through the {name}, at {place}: it has no winding number round it. "
+        f"the loop passes through the {name}, at {place}: it has no winding number around it. "
         "Lead it past that point."
     )

@@ -264,11 +264,6 @@ def kind_of(path: Path) -> Kind:
     return kinds[0]
 
 
-def is_map(path: Path) -> bool:
-    """Whether a file holds an orientation map, by the end of its name and its content."""
-    return ending(path) in SUFFIXES and kind_of(path) is MAP
-
-
 def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
     """Whether a file whose ending fields and maps share is a map."""
     if not tests:

@@ -1,4 +1,4 @@
-"""Checkpoint: the finished parts of a run, kept in a file from which it can go on."""
+"""Checkpoint: the finished parts of a run, in a file from which the run can be resumed."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ _PART = {
 _METADATA = {"format": int, "key": str, "parts": {str: _PART}}
 # Two axes, times and states; the place where a part ended is one number.
 _FORMS = {"metadata": TEXT_FORM, "part *": ArrayForm((None, ...), "fU")}
-_BAD = "{path}: this is no checkpoint ({reason}). Remove it, or name another file."
+_BAD = "{path}: this is not a checkpoint ({reason}). Remove it, or name another file."
 
 
 def fingerprint(problem: Problem, times: np.ndarray, accuracy: float, engine: Engine | None) -> str:
-    """What two runs share exactly when one may go on from the other's checkpoint."""
+    """Digest of a run; it may be resumed only from a checkpoint with the same digest."""
     described = {
         "problem": problem.described(),
         "times": [float(t).hex() for t in times],
@@ -76,8 +76,8 @@ class Checkpoint:
         given = json_in(arrays, "metadata", {"format?": int}, **known)
         if given.get("format") != FORMAT:
             raise CheckpointError(
-                f"{self.path}: this is no checkpoint of this version. Remove it, or name another "
-                "file."
+                f"{self.path}: this is not a checkpoint of this version. Remove it, or name "
+                "another file."
             )
         metadata = json_in(arrays, "metadata", _METADATA, **known)
         del arrays["metadata"]
@@ -148,12 +148,17 @@ class Checkpoint:
         self._took = self._written - began
 
     def runner(
-        self, engine: Engine, tolerance: float, perturbation: float, longest: float
+        self,
+        engine: Engine,
+        tolerance: float,
+        perturbation: float,
+        longest: float,
+        pattern: int,
     ) -> Runner:
         """What makes the parts of one run, or takes them from the file."""
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
-            name = part_name(engine, tolerance, perturbation, k)
+            name = part_name(engine, tolerance, perturbation, k, pattern)
             found = self.known(name, engine, stage, times)
             if found is None:
                 found = run_stage(stage, times, tolerance, engine, longest=longest)
@@ -163,9 +168,12 @@ class Checkpoint:
         return run
 
 
-def part_name(engine: Engine, tolerance: float, perturbation: float, k: int) -> str:
-    """The name of a part of a run."""
-    return f"{engine.name} {tolerance!r} {perturbation!r} {k}"
+def part_name(
+    engine: Engine, tolerance: float, perturbation: float, k: int, pattern: int = 0
+) -> str:
+    """The name of a part of a run; pattern: of the signs of changes on the way."""
+    number = f"{k}/{pattern}" if pattern else f"{k}"
+    return f"{engine.name} {tolerance!r} {perturbation!r} {number}"
 
 
 def _plain(array: np.ndarray) -> np.ndarray:
@@ -185,7 +193,7 @@ def _restored(engine: Engine, array: np.ndarray, shape: tuple[int | None, ...]) 
     if array.dtype.kind == "U":
         if engine.precision == 53:
             raise ValueError("expected numbers, got text")
-        # Refuses text that is no number; heyoka would end in an error of its own.
+        # Refuses text that is not a number; heyoka would raise another error.
         as_floats = np.array([float(x) for x in array.ravel()])
         texts = [str(x) for x in array.ravel()]
         array = Taylor(engine.precision).array(texts).reshape(array.shape)

@@ -81,7 +81,7 @@ def read(
     )
 
 
-def named(name: Any) -> Any:
+def named(name: str | sp.Symbol) -> str:
     """The name of a symbol; anything else as it is.
 
     Examples
@@ -89,7 +89,7 @@ def named(name: Any) -> Any:
     >>> named(sp.Symbol("x")), named("y")
     ('x', 'y')
     """
-    return name.name if isinstance(name, sp.Symbol) else name
+    return str(name) if isinstance(name, sp.Symbol) else name
 
 
 def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) -> None:
@@ -110,7 +110,7 @@ def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) ->
 
 
 def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, ...]:
-    """The parameters as they stand in what was given, with what was declared of them."""
+    """The parameters that occur in the input, with their assumptions."""
     known, found = set(names), set[sp.Symbol]()
     for entry in entries:
         for part in entry if isinstance(entry, list | tuple) else (entry,):
@@ -122,7 +122,7 @@ def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, 
 
 
 def declarations(declared: Iterable[sp.Symbol]) -> dict[str, list[str]]:
-    """What was declared of parameters, in words: name -> words, where there are any.
+    """The assumptions of parameters as words: name -> words, if there are any.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def declared_symbols(words: Mapping[str, Sequence[str]]) -> tuple[sp.Symbol, ...
 
 
 def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) -> None:
-    """Refuse values of parameters, numbers or arrays, against what was declared of them."""
+    """Refuse values of parameters, numbers or arrays, that contradict their assumptions."""
     for symbol in declared:
         given = values.get(symbol.name)
         if isinstance(given, np.ndarray):
@@ -196,12 +196,12 @@ def _read_terms(
 def start_numbers(
     states: Sequence[str], start: object, known: Sequence[Real] | None = None
 ) -> tuple[Real, ...]:
-    """A number for each state; those of a mapping may change some of the known ones only."""
+    """A number for each state; a mapping may change some of the known numbers."""
     if isinstance(start, Mapping):
         start = checks.by_name(start, "start", StartError)
         for name in start:
             if name not in states:
-                raise UnknownNameError(f"start: {name} is no state. {_hint(name, states)}")
+                raise UnknownNameError(f"start: {name} is not a state. {_hint(name, states)}")
         table = dict(zip(states, known, strict=True)) if known is not None else {}
         table |= {name: number(value, f"start of {name}") for name, value in start.items()}
         missing = [name for name in states if name not in table]
@@ -209,7 +209,7 @@ def start_numbers(
             raise StartError(f"start: {', '.join(missing)} has no number; give one for each state.")
         return tuple(table[name] for name in states)
     try:
-        # What is none is refused below.
+        # Other values are refused below.
         values = list(cast("Iterable[object]", start))
     except TypeError:
         raise StartError(
@@ -228,12 +228,12 @@ def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) ->
     parameters = checks.by_name(parameters, "parameters", StartError)
     for name in parameters:
         if name not in names:
-            raise UnknownNameError(f"{name} is no parameter. {_hint(name, names)}")
+            raise UnknownNameError(f"{name} is not a parameter. {_hint(name, names)}")
     return {name: number(value, name) for name, value in parameters.items()}
 
 
 def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ...]:
-    """Changes in order of time, those of one time put together."""
+    """Changes in order of time, joined if they have the same time."""
     table: dict[float, dict[str, Real]] = {}
     for entry in events:
         if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
@@ -250,7 +250,7 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
         for name in changes:
             if name not in names:
                 raise UnknownNameError(
-                    f"event at t = {at:.6g}: {name} is no parameter and no state. "
+                    f"event at t = {at:.6g}: {name} is neither a parameter nor a state. "
                     + _hint(name, names)
                 )
         new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in changes.items()}
@@ -263,14 +263,14 @@ def _group_list(
     norm_groups: Sequence[Sequence[str]] | None,
     normalized: Sequence[Sequence[str]],
 ) -> tuple[tuple[str, ...], ...]:
-    """Every state in one group; those of length one make a group of their own."""
+    """Every state in one group; normalized states form a separate group."""
     groups = [tuple(group) for group in (*normalized, *(norm_groups or ()))]
     seen: set[str] = set()
     found = []
     for group in groups:
         for name in group:
             if name not in states:
-                raise UnknownNameError(f"norm group: {name} is no state. {_hint(name, states)}")
+                raise UnknownNameError(f"norm group: {name} is not a state. {_hint(name, states)}")
         fresh = tuple(name for name in group if name not in seen)
         if len(set(group)) != len(group):
             raise StartError(f"norm group {group}: a state is named twice.")
@@ -307,7 +307,7 @@ def start_columns(
     for name, values in checks.by_name(starts, "starts", StartError).items():
         if name not in names:
             raise UnknownNameError(
-                f"starts: {name} is no state and no parameter. {_hint(name, names)}"
+                f"starts: {name} is neither a state nor a parameter. {_hint(name, names)}"
             )
         arrays[name] = _array(f"starts of {name}", values)
     lengths = {name: array.shape for name, array in arrays.items() if array.ndim}

@@ -46,7 +46,7 @@ from geomtorsion.progress import PATIENCE, bar
 class Ensemble:
     """Many solved motions of one problem.
 
-    problem: what was solved, from many starts.
+    problem: the solved problem, from many starts.
     times: shape (m,).
     errors: shape (number,), estimate of the largest relative error of each member, as in
         `Solution.error`; not a number for members that were not verified or not finished.
@@ -174,7 +174,7 @@ def solve_many(
     Parameters
     ----------
     problem
-        gives the equations and whatever the lists below leave out.
+        the equations, and the defaults of the lists below.
     starts
         q^mu, shape (number, n); for first-order equations all states, shape (number, size), or a
         mapping from states and parameters to lists of numbers.
@@ -186,15 +186,15 @@ def solve_many(
         in double precision; None chooses Taylor() or RungeKutta(). Any other engine runs the
         motions one by one.
     velocities, frame_velocities
-        (of curves) q'^mu or u^i, shape (number, n); None: all with that of the problem.
+        (of curves) q'^mu or u^i, shape (number, n); None: the velocity of the problem for all.
     check
-        how many members, evenly spread, are verified by a second, finer run, one at least, whose
-        steps are those of the others; None: all.
+        number of members, evenly spread and at least one, that a second, finer run with the same
+        steps verifies; None: all.
     progress
         show a bar; None: on a terminal, for long work.
 
     Members that leave their chart, and those with long steps whose finer run differs altogether,
-    are solved one by one, as by `solve`. Ctrl-C returns what is finished.
+    are solved one by one, as by `solve`. Ctrl-C returns the finished members.
 
     Raises
     ------
@@ -247,7 +247,7 @@ def solve_many(
 
 
 def _engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
-    """The engine asked for, or the fastest at hand."""
+    """The requested engine, or the fastest available."""
     if engine is not None:
         if engine.precision != 53:
             raise AccuracyError(
@@ -287,11 +287,11 @@ class _Job:
 
     @property
     def rows(self) -> Rows:
-        """The states of what is done."""
+        """The states of finished members."""
         return Rows(self.states, self.finished, self.trajectories)
 
     def run(self, some: np.ndarray, show: Show) -> str:
-        """Run all members, of which some are verified; say where accuracy is lacking.
+        """Run all members and verify some of them; report the members that lack accuracy.
 
         Members that are not verified run at the finest tolerance that those needed which are.
         """
@@ -321,7 +321,7 @@ class _Job:
         best = self.best
         got = f"gets to {best:.2g}" if np.isfinite(best) else "gives no two runs to compare"
         return (
-            f"accuracy {self.accuracy:.3g} was asked for; {self.engine.name} {got} in double "
+            f"expected accuracy {self.accuracy:.3g}; {self.engine.name} {got} in double "
             f"precision. {_listed(sorted(self.lacking))} Ask for less, or solve one by one with "
             "Taylor(precision=113)."
         )

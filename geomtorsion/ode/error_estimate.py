@@ -36,11 +36,13 @@ AIM = 0.1
 # States that are no larger than so many roundings of the terms of their rates have no size of their
 # own.
 NOISE = 100.0
-# They differ by more than this part of their size, for a rounding is no smaller.
+# They differ by more than this fraction of their size, because rounding errors are not smaller.
 UNALIKE = 1 / NOISE
-# Parts of the way at whose ends a motion is moved that amplifies errors: each costs a call of the
-# engine.
+# A motion that amplifies errors is moved in the middle of each of so many equal parts of the way.
+# Each part costs a call of the engine.
 PLACES = 16
+# Numbers of the patterns of signs by which it is moved.
+PATTERNS = (1, 2)
 
 
 class Comparable(Protocol):
@@ -52,7 +54,7 @@ class Comparable(Protocol):
 
 
 class Integration(Protocol):
-    """What follows a motion."""
+    """Integrates a motion."""
 
     def __call__(
         self,
@@ -61,12 +63,12 @@ class Integration(Protocol):
         part: float,
         *,
         limited: bool = False,
-        everywhere: bool = False,
+        pattern: int = 0,
     ) -> Trajectory:
         """The trajectory from a start that is changed by a part.
 
-        limited: whether no step may be longer than a share of the way; everywhere: whether the
-        state is changed on the way as well.
+        limited: whether no step may be longer than a share of the way; pattern: number of a pattern
+        of signs by which the state is changed on the way instead of at the start, or 0.
         """
         ...
 
@@ -117,16 +119,18 @@ def verified(
             if not amplifies:
                 # The next power of two keeps the number of different starts small.
                 change = 2.0 ** math.ceil(math.log2(change))
-            moved = run(engine, tolerance, change, everywhere=amplifies)
-            runs.append(moved)
-            second = SAFETY * difference(problem, answer, moved)
-            if second > error:
-                reference, error = moved, second
+            # One pattern of signs may cancel by chance where few roundings decide.
+            for pattern in PATTERNS if amplifies else (0,):
+                moved = run(engine, tolerance, change, pattern=pattern)
+                runs.append(moved)
+                second = SAFETY * difference(problem, answer, moved)
+                if second > error:
+                    reference, error = moved, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
         if best is None or error < best.error:
             best = Verified(answer, reference, error, ())
-        # Where a finer tolerance does not halve the error what is left is rounding, and one that
-        # agrees at last would agree by chance.
+        # If a finer tolerance does not halve the error, the rest is rounding, and later agreement
+        # would be chance.
         if error <= accuracy or rounded or answer.outcome == "stuck":
             break
         growth = max(growth, error / tolerance)
@@ -156,15 +160,15 @@ def change_by_rounding(engine: Engine, steps: int) -> float:
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:
     """The tolerance after one whose error was too large; None where there is none.
 
-    missing: by how much the error has to shrink. Errors shrink about in proportion to the
-    tolerance; the next one is to leave AIM of what is allowed, and is finer by one step of the
-    ladder at least.
+    missing: factor by which the error has to shrink. Errors shrink about in proportion to the
+    tolerance; the next one aims at AIM times the allowed error, and is finer by at least one step
+    of the ladder.
     """
     finer = engine.finer(tolerance)
     if finer is None or not missing > 0:
         return finer
     wanted = engine.rung(min(tolerance * missing * AIM, finer))
-    # What cannot be compared with a finer run is no answer.
+    # A run without a finer run to compare is not an answer.
     return wanted if engine.finer(wanted) is not None else finer
 
 
@@ -177,9 +181,9 @@ def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
     """Largest difference of two trajectories, each group of states against its own size.
 
     Over all samples that both reached, in the coordinates in which the first was followed.
-    Infinite where there is no such sample, where a difference is no number, where only one of them
-    was stopped, or where the first came to the end and the second did not; where both were stopped,
-    their last states and times are compared, too.
+    Infinite where there is no such sample, where a difference is NaN, where only one of them was
+    stopped, or where only the first reached the end. If both were stopped, their last states and
+    times are also compared.
     """
     count = min(one.count, two.count)
     stopped = one.outcome == two.outcome == "stopped"

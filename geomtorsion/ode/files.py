@@ -63,16 +63,16 @@ _METADATA = {
     "whole": [str],
     "made": {"engine": str, "tolerance": str, "unit": float},
 }
-_BAD = "{path}: this is no solution saved by Solution.save ({reason}). Save the solution again."
+_BAD = "{path}: this is not a solution saved by Solution.save ({reason}). Save the solution again."
 
 
 @dataclass(frozen=True, eq=False)
 class SavedSolution(Mapping[str, np.ndarray]):
-    """A solution as it was saved: arrays by name, and what was known about it.
+    """A saved solution: arrays by name, and metadata.
 
     times: shape (m,); moment: everything at the times (see `Moment`).
     metadata: problem, accuracy, error, engine, reason, outcome, cost, drift.
-    problem: the equations, where they are not those of a curve in a space; else None.
+    problem: the equations, unless they belong to a curve in a space; else None.
 
     Examples
     --------
@@ -118,8 +118,8 @@ class SavedSolution(Mapping[str, np.ndarray]):
         """
         if self.problem is None:
             raise StartError(
-                "a saved curve holds what it was at its times only. Solve the problem again to "
-                "know what lies between."
+                "a saved curve holds values only at its times. Solve the problem again for values "
+                "in between."
             )
         made, engine = self.metadata["made"], _engine(self.metadata)
         if engine is None:
@@ -215,7 +215,7 @@ def _problem(data: Mapping[str, Any]) -> ODE:
         normalized=data["normalized"],
         name=str(data["name"]),
     )
-    # The text of a symbol does not tell what was declared of it.
+    # The text of a symbol does not contain its assumptions.
     declared = declared_symbols(data.get("declared", {}))
     check_declared(declared, problem.parameters)
     return replace(problem, rates=replace(problem.rates, declared=declared))
@@ -234,7 +234,7 @@ def _tolerance(text: str) -> float:
     """A tolerance as it was written: a positive float in hexadecimal digits."""
     found = float.fromhex(text)
     if not 0 < found < np.inf:
-        raise ValueError(f"{text} is no tolerance")
+        raise ValueError(f"{text} is not a tolerance")
     return found
 
 

@@ -43,7 +43,7 @@ class Members:
     varied: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __getstate__(self) -> Mapping[str, object]:
-        # What comes after was asked when they were run.
+        # The next stage was determined when they were run.
         return only_fields(self) | {"follow": None}
 
     def __len__(self) -> int:
@@ -93,7 +93,7 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class BatchRows:
-    """The same of members that stay together, by one tolerance.
+    """Rows of members that stay together, by one tolerance.
 
     steps, longest: shape (number,), how many steps each took and the longest of them in time, where
         they were counted.

@@ -17,10 +17,11 @@ class Moment(Mapping[str, np.ndarray]):
 
     time: as asked, shape (...).
     values: name -> array; one number of a motion has shape (...), a vector (..., number).
-    whole: names that are vectors of things which have names of their own.
+    whole: names of vectors whose components also have names.
 
-    Of a curve: "coordinates" q^mu, "velocity" q'^mu, "frame_velocity" u^i, "transported" (what is
-    carried along), and each of these by its own name. Of other equations: "states" and outputs.
+    For a curve: "coordinates" q^mu, "velocity" q'^mu, "frame_velocity" u^i, "transported" (the
+    transported vectors), and each component by its own name. For other equations: "states" and
+    outputs.
     """
 
     time: np.ndarray

@@ -33,7 +33,7 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
         shape_error=ShapeError,
         listed=f"{{subject}}: expected a list of {wanted} numbers, got {{value}}.",
         counted=f"{{subject}}: expected {wanted} numbers, got {{came}}.",
-        message="{subject} = {value} is no real number.",
+        message="{subject} = {value} is not a real number.",
         infinite="{subject} = {value} is not finite. Give finite numbers.",
     )
 
@@ -106,7 +106,7 @@ def perturbed(
     Up by the part and down by its golden section in turn: up and down by the same would leave the
     energy of a circular orbit as it is.
 
-    all_of_them: False leaves alone what a float of this precision holds without rounding, and
+    all_of_them: False keeps numbers that a float of this precision holds without rounding, and
         changes numbers of equal size alike, as rounding does: laws of conservation stay.
 
     Examples
@@ -132,18 +132,19 @@ def perturbed(
 
 
 @cache
-def random_signs(number: int, size: int) -> np.ndarray:
+def random_signs(place: tuple[int, int], size: int) -> np.ndarray:
     """Signs that look random and are the same in each call: roundings add up as such signs do.
 
     Examples
     --------
-    >>> random_signs(0, 4).tolist(), random_signs(1, 4).tolist()
-    ([-1.0, 1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0])
+    >>> random_signs((1, 0), 4).tolist(), random_signs((1, 1), 4).tolist()
+    ([-1.0, -1.0, 1.0, 1.0], [1.0, 1.0, 1.0, -1.0])
     """
+    pattern, number = place
     found = []
     for k in range(size):
         # Bits are mixed by the last steps of MurmurHash3.
-        bits = (number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
+        bits = (pattern << 20 | number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
         bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
         bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
         found.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
@@ -161,8 +162,8 @@ def _is_held(value: Real, precision: int) -> bool:
     return q & (q - 1) == 0 and (p // (p & -p) if p else 0).bit_length() <= precision
 
 
-# A motion is divided into so many parts where nobody says how many: samples of a solution that is
-# asked for at one time only, pieces that are kept as it goes, places to look at its error between.
+# Default number of parts of a motion: samples of a solution requested at one time, pieces kept in a
+# checkpoint, and points between which its error is examined.
 PARTS = 64
 
 
@@ -170,7 +171,9 @@ def checked_accuracy(accuracy: object) -> float:
     """A positive finite number."""
     value = checks.real(accuracy)
     if value is None:
-        raise AccuracyError(f"accuracy = {checks.shown(accuracy)} is no number; 1e-10 is usual.")
+        raise AccuracyError(
+            f"accuracy = {checks.shown(accuracy)}: expected a number; 1e-10 is usual."
+        )
     if not 0 < value < float("inf"):
         raise AccuracyError(f"accuracy = {value} was given; a positive number is needed.")
     return value
@@ -227,7 +230,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
 
 
 def times_between(t: object) -> np.ndarray:
-    """Times at which a solution is asked for, of any shape, in any order."""
+    """Times at which a solution is requested, of any shape, in any order."""
     asked = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
     if not asked.size:
         raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
@@ -235,7 +238,7 @@ def times_between(t: object) -> np.ndarray:
 
 
 def check_memory(times: int, states: int, members: int = 1) -> None:
-    """Refuse more states than fit into memory, with those of the finer run beside them."""
+    """Refuse more states than fit into memory, together with the states of the finer run."""
     many = f"{members:,} members at " if members > 1 else ""
     checks.check_room(
         2 * times * states * members,
@@ -245,7 +248,7 @@ def check_memory(times: int, states: int, members: int = 1) -> None:
 
 
 def one_time_only(t: object, times: np.ndarray, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The last time alone, where one was asked for: ensembles keep no samples on the way."""
+    """Only the last time, if one was requested: ensembles keep no samples on the way."""
     if checks.real(t) is not None and len(grid) > 1:
         return times[-1:], np.array([0.0, float(times[-1])])
     return times, grid

@@ -1,4 +1,4 @@
-"""ODE: first-order equations with a start, events, and what is to be known about them."""
+"""ODE: first-order equations with a start, events, outputs and invariants."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class ODE:
         TimeError
             an event has no time, or one before the start.
         CoordinateError
-            a number contradicts what was declared of a parameter, a symbol of sympy in the rates.
+            a number contradicts the assumptions of a parameter, a symbol of sympy in the rates.
 
         Examples
         --------
@@ -178,7 +178,7 @@ class ODE:
 
     @property
     def system(self) -> System:
-        """What engines integrate: the states, and a clock where the time stands in the rates."""
+        """The system for engines: the states, and a clock if the rates depend on time."""
         return self.rates.system
 
     # -- variants --------------------------------------------------------------------------------
@@ -189,7 +189,7 @@ class ODE:
         parameters: Mapping[str, object] | None = None,
         events: Iterable[At] | None = None,
     ) -> ODE:
-        """The same equations from another start or with other numbers; nothing is compiled anew.
+        """The same equations from another start or with other numbers, without new compilation.
 
         Parameters
         ----------
@@ -198,7 +198,7 @@ class ODE:
         parameters
             name -> number for the parameters that change.
         events
-            all changes at given times anew.
+            all changes at given times; they replace the earlier ones.
 
         Examples
         --------
@@ -255,8 +255,8 @@ class ODE:
         room = self._room(0.0, self.start, self.parameters)
         if not room >= 0:
             raise StartError(
-                f"stop = {self.rates.stop} is {room:.6g} at the start already. Start where it is "
-                "above zero; the motion ends where it falls through it."
+                f"stop = {self.rates.stop} is {room:.6g} at the start. Start where it is positive; "
+                "the motion ends where it falls through zero."
             )
 
     def _room(self, time: float, states: State, parameters: Mapping[str, Real]) -> float:
@@ -337,7 +337,7 @@ class ODE:
         )
 
     def _normalized(self, state: State, precision: int) -> State:
-        """A state of the system with those of length one made so."""
+        """A state of the system with its normalized groups rescaled to length one."""
         values = list(state)
         for places in self._unit_places:
             _normalize(values, places, precision)
@@ -350,7 +350,7 @@ class ODE:
         precision: int,
         perturbation: float,
     ) -> Callable[[float, State], Stage | None]:
-        """What comes after the next event."""
+        """The stage after the next event."""
         event, rest = later[0], later[1:]
         changed = dict(parameters) | self._parameter_changes(event)
 
@@ -384,11 +384,11 @@ class ODE:
         return list(self.rates.numbers.exactly([parameters[x] for x in self.rates.parameters]))
 
     def rows(self, segment: Segment, states: np.ndarray, label: str) -> np.ndarray:
-        """States of a segment, those of length one made so."""
+        """States of a segment, normalized groups rescaled to length one."""
         return self.unit_rows(states[:, : self.size])
 
     def unit_rows(self, states: np.ndarray) -> np.ndarray:
-        """Rows of states with those of length one made so, at their own precision."""
+        """Rows of states with normalized groups rescaled to length one, at their own precision."""
         if not self._unit_places or not len(states):
             return states
         states = states.copy()
@@ -408,7 +408,7 @@ class ODE:
         bits: int,
         names: Collection[str] | None = None,
     ) -> Moment:
-        """States and outputs at the times of some pieces, in the shape that was asked for."""
+        """States and outputs at the times of some pieces, in the requested shape."""
         parts = [self.rows(segment, states, "") for segment, states in pieces]
         states = np.concatenate(parts) if parts else np.empty((0, self.size))
         values: dict[str, np.ndarray] = {
@@ -495,7 +495,7 @@ class ODE:
     def changes(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         """Change of each invariant since the start, shape (m,), relative to the size of its terms.
 
-        After an event it is counted anew: a push may change what nothing else does.
+        After an event the count restarts, because a push may change an invariant.
         """
         if not self.invariants or not len(times):
             return {}
@@ -576,8 +576,8 @@ class ODE:
         bad = [f"{name}' = {x:.3g}" for name, x in rates if not math.isfinite(x)]
         why = f"{trajectory.reason}; {', '.join(bad)}" if bad else trajectory.reason
         return StuckError(
-            f"the motion cannot go on at {self.time_name} = {reached:.6g}, at {place}: {why}. Stop "
-            "earlier, or give When(...) for where it ends. What was computed is in the error's "
+            f"the motion cannot continue at {self.time_name} = {reached:.6g}, at {place}: {why}. "
+            "Stop earlier, or give When(...) for its end. The computed part is in the error's "
             "`solution`."
         )
 

@@ -17,8 +17,8 @@ from geomtorsion.ode.system import System
 from geomtorsion.ode.terms import KINKED
 from geomtorsion.precision import EPS
 
-# Equations that are kept, and what is compiled of them: some hundred kilobytes each. What is gone
-# is made again, and is the same.
+# Number of kept equations with their compiled code, some hundred kilobytes each. Dropped ones are
+# compiled again to the same code.
 KEPT = 128
 # The clock counts in such units of time: its number is a rounding of others, and engines that
 # measure errors against the largest state do not lose the small ones in it. A power of two rounds
@@ -40,10 +40,10 @@ class Rates:
 
     expressions: state -> sympy expression over states, parameters and time.
     parameters: names of the numbers that may be chosen for each run.
-    time: the symbol that stands for the time.
+    time: the symbol of the time.
     stop: expression at whose fall through zero the motion ends, or None.
     norm_groups: groups of states whose errors are measured against their common size.
-    declared: parameters as they stood in what was given, with what was declared of them.
+    declared: the parameters of the input, with their assumptions.
     """
 
     expressions: Mapping[str, sp.Expr]
@@ -68,7 +68,7 @@ class Rates:
 
     @cached_property
     def has_clock(self) -> bool:
-        """Whether the time stands in the equations, and is carried as one more state."""
+        """Whether the equations depend on time, which is then one more state."""
         terms = [*self.expressions.values(), *([] if self.stop is None else [self.stop])]
         return any(symbol.name == self.time for term in terms for symbol in term.free_symbols)
 
@@ -109,7 +109,7 @@ class Rates:
 
     @cached_property
     def edges(self) -> Mapping[sp.Expr, str]:
-        """What is positive until a function in the rates or the stop ends, and what ends there."""
+        """Quantities that are positive until a function in the rates or the stop ends; its name."""
         stop = () if self.stop is None else (self.stop,)
         return edges_of((*self.expressions.values(), *stop), {*self.states, self.time})
 
@@ -152,7 +152,7 @@ def _system(
 
 
 def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
-    """Refuse what has kinks or jumps."""
+    """Refuse functions with kinks or jumps."""
     for term, place in zip(terms, where, strict=True):
         for part in sp.preorder_traversal(term):
             if type(part).__name__ in KINKED:
@@ -180,10 +180,10 @@ def default_groups(states: Sequence[str]) -> tuple[tuple[str, ...], ...]:
 
 
 class _Folding:
-    """Puts everything that depends on parameters alone into numbers given at run time.
+    """Replaces subexpressions that depend only on parameters by numbers given at run time.
 
-    What is left depends on the states; small fractions stay. The numbers are worked out exactly
-    and rounded once.
+    The rest depends on the states; small fractions stay. The numbers are computed exactly and
+    rounded once.
     """
 
     def __init__(self, states: Iterable[sp.Symbol]) -> None:
@@ -237,7 +237,7 @@ class _Folding:
         return self.names[value]
 
 
-# What is positive as long as an inverse function of u has a series that is right.
+# Quantity that is positive as long as an inverse function of u has a valid series.
 _INSIDE: Mapping[str, Callable[[sp.Expr], sp.Expr]] = {
     "acos": lambda u: 1 - u**2,
     "asin": lambda u: 1 - u**2,
@@ -252,11 +252,11 @@ _INSIDE: Mapping[str, Callable[[sp.Expr], sp.Expr]] = {
 
 
 def edges_of(terms: Iterable[sp.Expr], moving: set[str]) -> Mapping[sp.Expr, str]:
-    """What is positive until a function in some terms ends -> what happens there, in words.
+    """Quantity that is positive until a function in some terms ends -> the reason, in words.
 
     Roots are watched themselves, and so is the root of what other functions need: where it is
     touched, as 1 - x**2 is by x = cos(t), it has a double zero and its root a simple one, beyond
-    which series go on as they were, but roots and inverse functions do not.
+    which series continue unchanged, but roots and inverse functions do not.
 
     moving: names of what changes on the way.
 
@@ -309,8 +309,8 @@ def _unless_whole(base: sp.Expr, exponent: sp.Expr, moving: set[str]) -> sp.Expr
 def _may_end(term: sp.Expr, root: sp.Pow, moving: set[str]) -> bool:
     """Whether a root may vanish with a finite term around it that its other sign would change.
 
-    That of what may be negative always may; that of a sum of squares only touches zero, and not
-    where one of them does not change.
+    The root of a term that may be negative always may; the root of a sum of squares only touches
+    zero, and not if one of the squares is constant.
     """
     base = root.base
     if not base.is_nonnegative:

@@ -98,7 +98,7 @@ def _bisected(function: Values, low: np.ndarray, high: np.ndarray, sign: np.ndar
 
 
 def shares_left(here: np.ndarray, before: np.ndarray) -> list[float]:
-    """How much is left of each of several values; nothing of what has no value any more."""
+    """Remaining fraction of each of several values; zero for values that no longer exist."""
     with np.errstate(all="ignore"):
         return np.nan_to_num(np.abs(here / before), nan=0.0).tolist()
 

@@ -67,7 +67,7 @@ class Cost:
 
 # Doubles hold numbers to this part; solutions to a finer accuracy keep their longer numbers.
 DOUBLE = EPS / 2
-# Where the first place between two times lies that is looked at, in units of their distance: at the
+# The first point between two times that is examined, in units of their distance: at the
 # golden section, off the middle and off the ends.
 SHIFT = 1 - GOLDEN
 
@@ -134,7 +134,7 @@ class Problem(Protocol):
         ...
 
     def stuck_error(self, trajectory: Trajectory) -> GeomtorsionError:
-        """The error that says where a motion cannot go on, and what can be done."""
+        """The error for a motion that cannot continue, with the position and a remedy."""
         ...
 
 
@@ -142,20 +142,20 @@ class Problem(Protocol):
 class Solution:
     """A solved motion: of a curve in a space, of a scene, of any first-order equations.
 
-    problem: what was solved.
-    times: shape (m,), as asked for, or 65 of them up to the time asked for; where the motion was
-        stopped they end there.
-    accuracy: what was asked for, relative to the size of the solution.
+    problem: the solved problem.
+    times: shape (m,), as requested, or 65 of them up to the requested time; they end where the
+        motion was stopped.
+    accuracy: the requested accuracy, relative to the size of the solution.
     error: estimate of the largest error at `times`, each group of states (coordinates, frame
-        velocities, ...) against its own largest size; a group that is zero but for rounding
-        against what the terms of its rates would add up to. What is read off the states, such as
-        velocities in coordinates or outputs, may be known better or worse: see `error_of`; so
+        velocities, ...) against its own largest size; a group that is zero except for rounding
+        against the sum of the terms of its rates. Quantities derived from the states, such as
+        velocities in coordinates or outputs, may have a smaller or larger error: see `error_of`; so
         may be what `at` gives between the times: see `error_between`.
     engine, reason: what solved it, and why that was chosen.
     cost: steps, evaluations, seconds.
     trajectory: the integration; reference: the finer one with which it was compared.
 
-    Numbers are floats unless an accuracy finer than 1.1e-16 was asked for, which floats do not
+    Numbers are floats unless an accuracy finer than 1.1e-16 was requested, which floats do not
     hold. Then all arrays are of the type of the engine: NumPy's long double, or heyoka's longer
     numbers, whose arrays know most functions of NumPy. `str` of one of them has all its digits,
     for mpmath and others; `x.astype(float)` gives floats.
@@ -184,7 +184,7 @@ class Solution:
 
     @property
     def outcome(self) -> str:
-        """ "done"; "stopped" by an event that ends the motion; "stuck" where it cannot go on."""
+        """ "done"; "stopped" by an event that ends the motion; "stuck" where it cannot continue."""
         return self.trajectory.outcome
 
     @property
@@ -203,7 +203,7 @@ class Solution:
     def moment(self) -> Moment:
         """Everything at the times."""
         pieces = []
-        # The start is a sample even where nobody asked for it.
+        # The start is always a sample.
         first = self._with_end.count - len(self.times)
         for segment in self._with_end.segments:
             states = segment.states[first:] if first else segment.states
@@ -234,7 +234,7 @@ class Solution:
         found = self.problem.moment(times, pieces, shape, bits, names)
         if self.accuracy < DOUBLE or bits == 53:
             return found
-        # Rounded at last: what is read off rounded states may have lost all of its digits.
+        # Rounded last: quantities derived from rounded states may lose all of their digits.
         rounded = {name: np.asarray(x).astype(float) for name, x in found.values.items()}
         return replace(found, values=rounded)
 
@@ -257,7 +257,7 @@ class Solution:
     def coordinates(self) -> np.ndarray:
         """q^mu of a curve in the chart of its problem, shape (m, n).
 
-        Angles lie within half a turn of the start where the motion was followed in another chart.
+        Angles are within half a turn of the start if the motion was followed in another chart.
 
         Raises
         ------
@@ -304,15 +304,15 @@ class Solution:
     def at(self, time: Any) -> Moment:
         """Everything at any time up to the last; arrays of times are welcome.
 
-        Between the times of the solution states are interpolated by the engine. `error` is about
-        the times alone; `error_between` covers these, too. Series (Taylor) are as good in
+        Between the times of the solution states are interpolated by the engine. `error` covers
+        only the times; `error_between` also covers these. Series (Taylor) are as good in
         between; RungeKutta and Stiff interpolate to a lower order than they step, and may be
         worse.
 
         Raises
         ------
         TimeError
-            a time lies outside of what was solved.
+            a time is outside of the solution.
         """
         return self._at(time)
 
@@ -327,8 +327,8 @@ class Solution:
         bad = ~(np.isfinite(flat) & (flat >= low - edge) & (flat <= high + edge))
         if bad.any():
             raise TimeError(
-                f"{self.problem.time_name} = {flat[bad][0]:.6g} lies outside of the solution, "
-                f"which runs from 0 to {last:.6g}. Solve to a later time, or ask within."
+                f"{self.problem.time_name} = {flat[bad][0]:.6g} is outside of the solution, "
+                f"which runs from 0 to {last:.6g}. Solve to a later time, or request a time within."
             )
         found = self.trajectory.at(flat * unit)
         order = np.argsort(np.concatenate([index for _, _, index in found]), kind="stable")
@@ -357,7 +357,7 @@ class Solution:
         Raises
         ------
         ExpressionError, UnknownNameError
-            the term cannot be read, is no single number, or has no finite value somewhere.
+            the term cannot be read, is not a single number, or has no finite value somewhere.
 
         Examples
         --------
@@ -408,8 +408,8 @@ class Solution:
     def drift(self) -> Mapping[str, float]:
         """For each known invariant its largest change, relative to the size of its terms.
 
-        The start counts, too, whether it was asked for or not. Across an event at a given time it
-        is counted anew: a push may change what nothing else does.
+        The start always counts. After an event at a given time the count restarts, because a push
+        may change an invariant.
         """
         return {
             name: float(np.nanmax(change)) if np.isfinite(change).any() else float("nan")
@@ -443,7 +443,7 @@ class Solution:
         if gap == 0:
             return least
         size = float(np.abs(here).max())
-        # Where a value is no number, or none is left to compare with, no error is known.
+        # If a value is NaN, or nothing remains to compare with, the error is unknown.
         known = np.isfinite(gap) and size > 0
         return max(least, SAFETY * gap / size) if known else float("inf")
 
@@ -455,7 +455,7 @@ class Solution:
 
     @cached_property
     def error_between(self) -> float:
-        """Estimate of the largest error of `at`, between the times, too; relative as `error` is.
+        """Estimate of the largest error of `at`, also between the times; relative like `error`.
 
         Worked out on first use, from dense output of the solution and of the run with which it
         was compared, at about a hundred places: it costs as much as the solution did.
@@ -493,7 +493,7 @@ class Solution:
 
     # -- taking it elsewhere ---------------------------------------------------------------------
 
-    def to_pandas(self) -> Any:  # pandas is no dependency
+    def to_pandas(self) -> Any:  # pandas is not a dependency
         """A pandas table: times, and everything that has a name.
 
         Raises
@@ -546,7 +546,7 @@ def _stretches(solution: Solution) -> list[np.ndarray]:
             stretches[-1].append(times[1:])
         else:
             if stretches:
-                # What is at the very time of a jump belongs to what comes after it.
+                # A sample at the time of a jump belongs to the part after it.
                 stretches[-1][-1][-1] = np.nextafter(times[0], stretches[-1][-1][-2])
             stretches.append([times])
     return [np.concatenate(parts) for parts in stretches]

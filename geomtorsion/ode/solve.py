@@ -1,4 +1,4 @@
-"""Solve: a motion to the accuracy asked for, or an error that says what can be had."""
+"""Solve: a motion to the requested accuracy, or an error that names the best accuracy."""
 
 from __future__ import annotations
 
@@ -55,15 +55,15 @@ def solve(
     accuracy
         largest error, relative to the size of the solution (see `Solution.error`).
     engine
-        Taylor(), RungeKutta() or Stiff(); None chooses one of the first two and says why. Both
+        Taylor(), RungeKutta() or Stiff(); None chooses one of the first two and records why. Both
         refuse stiff equations on which they would take too many steps.
     checkpoint
         a file into which the run is written as it goes; a later call with the same problem,
-        times, accuracy and engine goes on from there, to the same result.
+        times, accuracy and engine continues from there, to the same result.
     progress
-        called with the part that is done, from 0 to 1.
+        called with the finished fraction, from 0 to 1.
     overwrite
-        whether to begin anew where the file is the checkpoint of another run.
+        whether to replace the checkpoint of another run.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def solve(
     TimeError
         times are empty, repeated, unsorted, not finite or on both sides of 0.
     ChartEdgeError, StuckError
-        the motion ran out of its last chart, or cannot go on; the error carries what was computed.
+        the motion left its last chart, or cannot continue; the error holds the computed part.
     CheckpointError
         the file is the checkpoint of another run.
 
@@ -154,7 +154,7 @@ def _solved(
     none = f"gives {'no ' if names else ''}two runs to compare"
     got = f"gets to {best:.2g}" if math.isfinite(best) else none
     raise AccuracyError(
-        f"accuracy {accuracy:.3g} was asked for; {', then '.join(names) or 'no engine at hand'} "
+        f"expected accuracy {accuracy:.3g}; {', then '.join(names) or 'no available engine'} "
         f"{got}. " + _remedy(engine)
     )
 
@@ -163,7 +163,7 @@ def _solved(
 class _Runs:
     """What runs of one engine have in common.
 
-    grid: the times of the samples; cuts: times at which runs are ended and go on.
+    grid: the times of the samples; cuts: times at which runs end and continue.
     """
 
     problem: Problem
@@ -176,7 +176,7 @@ class _Runs:
 
     @property
     def limit(self) -> float:
-        """The longest step of a run that has to see what comes; no multiple fits that of a cut."""
+        """The longest step of a run that has to see ahead; not commensurate with the cuts."""
         return GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
 
     def verified(self, runs: list[Trajectory]) -> Verified:
@@ -188,11 +188,11 @@ class _Runs:
     @property
     def parts(self) -> tuple[float, ...]:
         """Times at which the way is divided into equal parts."""
-        return self._divided(PARTS)
+        return tuple(self._at(k / PARTS) for k in range(1, PARTS))
 
-    def _divided(self, count: int) -> tuple[float, ...]:
-        """Times that divide the way into so many equal parts."""
-        return tuple(float(self.grid[-1]) * k / count for k in range(1, count))
+    def _at(self, share: float) -> float:
+        """The time after a share of the way."""
+        return float(self.grid[-1]) * share
 
     def run(
         self,
@@ -201,25 +201,26 @@ class _Runs:
         part: float,
         *,
         limited: bool = False,
-        everywhere: bool = False,
+        pattern: int = 0,
     ) -> Trajectory:
         longest = self.limit if limited else math.inf
         cuts = self.cuts
-        if everywhere:
-            # It meets what the answer meets: the cuts of both.
-            cuts = tuple(sorted({*cuts, *self._divided(PLACES)}, key=abs))
+        if pattern:
+            # The roundings of each part move the state in the middle of that part. The cuts of the
+            # answer stay, so that both meet the same features.
+            middles = {self._at((k + 0.5) / PLACES) for k in range(PLACES)}
+            cuts = tuple(sorted({*cuts, *middles}, key=abs))
         try:
             return integrate(
-                # Moved on the way, it is moved by the roundings of a part at the end of that part.
-                self.problem.first_stage(engine.precision, 0.0 if everywhere else part),
+                self.problem.first_stage(engine.precision, 0.0 if pattern else part),
                 self.grid,
                 tolerance,
                 engine,
                 # Cut where the answer is cut, both would pass over the same.
                 cuts=() if limited and self.kept is None else cuts,
-                shake=part if everywhere else 0.0,
+                shake=(part, pattern) if pattern else None,
                 longest=longest,
-                runner=self.kept and self.kept.runner(engine, tolerance, part, longest),
+                runner=self.kept and self.kept.runner(engine, tolerance, part, longest, pattern),
                 watch=self.report and self.report.next_run(),
             )
         except WorkLimitError as limit:
@@ -266,7 +267,7 @@ def _solution(
     found: Verified,
     runs: Sequence[Trajectory],
 ) -> Solution:
-    """The answer with what is known about it."""
+    """The answer with its error and cost."""
     answer = found.answer
     if answer.outcome != "done":
         skip = len(grid) - len(times)
@@ -276,7 +277,7 @@ def _solution(
             times = np.concatenate((times, [reached]))
     error = found.error
     if accuracy >= DOUBLE and answer.engine.precision > 53:
-        # What is handed out are doubles, however well they are known.
+        # The returned numbers are doubles, whatever the internal precision.
         error = max(error, DOUBLE)
     name = answer.engine.name
     cost = Cost.of(answer, runs)
@@ -318,9 +319,9 @@ def _remedy(engine: Engine | None) -> str:
 
 
 class Report:
-    """How much of a solution is done, by the times that its runs have reached.
+    """Finished fraction of a solution, from the times that its runs have reached.
 
-    Two runs are needed at least; each takes half of what is left.
+    At least two runs are necessary; each counts as half of the rest.
     """
 
     def __init__(self, progress: Callable[[float], object], end: float) -> None:
@@ -330,7 +331,7 @@ class Report:
         self.reported: float = 0.0
 
     def next_run(self) -> Callable[[float], None]:
-        """What is to be called with the times that the next run reaches."""
+        """The function to call with the times that the next run reaches."""
         self.left = left = self.left / 2
 
         def watch(time: float) -> None:

@@ -49,10 +49,10 @@ class System:
     rates: graph over states, then parameters, with one output for each state.
     groups: indices of states whose errors are measured against their common size (coordinates;
         velocities; a quaternion); each state is in one of them.
-    guard: graph over the same arguments; where one of its outputs falls through zero a run ends.
-    end: the guard of the very end of a chart, where `guard` is that of its margin.
-    clock: (state, unit) where a state is the time in such units; an engine may put its own time
-        in the place of that state, which rounds at every step.
+    guard: graph over the same arguments; a run ends where one of its outputs falls through zero.
+    end: the guard of the end of a chart, if `guard` belongs to its margin.
+    clock: (state, unit) where a state is the time in such units; an engine may replace that
+        state, which rounds at every step, by its own time.
     """
 
     states: tuple[str, ...]
@@ -157,8 +157,9 @@ class System:
         return None if guard is None else guard.python()
 
     def guard_at(self, state: Sequence[float], values: Sequence[float]) -> float:
-        """The least output of the guard at one state, less its rounding; below zero where there is
-        no value. Where it is a root, its radicand stands for it.
+        """The smallest output of the guard at one state, minus its rounding error.
+
+        It is negative where the guard has no value. For a root, its radicand is used.
         """
         inner = self._scalar_guard
         if inner is None:
@@ -207,9 +208,9 @@ class System:
 class Hoisted:
     """A system whose constants are further parameters, and the only route to their values.
 
-    A constant is made of parameters and numbers alone, such as sqrt(2)*a or 1/(2*pi).
+    A constant contains only parameters and numbers, such as sqrt(2)*a or 1/(2*pi).
 
-    system: the equations over all parameters: those of the plain system, then the constants.
+    system: the equations over all parameters: first of the plain system, then the constants.
     constants: graphs of the constants, each over all parameters before it.
     """
 
@@ -217,14 +218,14 @@ class Hoisted:
     constants: tuple[Graph, ...]
 
     def numbers(self, values: Sequence[Any] | np.ndarray, bits: int = 53) -> np.ndarray | list[Any]:
-        """Values of all parameters of `system`, from those of the plain system.
+        """Values of all parameters of `system`, from the parameters of the plain system.
 
         values: of one motion, or an array with one row for each motion.
         bits: above 53 the constants of one motion are worked out to so many bits.
         """
         if isinstance(values, np.ndarray) and values.ndim == 2:
             for made in self.constants:
-                # Constants of numbers alone are the same in all rows.
+                # Constants that contain only numbers are the same in all rows.
                 further = made.numpy()(*values.T).reshape(made.size, -1).T
                 rows = (len(values), made.size)
                 values = np.concatenate((values, np.broadcast_to(further, rows)), axis=1)
@@ -252,8 +253,8 @@ class Hoisted:
 
 
 # States (the largest of each group) and durations within this factor of one are run as they are.
-# Coefficients of order n of a series are as its n-th power: those of the highest stay far within
-# the range of floats; and steps measured by the largest of states that differ by it still have ten
+# Coefficients of order n of a series grow like its n-th power: the highest stay far within the
+# range of floats; and steps measured by the largest of states that differ by it still have ten
 # digits of the others.
 FAR = 2.0**20
 # For each group of states its size, and where that is zero the size of its rates.
@@ -263,15 +264,15 @@ Extents: TypeAlias = list[tuple[float, float]]
 # Frozen, it would take a microsecond to make, which short runs would notice.
 @dataclass(eq=False, slots=True)
 class Run:
-    """Result of one integration, complete or not; see `Engine.run` for what an engine owes.
+    """Result of one integration, complete or not; see `Engine.run` for the duties of an engine.
 
-    times, states: where it was asked for and reached; shapes (m,) and (m, size).
+    times, states: requested and reached; shapes (m,) and (m, size).
     reached, last: time and state at which it ended.
     outcome: "done", "edge" (the guard fell through zero), "beyond" (it did so at a place that is
         still to be found) or "stuck" (steps became too small, or there was no number).
     steps, evaluations: counted; for Taylor series an evaluation is one order of one step.
-    compile_seconds, run_seconds: what it cost.
-    dense: states at any times; None if not asked for.
+    compile_seconds, run_seconds: its cost.
+    dense: states at any times; None if not requested.
     reason: why it is stuck.
     longest_step: in time; infinite where that is not known.
     """
@@ -321,8 +322,8 @@ class StiffnessError(WorkLimitError):
         )
 
 
-# A step may be this many times as long as a neighbour takes to approach where accuracy alone limits
-# it; explicit methods of order eight and more become unstable at some six.
+# If only accuracy limits a step, it may be this many times the time in which neighbours approach;
+# explicit methods of order eight and more become unstable at some six.
 STABLE = 2.0
 
 
@@ -335,7 +336,7 @@ def refuse_stiff(
     left: float,
     most: int,
 ) -> None:
-    """Refuse a run that goes on with steps limited by stability, and would need too many.
+    """Refuse a run that would need too many steps limited by stability.
 
     pace: the mean of its last steps; left: the time to its end; most: the steps it may take.
     """
@@ -349,7 +350,7 @@ Show: TypeAlias = Callable[[float], None] | None
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Motions of equal equations that an engine runs at once, and room for their results.
+    """Motions of equal equations that an engine runs at once, and arrays for their results.
 
     The engine fills the arrays below `longest` while it runs: after Ctrl-C they are kept as they
     are.
@@ -406,7 +407,7 @@ class Engine(Protocol):
         """Bits of the mantissa: 53, 64, or from 113 on.
 
         With 53 bits times and states are arrays of doubles, with 64 of NumPy's long doubles, and
-        above that of the numbers that `Taylor(precision).array` makes.
+        above 64 of the numbers that `Taylor(precision).array` makes.
         """
         ...
 
@@ -452,8 +453,8 @@ class Engine(Protocol):
         Parameters
         ----------
         times
-            monotone, increasing or decreasing, shape (m,). They may begin at any time. One time
-            alone, or two equal ones, ask for no step.
+            monotone, increasing or decreasing, shape (m,). They may begin at any time. A single
+            time, or two equal ones, need no step.
         tolerance
             of one step, relative to the size of the state.
         dense
@@ -471,7 +472,7 @@ class Engine(Protocol):
         Run
             A state at each of the times up to the time reached, the first and the last included:
             where the outcome is "done" there are as many states as times, and `reached` and `last`
-            are those of the last time. Where `system.guard_at` falls through zero the run ends with
+            belong to the last time. Where `system.guard_at` falls through zero the run ends with
             outcome "edge": `reached` is the time of the root, and the samples are those before it.
             An engine that notices later that the guard fell may return "beyond"; the solver then
             finds the root by the dense output. Where no step leads on the outcome is "stuck", with
@@ -500,7 +501,7 @@ def checked_engine(engine: object) -> None:
     if missing:
         raise StartError(
             f"engine = {checks.shown(engine)}: expected {', '.join(members)}, got no "
-            f"{', '.join(missing)}. Add what is missing; see Engine."
+            f"{', '.join(missing)}. Add the missing members; see Engine."
         )
     precision = checks.whole(getattr(engine, "precision", None))
     if precision not in (53, 64) and not 113 <= (precision or 0) <= EXACT_BITS:
@@ -563,7 +564,7 @@ def scaled_run(
 ) -> Run:
     """See `Engine.run`: the same, in units of its own size where numbers are far from one.
 
-    extents: those of the start, where they are known.
+    extents: of the start, if known.
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
@@ -627,8 +628,8 @@ def _unscaled(dense: Dense, units: Units) -> Dense:
 def extents_of(
     system: System, start: Sequence[Real] | np.ndarray, parameters: Sequence[Real] | np.ndarray
 ) -> Extents:
-    """Size of each group of states at a start; of what begins at zero, that of its rates."""
-    # On lists: this is asked of every start.
+    """Size of each group of states at a start; for a group at zero, the size of its rates."""
+    # On lists, because it is computed for every start.
     groups, sizes = system.groups_but_clock, [abs(float(x)) for x in start]
     tops = [max([sizes[k] for k in group]) for group in groups]
     if all(tops):
@@ -740,9 +741,9 @@ def scaled_system(system: System) -> System:
     )  # fmt: skip
 
 
-# Called now and then with the time that a run has reached; what it raises ends the run.
+# Called from time to time with the time that a run has reached; an exception ends the run.
 Watch: TypeAlias = Callable[[float], object]
-# A motion that gets no further by this part of its time stands still.
+# A motion that advances by less than this fraction of its time makes no progress.
 STANDSTILL = 1e-9
 # Steps between two looks at whether it does.
 STEPS_AT_ONCE = 2_000

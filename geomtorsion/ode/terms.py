@@ -17,7 +17,7 @@ from geomtorsion.ode.numbers import Real
 
 # An output is one expression, or several that make a vector.
 Terms: TypeAlias = sp.Expr | tuple[sp.Expr, ...]
-# What may stand in outputs, but not in rates.
+# Functions that outputs may contain, but rates may not.
 KINKED = {name: getattr(sp, name) for name in ("Abs", "sign", "Max", "Min", "floor", "ceiling")}
 KINKED["abs"] = sp.Abs
 
@@ -33,9 +33,7 @@ def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
     table: dict[str, sp.Symbol] = {}
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
-            raise ExpressionError(
-                f"{checks.shown(name)} is no name; letters, digits and _ make one."
-            )
+            raise ExpressionError(f"{checks.shown(name)} is not a name; use letters, digits and _.")
         if name in table:
             raise ExpressionError(f"{name} is named twice: states, parameters and time differ.")
         table[name] = sp.Symbol(name, real=True)
@@ -64,8 +62,8 @@ def expression(
     known = checks.fraction(entry)
     if known is None:
         raise ExpressionError(
-            f"{where}: {checks.shown(entry)} is no expression and no finite number; give text, "
-            "sympy or a number."
+            f"{where}: {checks.shown(entry)} is neither an expression nor a finite number; give "
+            "text, sympy or a number."
         )
     return sp.Rational(known.numerator, known.denominator)
 
@@ -82,7 +80,7 @@ def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp
             near = checks.near_names(name, symbols)
             hint = f"Did you mean {near}? " if near else ""
             raise ExpressionError(
-                f"{where}: {name} is no state, no parameter and not the time. {hint}"
+                f"{where}: {name} is neither a state, a parameter nor the time. {hint}"
                 f"Known are {', '.join(symbols)}; give parameters={{{name!r}: ...}} for a number."
             )
         if symbols[name] != symbol:
@@ -108,7 +106,7 @@ def number(value: Any, what: str) -> Real:
         value,
         what,
         StartError,
-        message="{subject} = {value} is no number; give a finite real number.",
+        message="{subject} = {value} is not a number; give a finite real number.",
         infinite="{subject} = {value} is not finite; give a finite real number.",
     )
 

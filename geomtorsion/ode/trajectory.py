@@ -29,7 +29,7 @@ from geomtorsion.ode.system import (
 from geomtorsion.precision import GOLDEN
 
 State: TypeAlias = Sequence[Real] | np.ndarray
-# A motion that meets more events than this goes round in circles on the edge of a chart.
+# A motion with more events than this changes charts forever at an edge.
 MOST_STAGES = 10_000
 # Places looked at in each step for a guard that falls and rises again.
 PER_STEP = 8
@@ -37,10 +37,10 @@ PER_STEP = 8
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """What ends a stage, and what comes after it.
+    """The end of a stage, and the stage after it.
 
-    when: a time; None: where the guard of the system falls through zero (or, if `then` knows a
-        way on, where the engine cannot go on).
+    when: a time; None: where the guard of the system falls through zero (or, if `then` can
+        continue, where the engine cannot).
     then: (time, state) -> the next stage, or None where the motion ends; None: it ends here.
     ending: (time, state) -> outcome and reason where nothing comes after; None: it is "stopped".
     stop: state -> the condition that ends the motion although `then` knows a way on, or None where
@@ -53,7 +53,7 @@ class Event:
     stop: Callable[[State], str | None] | None = None
 
     def __getstate__(self) -> Mapping[str, object]:
-        # What comes after was asked when the trajectory was made.
+        # The next stage was determined when the trajectory was made.
         return only_fields(self) | {"then": None, "ending": None, "stop": None}
 
 
@@ -106,10 +106,10 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """What was computed in one stage.
+    """The computed part of one stage.
 
-    head: 1 where its first sample is its beginning, which nobody asked for, else 0.
-    count: number of samples that were asked for.
+    head: 1 if its first sample is its beginning, which was not requested, else 0.
+    count: number of requested samples.
     """
 
     stage: Stage
@@ -148,8 +148,8 @@ class Segment:
 class Trajectory:
     """Segments in order, in the time of the stages.
 
-    outcome: "done"; "stopped" by an event that ends the motion; "stuck" where it cannot go on;
-        "interrupted" where what is known of it ends.
+    outcome: "done"; "stopped" by an event that ends the motion; "stuck" where it cannot continue;
+        "interrupted" where the computed part ends.
     reason: why it is stuck, or the condition that stopped it, where there are several.
     """
 
@@ -204,7 +204,7 @@ class Trajectory:
         return tuple([segment.label for segment in self.segments])
 
     def at(self, times: np.ndarray) -> list[tuple[Segment, np.ndarray, np.ndarray]]:
-        """For each segment the states at those times that lie in it, and their places."""
+        """For each segment the states at the times within it, and their indices."""
         sign = -1.0 if self.reached < 0 else 1.0
         begins = [sign * float(segment.stage.begin) for segment in self.segments]
         place = np.clip(np.searchsorted(begins, sign * times, "right") - 1, 0, None)
@@ -249,7 +249,7 @@ def integrate(
     engine: Engine,
     *,
     cuts: Sequence[float] = (),
-    shake: float = 0.0,
+    shake: tuple[float, int] | None = None,
     longest: float = math.inf,
     runner: Runner | None = None,
     watch: Watch | None = None,
@@ -263,13 +263,13 @@ def integrate(
     tolerance
         local tolerance for the engine.
     cuts
-        times at which a stage is ended and goes on, so that its parts can be kept in a file.
+        times at which a stage ends and continues, so that a file can keep its parts.
     shake
-        relative change of the state at each cut, of a sign that changes at random.
+        relative change of the state at each cut, and number of the pattern of its signs.
     longest
         the longest step in time.
     runner
-        (number, stage, times) -> its run, in the place of the engine.
+        (number, stage, times) -> its run, instead of the engine.
     watch
         called now and then with the time that is reached.
     """
@@ -311,8 +311,8 @@ def integrate(
                 condition = event.stop(segments[-1].last)
                 if condition is not None:
                     return Trajectory(engine, tolerance, tuple(segments), "stopped", condition)
-            # What cannot go on in two stages in a row cannot go on at all. Engines measure a
-            # standstill by the whole time too, so that the same motion ends in every chart.
+            # A motion that cannot continue in two stages in a row cannot continue at all. Engines
+            # measure progress by the whole time, so that the same motion ends in every chart.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
             idle = idle + 1 if lasts and not moved else 0
         after = None
@@ -326,16 +326,15 @@ def integrate(
         stage = after
 
 
-def _shaken(stage: Stage, state: State, part: float, number: int) -> np.ndarray:
+def _shaken(stage: Stage, state: State, shake: tuple[float, int], number: int) -> np.ndarray:
     """The last state of a stage with each component changed by a relative part, up or down.
 
     A component that has not changed since the stage began has not been rounded either, nor has a
-    clock: they stay. number: of the place on the way. Changes of one sign would add up in
-    proportion to the number of places, and roundings do not.
+    clock: they stay. shake: the part and the pattern of signs; number: of the place on the way.
     """
     values, system = np.asarray(state), stage.system
-    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
-    signs = sizes * random_signs(number, len(values))
+    sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * shake[0]
+    signs = sizes * random_signs((shake[1], number), len(values))
     signs[values == np.asarray(stage.start)] = 0.0
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
@@ -355,7 +354,7 @@ def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) ->
 def _samples(
     times: np.ndarray, done: int, begin: float, stop: float | None, sign: float
 ) -> tuple[np.ndarray, int, int]:
-    """Times for an engine, whether the first is not asked for (0 or 1), and how many are."""
+    """Times for an engine, 1 if the first was not requested (else 0), and the requested number."""
     if stop is None:
         inside = times if done == 0 else times[done:]
     else:
@@ -413,9 +412,9 @@ def without_dense(engine: Engine) -> str:
 
 
 def _is_early(system: System, stage: Stage, run: Run, tolerance: float) -> bool:
-    """Whether a run was ended where its guard is far from zero yet.
+    """Whether a run was ended although its guard is far from zero.
 
-    Series that are cut off before they converge, as those of roots in long steps, vanish anywhere.
+    Truncated series that do not converge, such as of roots in long steps, can vanish anywhere.
     """
     if run.outcome != "edge":
         return False
@@ -450,10 +449,10 @@ def _looked_at(
 
 
 def is_beyond(system: System, run: Run, numbers: State) -> bool:
-    """Whether a run went on where its guard is below zero.
+    """Whether a run continued where its guard is below zero.
 
-    Series of a guard that have no finite value within a step, as those of roots, are not looked at,
-    and those that are cut off before they converge vanish later than the guard.
+    The series of a guard may have no finite value within a step, such as of roots, and a truncated
+    series may vanish later than the guard.
     """
     if run.outcome == "beyond":
         return True

@@ -20,7 +20,7 @@ from geomtorsion.ode.moment import Moment
 from geomtorsion.ode.numbers import Real
 from geomtorsion.ode.trajectory import Trajectory
 
-# Of what `write_solution` writes.
+# Version of the format of `write_solution`.
 FORMAT = 2
 
 
@@ -63,17 +63,17 @@ def term_text(term: sp.Expr) -> str:
 
 
 def terms_text(term: sp.Expr | tuple[sp.Expr, ...]) -> str | list[str]:
-    """The same of one term, or of each component of a vector."""
+    """Text of one term, or of each component of a vector."""
     return [term_text(part) for part in term] if isinstance(term, tuple) else term_text(term)
 
 
 def number_text(value: Real) -> str:
-    """A number with all its digits; that of a float begins with f."""
+    """A number with all its digits; the text of a float begins with f."""
     return f"f{value.hex()}" if isinstance(value, float) else str(value)
 
 
 def numbers_text(table: Mapping[str, Real]) -> dict[str, str]:
-    """The same of numbers by name."""
+    """Texts of numbers by name."""
     return {name: number_text(x) for name, x in table.items()}
 
 

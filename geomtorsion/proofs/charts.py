@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import sympy as sp
@@ -19,6 +19,7 @@ from geomtorsion.curves.equations import Equations
 from geomtorsion.errors import ProofError
 from geomtorsion.precision import PRINTED
 from geomtorsion.proofs.courses import Position, Stretch
+from geomtorsion.proofs.events import Fall
 from geomtorsion.proofs.motions import Leg
 from geomtorsion.proofs.series import BallSystem
 from geomtorsion.proofs.sets import LohnerSet
@@ -69,8 +70,11 @@ class CurveCourse:
     parameters: Mapping[str, Any] = field(default_factory=dict)
 
     def stretches(self, times: Sequence[fmpq], hints: Sequence[Stretch]) -> list[Stretch]:
-        """The charts of the solution."""
-        return list(hints)
+        """The charts of the solution, the last one on to where a stopped curve may end."""
+        *before, last = hints
+        if self.problem.stops and times[-1] > last.end:
+            last = replace(last, end=times[-1], samples=(*last.samples, times[-1]))
+        return [*before, last]
 
     def names(self, label: str) -> tuple[str, ...]:
         """Coordinates of the chart, velocities if they change, what is carried."""
@@ -126,7 +130,12 @@ class CurveCourse:
 
         system = BallSystem.of(equations.system, parameters, backwards=self.backwards)
         inside, words = conditions_of(equations)
-        return Leg(system, stretch.begin, stretch.end, stretch.samples, None, inside, words)
+        fall = None
+        if self.problem.stops:
+            (term,) = self.problem.stop_terms(stretch.label)
+            made = graph((*equations.states, *equations.parameters, ""), [term], factor=False)
+            fall = Fall(system, made, equations.states, parameters, None)
+        return Leg(system, stretch.begin, stretch.end, stretch.samples, fall, inside, words)
 
     def _start(self) -> LohnerSet:
         """Coordinates in the home chart, velocities and what is carried, in units of the speed."""

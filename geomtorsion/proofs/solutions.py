@@ -309,12 +309,24 @@ def course_of(
         given = _start(problem.states, problem.start, start)
         return OdeCourse(problem, backwards, given, dict(parameters or {}))
     if isinstance(problem, CurveProblem):
+        _check_stops(problem, start, parameters)
         given = _start(problem.coordinates, problem.start or (), start)
         return CurveCourse(problem, backwards, given, dict(parameters or {}))
     raise ArgumentError(
         f"expected a solution of an ODE or of a curve, got one of {type(problem).__name__}. "
         "Write the motion as one of these."
     )
+
+
+def _check_stops(problem: CurveProblem, start: Start, parameters: Mapping[str, Any] | None) -> None:
+    """Refuse several conditions to stop, and one whose numbers would be other ones."""
+    terms = ", ".join(stop.text for stop in problem.stops)
+    if len(problem.stops) > 1 or (problem.stops and (start is not None or parameters)):
+        raise ProofError(
+            "expected a curve with at most one condition to stop, from its own start and "
+            f"parameters, got stop = {terms}. Solve it with one, or without, to the time at which "
+            "it stopped."
+        )
 
 
 def _start(names: Sequence[str], known: Sequence[Any], given: Start) -> tuple[Any, ...]:

@@ -60,7 +60,7 @@ def accelerations(assembly: Assembly) -> list[sp.Expr]:
     fixed = replace(
         assembly, rates={s: r for s, r in assembly.rates.items() if s not in assembly.speeds}
     )
-    # Where no point is held, m Omega x v is no part of Omega x L but of m v' in space.
+    # If no point is held, m Omega x v belongs to m v' in space, and not to Omega x L.
     turned = 0 if naive and assembly.constraint.arm is not None else 1
     pulling -= mass * (v.applyfunc(fixed.derivative) + turned * omega.cross(v))
     turning -= inertia * omega.applyfunc(fixed.derivative)
@@ -161,7 +161,7 @@ NOTHING = sp.zeros(3, 1)
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Everything that can be said of a body under its effects, in symbols.
+    """The equations of a body under its effects, in symbols.
 
     context: symbols and values of parameters.
     parts: key of each effect -> what it adds.
@@ -251,7 +251,7 @@ class Assembly:
 
     @cached_property
     def power(self) -> sp.Expr:
-        """What the effects put in per time; 0 for what has a potential."""
+        """Power of the effects; 0 for effects with a potential."""
         return self.constrained(sp.Add(*(power_of(part) for part in self.parts.values())))
 
     def turning(self, symbol: sp.Symbol) -> sp.Expr:
@@ -333,7 +333,7 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     else:
         own[WORK] = assembly.power
         start[WORK.name] = 0
-    # Laws that are no mechanics have the last word.
+    # Laws outside of mechanics override the others.
     for part in parts.values():
         own |= {sp.Symbol(name): assembly.constrained(rate) for name, rate in part.replaces.items()}
     own = {symbol: expression_of(rate) for symbol, rate in own.items()}
@@ -361,7 +361,7 @@ def _own_states(
 
 
 def _substitutions(constraint: Constraint | None) -> dict[sp.Symbol, sp.Expr]:
-    """What a constraint says of angular velocity, velocity and position."""
+    """Angular velocity, velocity and position under a constraint."""
     if constraint is None:
         return {}
     substitutions = dict(zip(OMEGA, map(expression_of, constraint.omega), strict=True))

@@ -156,9 +156,9 @@ class Body:
 
 
 def positive(value: Number, name: str, unit: str) -> Number:
-    """A positive finite number, as it came."""
+    """A positive finite number, unchanged."""
     needed = f"{{subject}} = {{value}}: expected a positive number ({unit})."
-    none = f"{{subject}} = {{value}} is no number; give it in {unit}."
+    none = f"{{subject}} = {{value}} is not a number; give it in {unit}."
     checks.positive(value, name, BodyError, message=needed, number_message=none, infinite=needed)
     return value
 
@@ -280,8 +280,8 @@ def point_masses(
                 tensor[i][j] += m * ((square if i == j else 0) - d[i] * d[j])
     if _on_a_line(tensor):
         raise BodyError(
-            "points: the masses lie on one line, about which nothing resists turning: all must be "
-            "positive, but the moment about it is 0. Give the line a thickness, or the body "
+            "points: the masses are on one line, whose moment of inertia is 0. All moments must be "
+            "positive. Give the line a thickness, or the body "
             "moments=(I1, I2, I3)."
         )
     rows = tuple(_plain(*row) for row in tensor)
@@ -300,9 +300,9 @@ def _three(values: Sequence[Number], name: str) -> list[Fraction]:
 
 
 def _positives(values: object, name: str, three: str, unit: str) -> tuple[Number, ...]:
-    """Three positive numbers, as they came."""
+    """Three positive numbers, unchanged."""
     needed = f"{{subject}} = {{value}}: expected {three} ({unit})."
-    none = f"{{subject}} = {{value}} is no number; give it in {unit}."
+    none = f"{{subject}} = {{value}} is not a number; give it in {unit}."
     found = checks.numbers(
         values, 3, name, BodyError, listed=needed, counted=needed, message=none, infinite=none
     )
@@ -330,12 +330,12 @@ def exact(value: object, name: str) -> sp.Expr:
     Raises
     ------
     SceneError
-        it is no finite real number.
+        It is not a finite real number.
     """
     return checks.rational(
         value,
         name,
         SceneError,
-        message="{subject} = {value} is no number.",
+        message="{subject} = {value} is not a number.",
         infinite="{subject} = {value}: expected a finite number.",
     )

@@ -36,7 +36,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     Raises
     ------
     CheckpointError
-        the file is no checkpoint, is that of another run, or holds nothing yet.
+        the file is not a checkpoint, belongs to another run, or is still empty.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
                 raise ValueError(name)
         except ValueError:
             raise CheckpointError(
-                f"{path}: {shown(part)} is no part of a run. Remove the file, or name another."
+                f"{path}: {shown(part)} is not a part of a run. Remove the file, or name another."
             ) from None
         # Parts of runs that were cut at more times go by other numbers.
         if "/" not in number:
@@ -88,7 +88,7 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
     kept = integrate(stage, grid, tolerance, solver, cuts=cuts, runner=from_file)
     rows = [ode.rows(segment, segment.states, "") for segment in kept.segments]
     states = np.concatenate(rows).astype(float)
-    # The start is in the grid even where it was not asked for.
+    # The grid contains the start even if it was not requested.
     states = states[len(grid) - len(times) :]
     reached = times[: len(states)]
     return result_of(

@@ -19,7 +19,7 @@ POSITION: Symbols = sp.symbols("x y z")
 VELOCITY: Symbols = sp.symbols("vx vy vz")
 TIME = sp.Symbol("t")
 
-# What each group of states is made of; rows 1 and 2 of R stand for the whole attitude.
+# The states of each group; rows 1 and 2 of R represent the whole attitude.
 GROUPS: Mapping[str, frozenset[sp.Symbol]] = {
     "omega": frozenset(OMEGA),
     "vertical": frozenset(VERTICAL),
@@ -40,7 +40,7 @@ _GROUP_OF: dict[str, str] = {
 
 
 def group_of(name: str) -> str:
-    """The group that a state belongs to; other nodes of the graph stand for themselves.
+    """The group that a state belongs to; other nodes of the graph are their own group.
 
     Examples
     --------
@@ -99,7 +99,7 @@ class Context:
         A name that is taken gets the key of the effect after it: `k`, then `k_spring2`.
         """
         number = exact(value, name)
-        # What is absent is left out of the equations, and with it perhaps a state.
+        # Zero terms are omitted from the equations, and with them perhaps a state.
         if number == 0:
             return sp.S.Zero
         return self._named(name, number)

@@ -21,13 +21,13 @@ from geomtorsion.units import quantity, scale_of, with_unit
 
 _WORD = re.compile(r"[^\W0-9]\w*")
 _QUOTED = re.compile(r"'([^']*)'")
-# What an effect says of its own fields begins like this, with its key: thrust2.force[2].
+# Messages of an effect about its fields begin like this, with its key: thrust2.force[2].
 _FIELD = re.compile(r"(\w+)(?:\.(\w+)(?:\[(\d+)\])?|:)")
 
 
 @contextmanager
 def placed(file: TomlFile, key: Key, what: str, known: Iterable[str] = ()) -> Iterator[None]:
-    """Say file and line of what goes wrong inside: that of the first key that is spoken of.
+    """Add file and line to errors inside: the line of the first key that the error names.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _of_effect(data: Mapping[str, object], text: str) -> list[Key]:
 
 
 def _leaves(value: object, text: str, path: Key = ()) -> Iterator[Key]:
-    """Where a text stands in the content of a file."""
+    """Position of a text in the content of a file."""
     if isinstance(value, dict):
         for key, inside in value.items():
             yield from _leaves(inside, text, (*path, key))
@@ -97,8 +97,8 @@ def _leaves(value: object, text: str, path: Key = ()) -> Iterator[Key]:
         yield path
 
 
-# What an error in the form of a file ends with.
-ADVICE = 'Expressions and numbers with units stand in quotes, as in "9.81 m/s^2".'
+# The last sentence of an error in the form of a file.
+ADVICE = 'Put expressions and numbers with units in quotes, as in "9.81 m/s^2".'
 TEXT_KEYS = ("name", "title", "story")
 KEYS = (*TEXT_KEYS, "watch", "t", "accuracy", "samples", "body", "effects", "start")
 START_UNITS: Mapping[str, str | None] = {
@@ -126,9 +126,9 @@ def read_file(path: str | PathLike[str]) -> Scene:
     Keys
     ----
     name, title, story
-        Texts; the name defaults to that of the file.
+        Texts; the default name is the name of the file.
     watch
-        List of what is watched: "nutation", "energy", ...
+        List of outputs: "nutation", "energy", ...
     t, accuracy, samples
         How long (s), the accuracy of the result (relative), and how many times are reported; t may
         also be the list of these times.
@@ -147,8 +147,8 @@ def read_file(path: str | PathLike[str]) -> Scene:
     Raises
     ------
     FileFormatError
-        The file cannot be read, is no TOML, has an unknown key, a value of the wrong kind or unit,
-        or describes a scene that cannot be; the message names file, line and the nearest key.
+        The file cannot be read, is not TOML, has an unknown key, a value of the wrong kind or unit,
+        or describes an impossible scene; the message names file, line and the nearest key.
     LimitError
         The file is too large.
 
@@ -217,7 +217,7 @@ def _text(file: TomlFile, key: str) -> str:
 
 
 def _watch(file: TomlFile) -> list[str]:
-    """What is watched: one text, or a list of them."""
+    """The outputs: one text, or a list of them."""
     value = file.data.get("watch", [])
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
@@ -230,7 +230,7 @@ def _body(file: TomlFile) -> Body:
     shape = table.get("shape", "")
     if not isinstance(shape, str) or shape not in SHAPES:
         known = [name for name in SHAPES if name]
-        file.fail(("body", "shape"), f"body: {shape!r} is no shape. Known are {', '.join(known)}.")
+        file.fail(("body", "shape"), f"body: {shape!r} is not a shape. Known: {', '.join(known)}.")
     maker, units = SHAPES[shape]
     for key in table:
         if key not in units and key != "shape":
@@ -343,5 +343,5 @@ def _numbers(file: TomlFile, key: Key, value: Any, unit: str, *, texts: bool = F
 
 
 def _plain(value: Any) -> Any:
-    """A value that is no quantity, lists as tuples."""
+    """A value without a unit, lists as tuples."""
     return tuple(_plain(part) for part in value) if isinstance(value, list) else value

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.checks import did_you_mean
 from geomtorsion.errors import SceneError, UnknownNameError
@@ -66,7 +66,7 @@ class SweepRun:
         True
         """
         values = self.part(name, part)
-        # Samples that are exactly zero have no sign: those on both sides of them say what happens.
+        # Samples that are exactly zero have no sign: their neighbours decide.
         signed = np.flatnonzero(values)
         change = np.flatnonzero(np.diff(np.sign(values[signed])))
         found = [
@@ -89,7 +89,7 @@ class SweepRun:
         values = sign * self.part(name, part)
         k = int(np.argmax(values))
         best = float(values[k])
-        # The extreme lies in one of the two intervals next to the largest sample.
+        # The extreme is in one of the two intervals next to the largest sample.
         for first in (k - 1, k):
             if 0 <= first < len(values) - 1:
                 between = self._between(values, first)
@@ -162,7 +162,7 @@ def measures(
     Raises
     ------
     SceneError
-        words that are no measure.
+        The words are not a measure.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def measures(
         asked = {getattr(asked, "__name__", "measure"): asked}
     elif not asked or not isinstance(asked, list | tuple | Mapping):
         raise SceneError(
-            f'{asked!r} is no measure. Give words such as "max nutation", or a function.'
+            f'{asked!r} is not a measure. Give words such as "max nutation", or a function.'
         )
     elif not isinstance(asked, Mapping):
         asked = {str(item): item for item in asked}
@@ -189,7 +189,7 @@ def _spoken(text: str) -> Callable[[SweepRun], float]:
     if match is None or what not in WORDS:
         hint = did_you_mean(what, WORDS)
         raise SceneError(
-            f"{text!r} is no measure. {hint}Write one of {', '.join(WORDS)} before a watched "
+            f"{text!r} is not a measure. {hint}Write one of {', '.join(WORDS)} before a watched "
             'quantity, as in "max nutation" or "between zeros omega[1]", or give a function.'
         )
     name, part = match["name"], match["part"]

@@ -106,7 +106,7 @@ FINE = 1001
 class Observable:
     """Something that can be watched.
 
-    name, meaning, unit: how it is asked for, what it is, and in which unit (SI).
+    name, meaning, unit: the name in requests, a description, and the unit (SI).
     labels: names of its components; none for one number.
     made_of: expressions over states and parameters of an assembly.
     finish: their values, shape (m, k), -> the quantity, (m,) or (m, components); None: as they are.
@@ -179,7 +179,7 @@ def _table() -> tuple[Observable, ...]:
 
 
 def euler(name: str, convention: str) -> Observable:
-    """Euler angles of a convention; first and third go on beyond pi."""
+    """Euler angles of a convention; first and third continue beyond pi."""
     finish = partial(attitude.euler_from_quaternion, convention=convention, continuous=True)
     meaning = f"Euler angles {convention}" + (" (the paper's)" if convention == "zyz" else "")
     return Observable(name, meaning, "rad", AXES, lambda _: tuple(QUATERNION), finish)

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 Draw = Callable[["SceneResult"], "Figure"]
-# Effects that are no mechanics: with them a scene is compared with the one without.
+# Effects outside of mechanics: such a scene is compared with the scene without them.
 LAWS = frozenset({"naive", "torsion"})
 
 
 def plot(result: SceneResult, path: str | Path | None = None) -> Figure:
-    """What was watched, over time, in one figure; written to a file if a path is given.
+    """The outputs over time in one figure; written to a file if a path is given.
 
     Raises
     ------
@@ -68,8 +68,11 @@ def drawings(result: SceneResult) -> dict[str, tuple[Draw, str]]:
     if scene is not None and LAWS & set(scene.keyed):
         shown["laws"] = (laws, "In comparison, the same start by the law that bodies obey.")
     if scene is not None:
-        shown["trust"] = (trust, "Error, and drift of what should be constant.")
-        shown["plan"] = (plan, "What was computed, and what was left out.")
+        shown["trust"] = (trust, "Error, and drift of conserved quantities.")
+        shown["plan"] = (
+            plan,
+            "The computed and the omitted states and effects.",
+        )
     return shown
 
 
@@ -103,7 +106,7 @@ def watched(result: SceneResult) -> Figure:
     quantities = getattr(result.selection, "watch", ())
     times, *values = finely(result, *result.values)
     named = dict(zip(result.values, values, strict=True))
-    # Nine lines tell nothing; the picture of the attitude shows them.
+    # Nine lines are too many; the figure of the attitude shows them.
     shown = {name: x for name, x in named.items() if x[0].size < 9} or named
     return watched_picture(
         times,
@@ -181,6 +184,6 @@ def trust(result: SceneResult) -> Figure:
 
 
 def plan(result: SceneResult) -> Figure:
-    """What is in and what was left out."""
+    """Included and omitted states and effects."""
     # A result that was loaded has a text for its selection; `drawings` offers it no picture of one.
     return selection_figure(result.selection)  # type: ignore[arg-type]

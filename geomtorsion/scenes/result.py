@@ -1,4 +1,4 @@
-"""SceneResult: what was watched, at the times asked for, with its error and its cost."""
+"""SceneResult: the outputs at the requested times, with their error and cost."""
 
 from __future__ import annotations
 
@@ -91,18 +91,18 @@ ADVICE = "Write one with SceneResult.save."
 class SceneResult:
     """A scene that was solved.
 
-    scene: what was solved; None if it was loaded from a file.
+    scene: the solved scene; None if the result was loaded from a file.
     times: shape (m,), s.
-    values: watched quantity -> array, shape (m,) or (m, components), or (m, 3, 3).
+    values: output -> array, shape (m,) or (m, components), or (m, 3, 3).
     labels, units: of each watched quantity.
-    accuracy: what was asked for.
+    accuracy: the requested accuracy.
     error: estimate of the largest error of the states at `times`, relative to their size; no
         smaller than what the doubles in `values` hold, 1.1e-16. More digits are in `solution`.
     drift: invariant -> largest relative change.
     cost: steps, evaluations, seconds.
-    engine, reason: what solved it, and why that was chosen.
+    engine, reason: the engine, and why it was chosen.
     outcome: "done", "stopped" (by a condition of the scene), "stuck" or "interrupted".
-    selection: what was in and what was left out; its text in a result that was loaded.
+    selection: included and omitted states; a text in a loaded result.
     closed_form: name of the closed form that was used, or None.
     solved: the solution of the equations; None where the closed form was used.
     form: that closed form.
@@ -155,14 +155,14 @@ class SceneResult:
         """Watched quantities at any times up to the last, by name.
 
         Between the times of the result they are interpolated by the engine, or exact where there
-        is a closed form. Angles that go on beyond pi start anew in each call.
+        is a closed form. Angles that continue beyond pi restart in each call.
 
         Raises
         ------
         SceneError
             the result was loaded from a file.
         TimeError
-            a time lies outside of what was solved.
+            a time is outside of the solution.
         """
         if self.scene is None:
             raise SceneError("a result from a file has no values between its times; run the scene.")
@@ -252,7 +252,7 @@ class SceneResult:
         return table
 
     def plot(self, path: str | Path | None = None) -> Figure:
-        """A figure with what was watched over time; written to `path` (png, svg, pdf) if given.
+        """A figure of the outputs over time; written to `path` (png, svg, pdf) if given.
 
         Raises
         ------
@@ -264,7 +264,7 @@ class SceneResult:
     # -- taking it elsewhere ---------------------------------------------------------------------
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A pandas table: times, then each component of what was watched.
+        """A pandas table: times, then each component of the outputs.
 
         Raises
         ------
@@ -304,7 +304,7 @@ class SceneResult:
         FileFormatError
             the file cannot be read, or is something else.
         """
-        message = "{path}: this is no saved result of a scene ({reason}). " + ADVICE
+        message = "{path}: this is not a saved result of a scene ({reason}). " + ADVICE
         arrays = read_npz(path, ARRAYS, message=message)
         about = json_in(arrays, "about", ABOUT, path=path, message=message)
         times = arrays["times"]
@@ -348,7 +348,7 @@ def _misfit(about: Mapping[str, Any], times: np.ndarray, values: Mapping[str, np
 
 
 def result_of(scene: Scene, **known: Any) -> SceneResult:
-    """A result with what the scene says of itself: labels, units, accuracy, selection."""
+    """A result with the metadata of the scene: labels, units, accuracy, selection."""
     selection = scene.selection
     return SceneResult(
         scene=scene,

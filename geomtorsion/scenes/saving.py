@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from geomtorsion.scenes.result import SceneResult
 
 
-# Enough for a screen, and files that are not large: the limit is 250 kB each, as a test says.
+# Enough for a screen, and files that are not large: a test limits each to 250 kB.
 DPI = 92
 TABLE, ARRAYS, FACTS, SCENE = "table.csv", "result.npz", "run.json", "scene.toml"
 
@@ -81,7 +81,7 @@ def write_run(
 
 
 def metadata(result: SceneResult) -> dict[str, Any]:
-    """What was solved, how and how well, ready for JSON."""
+    """Scene, method and error of a result, ready for JSON."""
     scene = result.scene
     return {
         "name": getattr(scene, "name", ""),
@@ -104,9 +104,9 @@ def metadata(result: SceneResult) -> dict[str, Any]:
 
 
 def write_scene_film(result: SceneResult, path: Path) -> Path:
-    """Write a film of a scene (.gif or .mp4); the directory is made if it is missing.
+    """Write an animation of a scene (.gif or .mp4); the directory is made if it is missing.
 
-    The attitude, if it was not watched, is solved for anew.
+    If the attitude is not an output, the scene is solved again.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def write_scene_film(result: SceneResult, path: Path) -> Path:
     names = ["matrix", *(["position"] if "position" in result.values else [])]
     if "matrix" not in result.values:
         result = scene.with_values(watch=names).run()
-    # A film shows equal times in equal times, whatever times were asked for.
+    # An animation needs equidistant times, whatever times were requested.
     times = np.linspace(float(result.times[0]), float(result.times[-1]), FINE)
     found = result.at(times)
     body = scene.body
@@ -146,7 +146,7 @@ def write_file(scene: Scene, path: str | PathLike[str], story: str = "") -> None
     Raises
     ------
     FileFormatError
-        Something in the scene cannot be written down: an expression that is no text, a function.
+        Something in the scene cannot be written: an expression that is not text, or a function.
     """
     text = to_toml(scene, story)
     write_text(path, text)
@@ -197,7 +197,7 @@ def to_toml(scene: Scene, story: str = "") -> str:
     ]
     parts += [_effect(effect) for effect in scene.effects]
     start = {key: getattr(scene.start, key) for key in START_UNITS}
-    # A convention without angles, or the usual one, says nothing.
+    # A convention without angles, or the default, is not written.
     if start["euler"] is None or start["euler_convention"] == State.euler_convention:
         del start["euler_convention"]
     lines = "".join(_line(key, value) for key, value in start.items() if value is not None)
@@ -207,7 +207,7 @@ def to_toml(scene: Scene, story: str = "") -> str:
 
 
 def _effect(effect: Effect) -> str:
-    """One table of [[effects]], without what is as it would be anyway."""
+    """One table of [[effects]], without default values."""
     text = f"[[effects]]\n{_line('kind', effect.key)}"
     for item in fields(effect):
         value = getattr(effect, item.name)
@@ -219,7 +219,7 @@ def _effect(effect: Effect) -> str:
 
 
 def _same(value: Any, usual: Any) -> bool:
-    """Whether a field has its default; arrays and tuples are compared by what is in them."""
+    """Whether a field has its default; arrays and tuples are compared by their entries."""
     if usual is MISSING or usual is None:
         return False
     return _written(value) == _written(usual)
@@ -246,7 +246,7 @@ def _written(value: Any, indent: int = 0) -> str:
         return "[\n" + "".join(f"  {part},\n" for part in parts) + "]"
     if isinstance(value, int):
         return str(value)
-    # Exact numbers would lose digits as TOML numbers: they stand as text, and are read exactly.
+    # Exact numbers would lose digits as TOML numbers: they are written as text and read exactly.
     if isinstance(value, Fraction):
         return _text(str(value))
     if hasattr(value, "free_symbols"):

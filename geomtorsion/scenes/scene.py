@@ -1,4 +1,4 @@
-"""Scene: a body, what acts on it, how it starts, what is watched, and what each effect costs."""
+"""Scene: a body, its effects, start and outputs, and the cost of each effect."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ if TYPE_CHECKING:
     from geomtorsion.ode import ODE, Engine
 
 
-# Of these only one is given: a new one takes the place of what was given before.
+# Alternatives of which only one may be given: a new one replaces the old one.
 ONE_OF = (("euler", "quaternion", "matrix"), ("moments", "inertia"))
 _STEP = re.compile(r"([^\W\d]\w*)((?:\[\d+\])*)")
 
 
 def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """The scene with each path set to its value; all at once, so that checks see the whole."""
-    # Changes are gathered first: half of them alone could be a body that cannot be.
+    # Changes are collected first, because half of them could describe an impossible body.
     table: dict[str, Any] = {}
     keyed = dict(scene.keyed)
     for path, value in changes.items():
@@ -72,14 +72,14 @@ def _steps(path: str) -> list[tuple[str, tuple[int, ...]]]:
         match = _STEP.fullmatch(part)
         if match is None:
             raise UnknownNameError(
-                f"{path!r} is no path. Write names with dots and indices, as body.moments[2]."
+                f"{path!r} is not a path. Write names with dots and indices, as body.moments[2]."
             )
         found.append((match[1], tuple(int(k) for k in re.findall(r"\d+", match[2]))))
     return found
 
 
 def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path: str) -> Any:
-    """A dataclass, or a table of names, with what is at the first step changed."""
+    """A dataclass, or a table of names, with the entry of the first step changed."""
     (name, places), *rest = steps
     if isinstance(thing, Mapping) and name in thing:
         return {**thing, name: _set_here(thing[name], places, rest, value, path)}
@@ -128,11 +128,11 @@ def _near(name: str, known: tuple[str, ...]) -> str:
 
 @dataclass(frozen=True)
 class Scene:
-    """A rigid body in motion, with exactly the states and effects that are asked for.
+    """A rigid body in motion, with exactly the states that its outputs and effects need.
 
-    body: what moves.
-    effects: what acts on it; rotation by its own inertia (spin) is always there.
-    start: how it starts.
+    body: the body.
+    effects: its effects; rotation by its own inertia (spin) is always included.
+    start: its initial state.
     watch: names of the quantities to report, see `geomtorsion.scenes.observables`.
     t: last time (s), or all times at which to report, from 0 on.
     accuracy: largest error of the states, relative to their size.
@@ -190,7 +190,7 @@ class Scene:
         whole = "{subject} = {value}: expected a whole number from 2 on."
         samples = checks.count(self.samples, "samples", SceneError, 2, message=whole)
         object.__setattr__(self, "samples", samples)
-        # Before there are equations: a body alone has six numbers and their rates.
+        # Before there are equations: every body has six numbers and their rates.
         check_memory(self.samples, 12)
         # Outputs of effects are known only when these have written their equations.
         for key, part in self.assembly.parts.items():
@@ -202,7 +202,7 @@ class Scene:
                     )
         _ = self.selection
 
-    # -- what is solved --------------------------------------------------------------------------
+    # -- equations -------------------------------------------------------------------------------
 
     @cached_property
     def keyed(self) -> Mapping[str, Effect]:
@@ -218,18 +218,18 @@ class Scene:
 
     @cached_property
     def assembly(self) -> Assembly:
-        """All equations in symbols, before anything is left out."""
+        """All equations in symbols, before the selection."""
         return assemble(self.body, self.keyed)
 
     @cached_property
     def correct_assembly(self) -> Assembly:
-        """The equations without what is shipped as a wrong law."""
+        """The equations without the laws that are shipped as wrong."""
         right = {key: effect for key, effect in self.keyed.items() if not effect.wrong}
         return self.assembly if len(right) == len(self.keyed) else assemble(self.body, right)
 
     @cached_property
     def selection(self) -> StateSelection:
-        """Which states and effects are in, which are left out, and why; prints as a table."""
+        """Included and omitted states and effects, with reasons; prints as a table."""
         titles = {"spin": Spin.title}
         if self.assembly.constraint is None:
             titles["drift"] = Drift.title
@@ -273,7 +273,7 @@ class Scene:
         checkpoint: str | Path | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> SceneResult:
-        """Solve the scene; what was watched is in the result by name.
+        """Solve the scene; the result holds the outputs by name.
 
         A free body is solved in closed form, and checked against the integrator on the first part
         of the times. An engine that is named is used.
@@ -290,7 +290,7 @@ class Scene:
         StartError
             the start lacks something that the selection needs.
         StuckError
-            the motion cannot go on; the `solution` of the error is the result so far.
+            the motion cannot continue; the `solution` of the error is the result so far.
         """
         return solve_scene(self, engine, checkpoint, progress)
 
@@ -317,7 +317,7 @@ class Scene:
         UnknownNameError
             a path leads nowhere.
         SceneError
-            nothing is varied, lengths differ, or words that are no measure.
+            nothing is varied, lengths differ, or words are not a measure.
         """
         return sweep(self, varied, measure, **options)
 
@@ -332,7 +332,7 @@ class Scene:
         Raises
         ------
         UnknownNameError
-            a path leads nowhere; the message names what is there.
+            a path does not exist; the message names the existing ones.
         """
         if changes is not None and not isinstance(changes, Mapping):
             raise SceneError(
@@ -352,7 +352,7 @@ def _names(watch: Any) -> tuple[str, ...]:
         raise SceneError('watch is empty: name what to report, for instance "omega".')
     for name in names:
         if not isinstance(name, str):
-            raise SceneError(f'watch: {name!r} is no name. Give texts, for instance ["omega"].')
+            raise SceneError(f'watch: {name!r} is not a name. Give texts, for instance ["omega"].')
     # In their order, each once.
     return tuple(dict.fromkeys(names))
 
@@ -367,7 +367,7 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
             name = getattr(effect, "__name__", repr(effect))
             hint = f" Write {name}(...)." if isinstance(effect, type) else ""
             known = ", ".join(kind.__name__ for kind in EFFECTS)
-            raise SceneError(f"effects: {name} is no effect.{hint} There are {known}.")
+            raise SceneError(f"effects: {name} is not an effect.{hint} There are {known}.")
     keys = [effect.key for effect in listed]
     for effect in listed:
         if keys.count(effect.key) > 1 and not effect.several:

@@ -1,4 +1,4 @@
-"""Selection: which states and effects a scene needs, which it leaves out, and why."""
+"""Selection: the states and effects that a scene needs or omits, with reasons."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import networkx as nx
     from matplotlib.figure import Figure
 
-# Names of groups whose states come in or stay out together; other states stand for themselves.
+# Names of groups whose states are included or omitted together; other states form no group.
 _TOGETHER = {
     **dict.fromkeys((*ATTITUDE[0, :], *ATTITUDE[1, :], *QUATERNION), "attitude"),
     **dict.fromkeys(VERTICAL, "vertical"),
@@ -52,12 +52,12 @@ class SelectionRow:
 
 @dataclass(frozen=True, eq=False)
 class StateSelection:
-    """What a scene solves: what is watched, what that needs, and nothing else.
+    """The states that a scene solves: its outputs, and the states that they need.
 
     title: of the scene.
-    assembly: all equations, before anything is left out.
-    watch: the quantities asked for.
-    titles: key of each effect -> what it is.
+    assembly: all equations, before the selection.
+    watch: the requested outputs.
+    titles: key of each effect -> its title.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class StateSelection:
 
     @cached_property
     def graph(self) -> nx.DiGraph[str]:
-        """Quantities, states and effects, with edges from what is needed to what needs it."""
+        """Quantities, states and effects, with edges from each requirement to its dependents."""
         import networkx as nx  # 0.14 s to load, and only here
 
         graph = nx.DiGraph()
@@ -156,7 +156,7 @@ class StateSelection:
                 found |= nx.ancestors(graph, name)
         return frozenset(found)
 
-    # -- what follows from it --------------------------------------------------------------------
+    # -- results ---------------------------------------------------------------------------------
 
     @cached_property
     def symbols(self) -> Symbols:
@@ -212,11 +212,11 @@ class StateSelection:
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """Names of the effects and groups of states that are left out."""
+        """Names of the omitted effects and groups of states."""
         return tuple(row.name for row in self.rows if not row.inside)
 
     def draw(self) -> str:
-        """The graph as SVG text, the same each time: what is in and, in grey, what is left out."""
+        """The graph as SVG text, the same each time; omitted nodes are grey."""
         return svg_text(selection_figure(self))
 
     def _repr_html_(self) -> str:
@@ -240,7 +240,7 @@ class StateSelection:
         return str(self)
 
 
-# -- why each is in or left out -------------------------------------------------------------------
+# -- reasons --------------------------------------------------------------------------------------
 
 
 def _rows(selection: StateSelection) -> tuple[SelectionRow, ...]:
@@ -291,7 +291,7 @@ def _state_rows(selection: StateSelection) -> Iterable[SelectionRow]:
 
 
 def _wanted(selection: StateSelection, node: str) -> str:
-    """Who asks for a state: what is watched first, then the rates that contain it."""
+    """The reason for a state: outputs first, then the rates that contain it."""
     graph, needed = selection.graph, selection._needed
     watchers = [
         other.removeprefix("watch ")
@@ -335,7 +335,7 @@ def _selected_again(
 
 
 def selection_figure(selection: StateSelection) -> Figure:
-    """What is watched, the states it needs, and the effects that act on them, as a figure.
+    """Outputs, the states that they need, and the effects on these, as a figure.
 
     Raises
     ------
@@ -364,7 +364,7 @@ def selection_figure(selection: StateSelection) -> Figure:
 
 
 def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, str]]:
-    """From what needs to what is needed, each pair once."""
+    """Pairs (dependent, requirement), each once."""
     found: dict[tuple[str, str], None] = {}
     for needed, user, kind in selection.graph.edges(data="kind"):
         if kind == "gives" or user.startswith("stop "):
@@ -384,7 +384,7 @@ def _edges(selection: StateSelection, boxes: dict[str, str]) -> list[tuple[str, 
 
 
 def _effect(selection: StateSelection, key: str) -> str:
-    """The box of an effect; another one than that of a quantity called alike."""
+    """The box of an effect; distinct from an output of the same name."""
     return f"{key} (effect)" if key in [item.name for item in selection.watch] else key
 
 

@@ -29,8 +29,8 @@ NAME = "free top (Jacobi elliptic functions)"
 # The check follows so many turns, at a time in each: enough to see a wrong formula or a wrong start
 # (the closed form gets no worse with time), and about a millisecond of integration.
 CHECKED_TURNS = 32
-# The check is at least so accurate, however little is asked for, so that the estimate is not far
-# above the true error; it takes a millisecond either way.
+# The check is at least this accurate, whatever accuracy is requested, so that the estimate is not
+# far above the true error; it takes a millisecond either way.
 CHECKED_ACCURACY = 1e-9
 # Doubles do not suffice for this accuracy, so that the integrator takes more digits.
 MORE_DIGITS = float(np.finfo(float).eps) / 8
@@ -144,7 +144,7 @@ def _checked(form: ClosedForm, last: float) -> tuple[float, float]:
     reach = min(abs(last), 2 * math.pi * CHECKED_TURNS / speed if speed else abs(last))
     if reach == 0:
         return ROUNDING, 0.0
-    # A quarter leaves room for the error of the check itself.
+    # A quarter allows for the error of the check itself.
     asked = min(scene.accuracy / 4, CHECKED_ACCURACY)
     compiled = 0.0
     tries = [(1.0, asked), (1.0, min(asked, MORE_DIGITS))]
@@ -190,7 +190,7 @@ def solve_scene(
     try:
         solved = solve(ode, scene.times, scene.accuracy, engine, checkpoint, progress)
     except StuckError as stuck:
-        # What was computed so far is handed on as a result of the scene.
+        # The computed part becomes a result of the scene.
         if stuck.solution is not None:
             stuck.solution = of_solution(scene, stuck.solution)
         raise
@@ -204,7 +204,7 @@ def of_solution(scene: Scene, solved: Solution) -> SceneResult:
         scene,
         times=solved.times,
         values=observed(scene.ode, scene.selection, solved.times, states),
-        # What was watched is handed out as doubles.
+        # Outputs are doubles.
         error=max(solved.error, DOUBLE),
         drift=dict(solved.drift),
         cost=solved.cost,
@@ -247,7 +247,7 @@ def scene_accuracy(
 ) -> CostTable:
     """Measure what each accuracy costs with each engine, on the equations of a scene.
 
-    Errors are those of the states at the times of the scene, each group of states against its
+    Errors refer to the states at the times of the scene, each group of states against its
     largest size: against the closed form where the scene has one, else against quadruple
     precision, else (without heyoka) against the most accurate Runge-Kutta solution.
 

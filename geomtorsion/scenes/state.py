@@ -1,4 +1,4 @@
-"""State: where a body is, how it stands and how it moves, at the start of a scene."""
+"""State: position, attitude and velocities of a body at the start of a scene."""
 
 from __future__ import annotations
 
@@ -93,6 +93,6 @@ def _three(values: Sequence[Number], name: str, unit: str) -> tuple[Number, ...]
         StartError,
         listed=three,
         counted=three,
-        message="start: {subject} = {value} is no number.",
+        message="start: {subject} = {value} is not a number.",
         infinite="start: {subject} = {value}: expected a finite number.",
     )

@@ -42,17 +42,17 @@ _START = re.compile(r"start\.([^\W\d]\w*)(?:\[(\d+)\])?")
 
 @dataclass(frozen=True, eq=False)
 class SceneSweep:
-    """What was measured, for every combination of what was varied.
+    """Measures for every combination of the varied values.
 
     title: of the scene.
     varied: path -> values, in the order of the axes; shape (n,), or (n, 3) for whole vectors.
     measured: name -> array with an axis for each path (one axis in all, if they go together).
-    accuracy: asked for; engine: what solved it; seconds: in all.
-    errors: estimate of the error of each motion, in the shape of what is measured; nan where it
-        does not reach its end.
-    unfinished: (what was varied, why) of each motion that does not reach its end; what is measured
-        of it is nan.
-    interrupted: whether Ctrl-C stopped it; what had been measured by then is kept.
+    accuracy: requested; engine: the solver; seconds: total time.
+    errors: estimate of the error of each motion, in the shape of the measures; nan where it does
+        not reach its end.
+    unfinished: (varied values, reason) of each motion that does not reach its end; its measures
+        are nan.
+    interrupted: whether Ctrl-C stopped it; finished measures are kept.
     """
 
     title: str
@@ -71,7 +71,7 @@ class SceneSweep:
         return float(np.nanmax(self.errors))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was varied or measured under this name."""
+        """The varied values or the measure of this name."""
         every = {**self.varied, **self.measured}
         if name in every:
             return every[name]
@@ -115,7 +115,7 @@ class SceneSweep:
         known: Callable[[float], float] | None = None,
         known_name: str = "known",
     ) -> Figure:
-        """A measure against what was varied; `known`, a function of the latter, as a curve on top.
+        """A measure against the varied values; `known`, a function of these, as a curve on top.
 
         Raises
         ------
@@ -162,7 +162,7 @@ class SceneSweep:
             span = f"{there.min():.6g} to {there.max():.6g}" if there.size else "none"
             lines.append(f"{name}: {span}")
         if self.interrupted:
-            lines.append("stopped by Ctrl-C: what was measured by then is kept")
+            lines.append("stopped by Ctrl-C: finished measures are kept")
         if self.unfinished:
             where, why = self.unfinished[0]
             lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
@@ -189,7 +189,7 @@ def sweep(
     Parameters
     ----------
     scene
-        what is solved; what it watches can be measured.
+        the scene; its outputs can be measured.
     varied
         dotted path -> values: {"start.omega[0]": [1e-6, 1e-3], "gravity.g": [1.62, 9.81]}, or
         vectors: {"start.quaternion": [(1, 0, 0, 0), (0, 1, 0, 0)]}. Every combination is solved;
@@ -204,7 +204,7 @@ def sweep(
     UnknownNameError
         a path leads nowhere.
     SceneError
-        nothing is varied, lengths differ, or words that are no measure.
+        nothing is varied, lengths differ, or words are not a measure.
     StuckError
         no motion reaches its end; where only some do not, they are in `unfinished`.
 
@@ -278,7 +278,7 @@ def _plain(value: np.ndarray) -> Values:
 
 @dataclass(frozen=True, eq=False)
 class _Member:
-    """One motion: its place, what is varied in it, its numbers, and its scene if it has its own."""
+    """One motion: its index, varied values, numbers, and its scene if it has its own."""
 
     place: int
     varied: Mapping[str, Values]
@@ -289,7 +289,7 @@ class _Member:
 
 @dataclass
 class _Measured:
-    """What is measured while motions are solved."""
+    """Measures, filled while motions are solved."""
 
     readers: Mapping[str, Callable[[SweepRun], float]]
     count: int
@@ -317,7 +317,7 @@ class _Measured:
         self._went_on()
 
     def lose(self, member: _Member, reason: str) -> None:
-        """A motion that does not reach its end: nothing is measured, and that is said."""
+        """A motion that does not reach its end: nothing is measured, and the reason is kept."""
         self.unfinished[member.place] = reason
         self._went_on()
 
@@ -364,7 +364,7 @@ def _restarted(scene: Scene, changes: Mapping[str, Values]) -> State:
         items = getattr(state, match[1], None) if match else None
         place = int(match[2] or 0) if match else 0
         if match is None or match[2] is None or not isinstance(items, tuple) or place >= len(items):
-            # The general way knows what to say of this path.
+            # The general route has the message for this path.
             state = scene.with_values({"start": state, path: value}).start
             continue
         items = (*items[:place], value, *items[place + 1 :])
@@ -386,7 +386,7 @@ def _solve_group(
 
 
 def _sampled(scene: Scene) -> np.ndarray:
-    """Times close enough to measure what is between them."""
+    """Times close enough for measures between them."""
     return np.linspace(0.0, float(scene.times[-1]), max(FINE, len(scene.times)))
 
 
@@ -463,7 +463,7 @@ def _measure(
 def _one_by_one(
     scene: Scene, members: list[_Member], engine: Engine | None, found: _Measured
 ) -> None:
-    """Motions that end at times of their own, or are asked for at times of the user's."""
+    """Motions that end at different times, or are requested at times of the user."""
     for member in members:
         try:
             result = (member.scene or scene.with_values(dict(member.varied))).run(engine)

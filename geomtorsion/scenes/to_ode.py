@@ -63,7 +63,7 @@ def attitude_states(selection: StateSelection) -> dict[sp.Symbol, sp.Expr]:
 def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str) -> ODE:
     """The equations of a scene: one compiled integrator serves all scenes with equal equations.
 
-    correct: the equations without what is shipped as a wrong law, which tell what is conserved.
+    correct: the equations without wrong laws, for conserved quantities.
     """
     chosen = attitude_states(selection)
     assembly = selection.assembly
@@ -136,7 +136,7 @@ def start_of(selection: StateSelection, start: State) -> dict[str, Number]:
 
 
 def _missing_attitude(selection: StateSelection) -> StartError:
-    """The error that the start says nothing of the attitude."""
+    """The error for a start without attitude."""
     groups = ("attitude", "vertical")
     who = [row.reason for row in selection.rows if row.inside and row.name in groups]
     return StartError(
@@ -176,7 +176,7 @@ def _check_constrained(
 def observed(
     ode: ODE, selection: StateSelection, times: np.ndarray, states: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What is watched, by name, of states of shape (m, size) at these times.
+    """The outputs by name, from states of shape (m, size) at these times.
 
     Raises
     ------
@@ -225,11 +225,11 @@ def invariants(
     }
     found: dict[str, sp.Expr | list[sp.Expr]] = {}
     for name, parts in _candidates(assembly).items():
-        # Where the energy is kept, the balance says nothing more.
+        # If the energy is conserved, the balance adds nothing.
         if name == "energy_balance" and "energy" in found:
             continue
         free = {symbol for part in parts for symbol in part.free_symbols} - parameters
-        # It has to be made of what is solved for, and of nothing that a switch changes.
+        # It may contain only solved states, and nothing that a switch changes.
         if not free or not free <= here or {s.name for s in free} & switched:
             continue
         if all(is_constant(correct, part) for part in parts):
@@ -239,7 +239,7 @@ def invariants(
 
 
 def _candidates(assembly: Assembly) -> dict[str, tuple[sp.Expr, ...]]:
-    """What may be conserved, most telling first; momenta that are kept are no states at all."""
+    """What may be conserved, most useful first; conserved momenta are not states at all."""
     energy = assembly.kinetic_energy + assembly.potential_energy
     momentum = assembly.angular_momentum
     return {

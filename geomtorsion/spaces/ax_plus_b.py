@@ -16,7 +16,7 @@ def space(name: str, title: str) -> Space:
         title,
         story=(
             "Zoom and shift: the smallest group that does not commute, home of wavelets.\n"
-            "Its metric is the hyperbolic plane; its torsion says that [zoom, shift] = shift."
+            "Its metric is the hyperbolic plane; its torsion expresses [zoom, shift] = shift."
         ),
         source="J. Milnor, Curvatures of left invariant metrics on Lie groups, "
         "Adv. Math. 21 (1976) 293 (groups of constant negative curvature)",

@@ -26,8 +26,8 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "A traveller who keeps straight on is turned about his path at a constant rate.\n"
-            "Autoparallels are the straight lines of flat space; what is carried along them screws."
+            "A traveller on a straight path rotates about it at a constant rate.\n"
+            "Autoparallels are straight lines; vectors transported along them rotate."
         ),
         source="E. Cartan, C. R. Acad. Sci. Paris 174 (1922) 593; "
         "M. Lazar, F. W. Hehl, Found. Phys. 40 (2010) 1298",

@@ -88,7 +88,7 @@ TYPES = {
     "bianchi_ix": Type(
         (1, 1, 1),
         0,
-        "The algebra of the rotations: so3 again, now from its structure constants alone.\n"
+        "The algebra of the rotations: so3 again, now from its structure constants.\n"
         "Its cosmology is the mixmaster universe.",
     ),
 }
@@ -154,7 +154,7 @@ def space(name: str, title: str) -> Space:
 
 
 def _ricci(n: tuple[int, int, int], a: Expr | int) -> dict[tuple[int, ...], Expr]:
-    """Ricci tensor of the orthonormal frame in closed form, from n and a alone."""
+    """Ricci tensor of the orthonormal frame in closed form, from n and a."""
     a = expression(a)
     trace, squares = sum(n), sum(entry**2 for entry in n)
     common = -2 * a**2 - squares + Rational(1, 2) * trace**2

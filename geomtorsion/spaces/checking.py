@@ -32,7 +32,7 @@ class Disagreement:
     quantity, index
         Which component, in the basis of the answer.
     expected, found
-        The closed form of the answer and what was computed.
+        The closed form of the answer and the computed component.
     """
 
     quantity: str
@@ -46,7 +46,7 @@ class Disagreement:
 
 
 def disagreements(space: Space, answer: KnownAnswer) -> tuple[Disagreement, ...]:
-    """Components in which a known answer differs from what is computed, decided exactly.
+    """Components in which a known answer differs from the computed one, decided exactly.
 
     A component counts as equal only if the difference is proved to vanish.
 
@@ -99,8 +99,8 @@ def computed(space: Space, answer: KnownAnswer) -> Tensor:
         tensor = space.frame.quantity(answer.quantity)
     elif space.connection is None:
         raise UnknownNameError(
-            f"{answer.quantity} needs a connection of the space's own, but {space.name} has none "
-            "beside those of its frame. Name a quantity of the frame, or give the space one."
+            f"{answer.quantity} needs a separate connection, but {space.name} has only "
+            "the connections of its frame. Name a quantity of the frame, or give the space one."
         )
     else:
         tensor = maker(space.connection)

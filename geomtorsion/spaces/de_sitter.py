@@ -35,8 +35,8 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "What one observer can see of an empty universe that expands for ever.\n"
-            "Constant curvature 1/L^2; who stands still at r is pushed outwards: that is T_01^0."
+            "The visible part of an empty universe that expands for ever.\n"
+            "Constant curvature 1/L^2; an observer at rest at r is pushed outwards by T_01^0."
         ),
         source="S. W. Hawking, G. F. R. Ellis, The Large Scale Structure of Space-Time (1973), "
         "section 5.2",

@@ -20,7 +20,7 @@ def space(name: str, title: str) -> Space:
             name,
             title,
             story=(
-                "An extra half plane of atoms ends on the z axis: walk round, you miss b along x.\n"
+                "An extra half plane of atoms ends on the z axis: walks around it miss b along x.\n"
                 "Torsion vanishes off the axis, and yet no loop around it closes."
             ),
             source="R. A. Puntigam, H. H. Soleng, Class. Quantum Grav. 14 (1997) 1129 "

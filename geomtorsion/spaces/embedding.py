@@ -22,7 +22,7 @@ Symbols = tuple[sp.Symbol, ...]
 
 @dataclass(frozen=True, eq=False)
 class Embedding:
-    """Exact functions of the coordinates that say where a point is, or how a body is turned.
+    """Exact functions of the coordinates for the position of a point, or the attitude of a body.
 
     coordinates, parameters: symbols on which the functions may depend.
     place: two or three expressions, a point of the plane or of space; empty if there is none.

@@ -60,8 +60,8 @@ def _xyz() -> Convention:
         domain={a: (0, 2 * pi), b: (-pi / 2, pi / 2), c: (0, 2 * pi)},
         determinant=cos(b),
         story=(
-            "Cardan angles, the axes of a gimbal: each axis once, and no turn is a good point.\n"
-            "The chart ends at b = pi/2 instead of at the origin; the torsion is that of so3."
+            "Cardan angles, the axes of a gimbal: each axis once; the identity is regular.\n"
+            "The chart ends at b = pi/2 instead of at the origin; the frame has the torsion of so3."
         ),
         source="M. D. Shuster, A survey of attitude representations, "
         "J. Astronaut. Sci. 41 (1993) 439",
@@ -83,7 +83,7 @@ def _zyx() -> Convention:
         determinant=-cos(pitch),
         story=(
             "Yaw, pitch and roll, the angles of ships and aircraft, and the rates of the body.\n"
-            "The chart ends when the nose points straight up; the torsion is that of so3."
+            "The chart ends when the nose points straight up; the frame has the torsion of so3."
         ),
         source="M. D. Shuster, A survey of attitude representations, "
         "J. Astronaut. Sci. 41 (1993) 439",

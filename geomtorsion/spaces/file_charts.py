@@ -18,7 +18,7 @@ from geomtorsion.files import Decimal
 from geomtorsion.geometry import Frame
 from geomtorsion.spaces.vocabulary import FLAG, Vocabulary, array, texts, vocabulary
 
-# Of a chart, and of the coordinates of the file.
+# Keys of a chart, and of the coordinates of the file.
 EDGE_KEYS = ("edge", "margin")
 NEEDED = ("name", "coordinates", "coframe", "from_home", "to_home")
 KEYS = (*NEEDED, "angles", "keeps_frame", *EDGE_KEYS)
@@ -115,12 +115,12 @@ def _chart(
 
 
 def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, Any]:
-    """What is positive in a chart, and how near to its end motions leave it."""
+    """Quantity that is positive in a chart, and its value at which motions leave the chart."""
     if "edge" not in table:
         if "margin" in table:
             raise FileFormatError(
-                f"{words.file}: {place}margin says how near to the edge motions leave a chart. "
-                "Give edge, too: an expression that is positive inside."
+                f"{words.file}: {place}margin is the value of edge at which motions leave a chart. "
+                "Give also edge: an expression that is positive inside."
             )
         return {}
     margin = table.get("margin", "1/10")
@@ -164,7 +164,7 @@ def _maps(
     for angle in angles:
         if angle not in every:
             raise FileFormatError(
-                f"{words.file}: {place}.angles: {shown(angle)} is no coordinate. "
+                f"{words.file}: {place}.angles: {shown(angle)} is not a coordinate. "
                 f"{did_you_mean(angle, every)}Known are {', '.join(every)}."
             )
 

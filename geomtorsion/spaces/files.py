@@ -39,7 +39,7 @@ KEYS = (
 )  # fmt: skip
 
 
-ADVICE = 'Expressions stand in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
+ADVICE = 'Put expressions in quotes, as in ["r*sin(theta)", 0]; lists in square brackets.'
 
 
 def read_file(path: str | PathLike[str]) -> Space:
@@ -48,7 +48,7 @@ def read_file(path: str | PathLike[str]) -> Space:
     Keys
     ----
     name, title, story, source, notes
-        Texts; the name defaults to that of the file.
+        Texts; the default name is the name of the file.
     coordinates
         List of names, in the order of the columns.
     parameters
@@ -63,7 +63,7 @@ def read_file(path: str | PathLike[str]) -> Space:
         C[i][j][k] of [E_i, E_j] = C_ij^k E_k, a table ``"0,1,2" = 1`` being completed
         antisymmetrically.
     signature
-        List of signs, or a constant symmetric matrix; plus signs if it is left out.
+        List of signs, or a constant symmetric matrix; plus signs by default.
     names
         Table name -> quantity that is printed by this name: ``Sigma = "r**2 + a**2"``; a quantity
         may hold names above it (see `Frame.named`).
@@ -78,14 +78,14 @@ def read_file(path: str | PathLike[str]) -> Space:
         move over to another chart.
     charts
         Tables of further charts, [[charts]]: name, coordinates, coframe (of the same metric),
-        from_home (its coordinates by those of the file), to_home (the other way round); angles
+        from_home (its coordinates as functions of the home ones), to_home (the inverse map); angles
         (names of coordinates that count modulo 2 pi), keeps_frame (true if its coframe is the
         same frame), edge and margin of its own. The maps are checked when the file is read.
 
     Raises
     ------
     FileFormatError
-        The file cannot be read, is no TOML, has an unknown key or a value of the wrong kind, or
+        The file cannot be read, is not TOML, has an unknown key or a value of the wrong kind, or
         a map between charts is wrong.
     ExpressionError
         An expression cannot be read; the message names the entry and the part.
@@ -141,7 +141,7 @@ def _check_keys(file: str, data: Mapping[str, object]) -> None:
         for key in inside if isinstance(inside, dict) else ():
             if key in KEYS and key not in data:
                 raise FileFormatError(
-                    f"{file}: {key} stands under [{table}], where it would be a name. In TOML "
+                    f"{file}: {key} is below [{table}], where it would be a name. In TOML "
                     f"everything below [{table}] belongs to it: move {key} above."
                 )
 
@@ -192,7 +192,7 @@ def _named(words: Vocabulary, data: Mapping[str, object], frame: Frame) -> Frame
         )
     try:
         for name, value in given.items():
-            # A quantity is written in the names above it, too.
+            # A quantity may contain the names above it.
             wider = replace(words, parameters=(*words.parameters, *frame.names))
             frame = frame.named(**{name: wider.expression(value, f"names: {name}")})
     except ArgumentError as error:

@@ -27,7 +27,7 @@ def first_motion(
 
     The sample point is rounded to hundredths where that stays inside the domain. The direction is
     fixed, of length one, and in a Lorentzian frame timelike. Parameters that are given have these
-    values, and the start lies inside the domain that follows from them.
+    values, and the start is inside the resulting domain.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def first_motion(
     try:
         inside = _first_motion(frame.subs(exact))
     except GeomtorsionError:
-        # A value that cannot be: whoever uses it is told so.
+        # An impossible value: the caller gets the error.
         return replace(found, parameters=numbers)
     return replace(found, start=inside.start, parameters=numbers)
 
@@ -73,10 +73,10 @@ def _first_motion(frame: Frame) -> FirstMotion:
 
 
 def _usual(frame: Frame, point: dict[sp.Symbol, float]) -> dict[sp.Symbol, float]:
-    """The point without signs where that turns coframe entries positive: r, theta as usual.
+    """The point with positive coordinates where this makes coframe entries positive.
 
-    Without a domain nothing says that a radius is positive, or that theta lies between the poles;
-    that r and sin(theta) stand in the coframe does.
+    Without a domain, the entries r and sin(theta) of the coframe show that a radius is positive and
+    that theta is between the poles.
     """
     plain = {symbol: abs(value) for symbol, value in point.items()}
     inside = all(relation.subs(plain) == sp.true for relation in frame.domain)

@@ -13,7 +13,7 @@ from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmet
 STORIES = {
     "flat_polar": (
         "The plane with legs that point outwards and around: the smallest frame with torsion.\n"
-        "The metric is flat; the torsion only says that the legs turn against the plane."
+        "The metric is flat; the torsion only shows that the legs rotate against the plane."
     ),
     "flat_cylindrical": (
         "Flat space with the legs of cylindrical coordinates, as used along wires and pipes.\n"

@@ -15,7 +15,7 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "Position, momentum and phase: walk round a loop in the plane and you have climbed.\n"
+            "Position, momentum and phase: walks around loops in the plane end higher or lower.\n"
             "A constant density of screw dislocations: the torsion is uniform and points along z."
         ),
         source="P. Scott, The geometries of 3-manifolds, Bull. London Math. Soc. 15 (1983) 401, "

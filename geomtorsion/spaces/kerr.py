@@ -122,9 +122,9 @@ def space(name: str, title: str) -> Space:
 
 
 def _atlas(frame: Frame) -> Atlas:
-    """Ingoing Kerr coordinates through the horizons; the same with a chart over both poles.
+    """Ingoing Kerr coordinates through the horizons, and a chart over both poles.
 
-    Outgoing ones are those of time reversed, v -> -u, phi_in -> -phi_out: in them a motion that
+    Outgoing coordinates follow by time reversal, v -> -u, phi_in -> -phi_out: in them a motion that
     comes out of the outer horizon can be followed into its past.
     """
     mass, a = frame.parameters

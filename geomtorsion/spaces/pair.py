@@ -46,7 +46,7 @@ class Pair:
 
     @property
     def problem(self) -> CurveProblem:
-        """The problem of the autoparallel; start and parameters are those of both."""
+        """The problem of the autoparallel; both have its start and parameters."""
         return self.straight.problem
 
     @property
@@ -61,7 +61,7 @@ class Pair:
 
     @cached_property
     def chart(self) -> str:
-        """The first chart, the home chart if possible, in which both motions lie throughout."""
+        """The first chart, the home chart if possible, that contains both motions."""
         atlas = self.problem.atlas
         others = [name for name in atlas.makers if name != atlas.home]
         for name in (atlas.home, *others):
@@ -89,7 +89,7 @@ class Pair:
 
     @cached_property
     def distance(self) -> np.ndarray:
-        """How far apart they are, as long as both go on, shape (m,)."""
+        """Their distance, as long as both continue, shape (m,)."""
         one, two = sorted(self.curves.values(), key=lambda solution: len(solution.times))
         return distance_apart(one, two, self.chart)
 
@@ -105,18 +105,18 @@ class Pair:
 
     @property
     def coincide(self) -> bool:
-        """Whether the two are the same as far as their errors can tell."""
+        """Whether the two are the same within their errors."""
         size = float(np.abs(self.coordinates["geodesic"]).max()) or 1.0
         # Each of the two may be off by the accuracy.
         return float(self.distance.max()) <= 2 * self.straight.accuracy * size
 
     @property
     def times(self) -> np.ndarray:
-        """Times of the curve that went on longer."""
+        """Times of the longer curve."""
         return max((self.straight.times, self.shortest.times), key=len)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """A table by named columns, those of a curve that stopped early being shorter.
+        """A table by named columns, shorter for a curve that stopped early.
 
         t; for each curve coordinates q, velocities q' (home chart only), frame velocities u;
         distance.
@@ -149,27 +149,27 @@ def solve_pair(
     samples: int = 401,
     progress: Callable[[float, str], object] | None = None,
 ) -> Pair:
-    """Solve both motions; what is not given is chosen, and the result says so.
+    """Solve both motions; missing values are chosen, and `chosen` lists them.
 
     Parameters
     ----------
     space
-        its own connection defines what is straight, else the Cartan connection of the frame.
+        its connection defines autoparallels; by default the Cartan connection of the frame.
     start, velocity, frame_velocity, parameters
         q^mu; q'^mu or u^i; values by name.
     t
         last value of the curve parameter.
     moments
-        kinetic metric of the geodesic, one number for each frame vector; that of the frame
-        if None.
+        kinetic metric of the geodesic, one number for each frame vector; the metric of
+        the frame if None.
     progress
         called with the part that is done, from 0 to 1, and the name of the motion being solved.
 
     Raises
     ------
     GeomtorsionError
-        the motion cannot begin like this, or not be solved so accurately. A motion that runs out
-        of its chart is no error: it is kept as far as it went.
+        the motion cannot begin like this, or not be solved so accurately. A motion that leaves its
+        chart is not an error: the part before the end is kept.
 
     Examples
     --------
@@ -209,7 +209,7 @@ def pair_problems(
     parameters: Mapping[str, float] | None = None,
     moments: Sequence[float] | None = None,
 ) -> tuple[dict[str, CurveProblem], tuple[str, ...], float]:
-    """Both problems by name, what was chosen because it was not given, and the last time.
+    """Both problems by name, the names of chosen values, and the last time.
 
     Examples
     --------
@@ -218,7 +218,7 @@ def pair_problems(
     >>> list(problems), chosen, last
     (['autoparallel', 'geodesic'], ('start', 'velocity', 'parameters'), 3.0)
     """
-    # What is missing is chosen by the space itself, so that every space shows something.
+    # The space chooses missing values, so that every space has a motion.
     checks.instance(space, Space, "space")
     refuse_unknown_functions(space)
     values = checks.by_name(parameters, "parameters")
@@ -262,7 +262,7 @@ def refuse_unknown_functions(space: Space) -> None:
 
 def _times(t: float, samples: int) -> np.ndarray:
     """Evenly spaced times from 0 on."""
-    message = "{value} samples were asked for; a whole number, two at least, is needed."
+    message = "samples: expected a whole number from 2 on, got {value}."
     samples = checks.count(samples, "samples", StartError, 2, message=message)
     if t == 0:
         raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
@@ -273,7 +273,7 @@ def _times(t: float, samples: int) -> np.ndarray:
 def _share(
     progress: Callable[[float, str], object], before: int, count: int, name: str
 ) -> Callable[[float], None]:
-    """Progress of one motion as that of all."""
+    """Progress of one motion as a part of the whole."""
 
     def report(part: float) -> None:
         progress((before + part) / count, name)
@@ -297,7 +297,7 @@ def _solved(
     except ChartEdgeError as error:
         if not isinstance(error.solution, Solution) or len(error.solution.times) < 2:
             raise
-        stops[name] = str(error).removesuffix(" What was computed is in the error's `solution`.")
+        stops[name] = str(error).removesuffix(" The computed part is in the error's `solution`.")
         return error.solution
     except AccuracyError as error:
         raise AccuracyError(f"{name}: {error}") from None

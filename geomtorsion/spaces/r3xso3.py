@@ -31,7 +31,7 @@ def space(name: str, title: str) -> Space:
     )
     half = Rational(1, 2)
     turns = {(0, 1, 2): -half, (1, 2, 0): -half, (2, 0, 1): -half}
-    # A velocity is carried round by the turning body: [J_k, P_j] = eps_kji P_i.
+    # A velocity rotates with the body: [J_k, P_j] = eps_kji P_i.
     carries = {(k, 3 + j, 3 + i): -half * LeviCivita(k, j, i) for k, j, i in permutations(range(3))}
     return Space(
         name,

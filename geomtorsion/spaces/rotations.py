@@ -1,4 +1,4 @@
-"""rotations: charts of spaces whose points are rotations, and the attitudes they stand for."""
+"""rotations: charts of spaces of rotations, and the attitudes of their points."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def quaternion_chart(
 def angle_atlas(angles: Angles, frame: Frame, *, space_fixed: bool = False) -> Atlas:
     """The angles of the frame and the unit quaternion, which has no edge.
 
-    Spaces of rotations alone with a body-fixed frame also have angles with another edge.
+    Spaces of pure rotations with a body-fixed frame also have angles with another edge.
     """
     home, places = frame.name, frame.coordinates[3:]
     makers = {

@@ -40,8 +40,8 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "The field outside a round star, with the rods and clocks of those who stand still.\n"
-            "Ricci flat: what is left of gravity is tide; the torsion T_10^0 is the weight felt."
+            "The field outside a spherical star, with rods and clocks at rest.\n"
+            "Ricci flat: curvature causes only tides; the torsion T_10^0 is the felt weight."
         ),
         source="C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 31",
         frame=frame,

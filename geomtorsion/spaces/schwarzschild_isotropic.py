@@ -37,8 +37,8 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "The same black hole with legs along x, y, z, which far away are those of flat space.\n"
-            "A proper tetrad: its torsion is gravity alone and vanishes with the mass."
+            "The same black hole with legs along x, y, z, which agree with flat space far away.\n"
+            "A proper tetrad: gravity causes all of its torsion, which vanishes with the mass."
         ),
         source="C. W. Misner, K. S. Thorne, J. A. Wheeler, Gravitation (1973), chapter 31 "
         "(isotropic coordinates)",

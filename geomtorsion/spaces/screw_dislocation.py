@@ -60,7 +60,7 @@ def space(name: str, title: str) -> Space:
         name,
         title,
         story=(
-            "Walk once round the axis and you are one step b higher: a spiral staircase.\n"
+            "A walk once around the axis ends one step b higher: a spiral staircase.\n"
             "Torsion and curvature vanish off the axis; all of the Burgers vector sits on the line."
         ),
         source=SOURCE,

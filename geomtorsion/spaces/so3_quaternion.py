@@ -34,7 +34,7 @@ def space(name: str, title: str) -> Space:
         title,
         story=(
             "Half of the unit quaternions as a chart: free of gimbal lock up to a half turn.\n"
-            "No angle and no sine is left; the torsion in the frame is that of so3 all the same."
+            "It has neither angles nor sines; the frame has the torsion of so3."
         ),
         source="M. D. Shuster, A survey of attitude representations, "
         "J. Astronaut. Sci. 41 (1993) 439",

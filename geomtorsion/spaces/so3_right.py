@@ -25,7 +25,7 @@ def space(name: str, title: str) -> Space:
         title,
         story=(
             "The same rotations and the same metric as so3, but legs that stay fixed in space.\n"
-            "The torsion has the opposite sign: right-invariant fields commute the other way round."
+            "The torsion has the opposite sign: right-invariant fields have opposite commutators."
         ),
         source="H. Goldstein, Classical Mechanics, section 4.9 (angular velocity, space axes)",
         frame=frame,

@@ -33,7 +33,7 @@ def space(name: str, title: str) -> Space:
         title,
         story=(
             "Cayley's map from vectors to rotations: a chart in which everything is rational.\n"
-            "Rotations by a half turn lie at infinity; the torsion in the frame is that of so3."
+            "Rotations by a half turn are at infinity; the frame has the torsion of so3."
         ),
         source="M. D. Shuster, A survey of attitude representations, "
         "J. Astronaut. Sci. 41 (1993) 439",

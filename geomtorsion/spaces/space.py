@@ -60,7 +60,7 @@ class KnownAnswer:
 
     @property
     def vanishes(self) -> bool:
-        """Whether the answer says that the whole quantity is zero."""
+        """Whether the answer is zero in all components."""
         if isinstance(self.components, Mapping):
             return self.complete and not self.components
         return self.components == 0
@@ -90,14 +90,14 @@ class FirstMotion:
 
 @dataclass(frozen=True, repr=False)
 class Space:
-    """A shipped or read space: a frame with its story, its source and what is known of it.
+    """A shipped or read space: a frame with its story, its source and known answers.
 
     Fields
     ------
     name, title
-        The key by which it is loaded, and one line that says what it is.
+        The key by which it is loaded, and a one-line title.
     story
-        Two lines: what the space is good for and what is remarkable about its torsion.
+        Two lines: the use of the space and the character of its torsion.
     source
         Book or paper, with place.
     frame
@@ -111,7 +111,7 @@ class Space:
     connection
         A connection other than the Cartan connection of the frame, if the space is about one.
     atlas
-        Frame -> its charts and the maps between them; None: the chart of the frame alone.
+        Frame -> its charts and the maps between them; None: only the chart of the frame.
     motion
         A start, a velocity and a time for a first look; None: chosen by the frame.
     embedding
@@ -155,7 +155,7 @@ class Space:
 
 
 def box(ranges: Mapping[Symbol, tuple[Expr | int, Expr | int]]) -> tuple[Basic, ...]:
-    """Relations low < symbol < high of all symbols; bounds at infinity say nothing.
+    """Relations low < symbol < high of all symbols; bounds at infinity are omitted.
 
     Examples
     --------
@@ -220,7 +220,7 @@ def symmetric(components: Mapping[Index, Expr | int]) -> Table:
 
 
 def diagonal(values: Sequence[Expr | int]) -> Table:
-    """The diagonal of a tensor with two indices; zeros are left out.
+    """The diagonal of a tensor with two indices; zeros are omitted.
 
     Examples
     --------

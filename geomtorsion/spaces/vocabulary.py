@@ -85,7 +85,7 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
     Raises
     ------
     FileFormatError
-        A name is no name or declared twice, an assumption is unknown, or an argument of a function
+        A name is invalid or declared twice, an assumption is unknown, or an argument of a function
         is neither coordinate nor parameter.
     """
     if "coordinates" not in data and "structure_constants" not in data:
@@ -138,7 +138,7 @@ def texts(file: str, value: object, place: str) -> list[str]:
 def _name(file: str, name: str, place: str) -> str:
     if not _NAME.fullmatch(name):
         raise FileFormatError(
-            f"{file}: {place}: {shown(name)} is no name. A name is a letter followed by letters, "
+            f"{file}: {place}: {shown(name)} is not a name. Use a letter followed by letters, "
             "digits or underscores."
         )
     return name
@@ -150,7 +150,7 @@ def _assumptions(file: str, name: str, given: object) -> dict[str, bool]:
     for word in words:
         if word not in ASSUMPTIONS:
             raise FileFormatError(
-                f"{file}: parameters.{name}: {shown(word)} is no assumption. "
+                f"{file}: parameters.{name}: {shown(word)} is not an assumption. "
                 f"{did_you_mean(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
             )
     assumptions = dict.fromkeys(words, True)
@@ -255,9 +255,7 @@ def _sparse(
                 f"expected {rank} numbers from 0 to {dimension - 1}, separated by commas."
             )
         if index in entries:
-            raise FileFormatError(
-                f'{words.file}: {key}: "{cut(text)}" stands there twice. Remove one.'
-            )
+            raise FileFormatError(f'{words.file}: {key}: "{cut(text)}" occurs twice. Remove one.')
         entries[index] = words.expression(value, f"{key}[{', '.join(map(str, index))}]")
     return entries
 
@@ -275,8 +273,8 @@ def _index(file: str, key: str, text: str) -> tuple[int, ...]:
     """Numbers of an index such as "0,1,2"."""
     if not _INDEX.fullmatch(text):
         raise FileFormatError(
-            f'{file}: {key}: "{cut(text)}" is no index. Write the numbers of the entry, counted '
-            'from 0, separated by commas: "0,1,2".'
+            f'{file}: {key}: "{cut(text)}" is not an index. Write the numbers of the entry, '
+            'counted from 0, separated by commas: "0,1,2".'
         )
     return tuple(int(number) for number in text.split(","))
 

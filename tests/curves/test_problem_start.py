@@ -24,11 +24,11 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
-        (lambda: geodesic(SO3, [0.3, 1.0], TURN), ShapeError, "3 numbers were needed, 2 came"),
-        (lambda: geodesic(SO3, START, [1, 2]), ShapeError, "3 numbers were needed, 2 came"),
+        (lambda: geodesic(SO3, [0.3, 1.0], TURN), ShapeError, "expected 3 numbers, got 2"),
+        (lambda: geodesic(SO3, START, [1, 2]), ShapeError, "expected 3 numbers, got 2"),
         (lambda: geodesic(SO3, START, "abc"), ShapeError, "list of 3 numbers"),
         (lambda: geodesic(SO3, [0.3, float("nan"), 0], TURN), StartError, r"start.*\[1\] = nan"),
-        (lambda: geodesic(SO3, START, [0, 0, 1j]), StartError, "no real number"),
+        (lambda: geodesic(SO3, START, [0, 0, 1j]), StartError, "not a real number"),
         (lambda: geodesic(SO3, [0.3, 0.0, 0.2], TURN), StartError, "singular at the start"),
         (lambda: geodesic(SO3, START), StartError, "none came"),
         (lambda: geodesic(SO3, START, TURN, frame_velocity=TURN), StartError, "both came"),

@@ -41,10 +41,10 @@ def test_files_that_are_none(tmp_path):
     with pytest.raises(FileFormatError, match=r"motion\.npz"):
         SavedSolution.load(path)
     path.write_bytes(b"PK\x03\x04 nothing")
-    with pytest.raises(FileFormatError, match="no solution saved"):
+    with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(path)
     np.savez(path, times=np.zeros(3))
-    with pytest.raises(FileFormatError, match="no solution saved"):
+    with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(path)
 
 

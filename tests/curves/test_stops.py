@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import geomtorsion as gt
-from geomtorsion.errors import ChartEdgeError, ExpressionError, StartError
+from geomtorsion.errors import ChartEdgeError, ExpressionError, ProofError, StartError
 from tests.ode.engines import every_engine
 
 KERR = gt.spaces.load("kerr").frame
@@ -54,6 +54,7 @@ def test_a_stop_behind_a_change_of_charts():
     free = gt.solve(plunge(), 22.0)
     stopped = gt.solve(plunge(stop="r - 1.7"), 22.0)
     assert stopped.charts == ("kerr", "ingoing")
+    assert stopped.stopped_by == "r - 1.7"
     assert stopped.times[-1] == pytest.approx(free.event_times("r - 1.7")[0], abs=1e-8)
     # r = sqrt(x^2 + y^2 + z^2) in the chart that goes on.
     hole = gt.spaces.load("schwarzschild").frame
@@ -129,7 +130,7 @@ def test_where_no_other_chart_states_the_condition():
 
 def test_a_start_on_the_axis_says_in_which_chart():
     """The chart that holds at the pole, with the coordinates there; a curve starts there."""
-    with pytest.raises(StartError, match=r"chart 'axis' holds there, at .* y_ax = 0, z_ax = 1"):
+    with pytest.raises(StartError, match=r"Chart 'axis' holds there, at .* y_ax = 0, z_ax = 1"):
         gt.geodesic(KERR, [0, 10, 0, 0], [1.3, -0.3, 0, 0.03], parameters=HOLE)
     axis = plunge().atlas.chart("axis").frame
     started = gt.geodesic(axis, [0, 10, 0, 1], [1.3, -0.1, 0.01, 0], parameters=HOLE)
@@ -145,3 +146,15 @@ def test_a_null_tetrad_names_from_metric():
     there = gt.solve(gt.geodesic(real, *PLUNGE, parameters=HOLE), 5.0)
     here = gt.solve(plunge(), 5.0)
     assert there.coordinates[-1] == pytest.approx(here.coordinates[-1], rel=1e-8)
+
+
+def test_the_end_is_proved():
+    """The place at which a condition has stopped a curve, in balls; of several conditions, none."""
+    start = {"frame_velocity": [1.25, -0.75, 0, 0], "parameters": {"M": 1.0}}
+    hole = gt.spaces.load("schwarzschild").frame
+    fall = gt.solve(gt.geodesic(hole, [0.0, 6.0, 1.5, 0.0], stop="r - 3", **start), 5.0)
+    proof = gt.prove(fall)
+    assert proof.holds
+    two = gt.geodesic(hole, [0.0, 6.0, 1.5, 0.0], stop=["r - 3", "r - 5"], **start)
+    with pytest.raises(ProofError, match="at most one condition to stop, .* stop = r - 3, r - 5"):
+        gt.prove(gt.solve(two, 5.0))

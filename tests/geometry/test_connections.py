@@ -54,7 +54,7 @@ def test_of_a_connection_its_frame_is_taken():
     assert gt.cartan(gt.levi_civita(POLAR)) is cartan
     assert gt.identities(POLAR) == gt.identities(cartan)
     wrong: Any = POLAR.metric
-    with pytest.raises(TypeError, match="frame: a Frame was needed"):
+    with pytest.raises(TypeError, match="frame: expected a Frame, got "):
         gt.levi_civita(wrong)
     with pytest.raises(TypeError, match="connection: a Connection was needed"):
         gt.identities(wrong)

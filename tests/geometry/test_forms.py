@@ -116,6 +116,7 @@ REFUSALS = [
     (lambda: gt.Form(SPACE, 1, {0: 1}).interior([1, 2]), "3 entries"),
     (lambda: gt.Form(SPACE, 2, {(0, 1): x}).wedge(gt.Form(SPACE, 2, {(0, 1): 1})).star, "degree 4"),
     (lambda: gt.cartan(SPACE).torsion_form(0, 1), "1 value indices"),
+    (lambda: gt.cartan(SPACE).torsion_form(3), "from 0 to 2"),
     (lambda: gt.lie([1, 0, 0], gt.cartan(SPACE).coefficients), "connection"),
     (lambda: gt.lie([1, 0, 0], 3), "expected a tensor"),
     (lambda: gt.lie(BALL.vector([1, 0, 0]), SPACE), "over the same frame"),

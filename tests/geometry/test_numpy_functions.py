@@ -42,11 +42,11 @@ def test_refused_points():
     rest = {THETA: 1, M: 1, A: 0}
     with pytest.raises(ShapeError, match=r"shapes \(2,\), \(3,\) came"):
         KERR.metric.at({R: [3, 4], THETA: [1, 1, 1], M: 1, A: 0})
-    with pytest.raises(CoordinateError, match="point: r: a number was needed"):
+    with pytest.raises(CoordinateError, match="point: r: expected a number, got "):
         KERR.metric.at({R: [3, "4"], **rest})
     with pytest.raises(CoordinateError, match="point: r: a finite number was needed"):
         KERR.metric.at({R: [3, float("nan")], **rest})
-    with pytest.raises(CoordinateError, match="point: r: a number was needed"):
+    with pytest.raises(CoordinateError, match="point: r: expected a number, got "):
         KERR.metric.at({R: [[3], [4, 5]], **rest})
     with pytest.raises(SingularPointError, match="no finite real value"):
         KERR.metric.at({R: [3, 0], THETA: sp.pi / 2, M: 1, A: 0})

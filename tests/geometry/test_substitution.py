@@ -246,7 +246,7 @@ def test_points_that_are_none(cone, arguments, error, message):
 def test_orders_that_are_none(cone):
     """A whole number from 0 on."""
     for order in (-1, 1.5, "2", True, None):
-        with pytest.raises(ArgumentError, match="order: a whole number"):
+        with pytest.raises(ArgumentError, match="order: expected a whole number"):
             cone.metric.series("r", 1, order)
 
 

@@ -68,6 +68,9 @@ def invariants(eta: np.ndarray, known: dict) -> dict[str, np.ndarray]:
         "Q3": square(long, long),
         "Q4": square(short, short),
         "Q5": square(long, short),
+        "U1": square(T, Q),
+        "U2": square(v, long),
+        "U3": square(v, short),
     }
     homothetic = np.einsum("xabcd,cd->xab", R, up)
     found["R7"] = square(homothetic, homothetic)

@@ -12,7 +12,7 @@ from tests.gravity.action import fields, invariants, variation
 from tests.gravity.samples import COORDINATES, sample_connection, sample_frame
 
 LINEAR = ("T1", "T2", "T3", "R", "R1", "R2", "R3", "R4", "R5", "R6", "R7", "P3")
-AFFINE = (*LINEAR, "Q1", "Q2", "Q3", "Q4", "Q5")
+AFFINE = (*LINEAR, "Q1", "Q2", "Q3", "Q4", "Q5", "U1", "U2", "U3")
 
 
 def compiled(values: sp.Array, q: tuple) -> object:
@@ -66,7 +66,7 @@ def test_equations_are_the_variation_of_the_action(n: int, metric: bool) -> None
 
 NAMES = (
     *("T", "tensor2", "vector2", "axial2", "R", "R2", "R3", "R5", "R7", "P1", "P2", "P3", "P4"),
-    *("P5", "P6", "GB", "Q1", "Q2", "Q3", "Q4", "Q5", "Q"),
+    *("P5", "P6", "GB", "Q1", "Q2", "Q3", "Q4", "Q5", "Q", "U1", "U2", "U3"),
     *("f(T, R, Q)", "f(2*T + R) + f(T, T)", "sqrt(3 + R1)", "R**2*T + Q1*T2 - 1/(1 + T)"),
 )
 

@@ -113,13 +113,22 @@ def test_parameters_and_functions_are_new_names() -> None:
     }
 
 
-def test_functions_of_the_frame_are_known_by_their_names() -> None:
-    """a means a(t) where the frame has it."""
+def test_a_function_of_the_frame_is_called() -> None:
+    """a is a parameter of the Lagrangian, a(t) the function of the frame."""
     t = sp.Symbol("t")
     a = sp.Function("a")(t)
     frame = gt.Frame([t, X], sp.diag(1, a), (-1, 1))
-    found = g.equations(gt.cartan(frame), "a*T1 + f(a, T1)")
-    assert a * found.scalar("T1")[()] + sp.Function("f")(a, found.scalar("T1")[()]) == found.L
+    found = g.equations(gt.cartan(frame), "a*T1")
+    value = found.scalar("T1")[()]
+    assert (found.L - sp.Symbol("a") * value).is_zero
+    found = g.equations(gt.cartan(frame), "f(a(t), T1)")
+    assert (found.L - sp.Function("f")(a, value)).is_zero
+    # A density is no Lagrangian: there a is the function of the frame.
+    dust = g.equations(gt.cartan(frame), "T1", g.fluid("rho/a", 0, [1, 0])).E[0, 0]
+    plain = g.equations(gt.cartan(frame), "T1").E[0, 0]
+    assert sp.simplify(plain - dust - sp.Symbol("rho") / a) == 0
+    pair = [gt.cartan(frame), gt.levi_civita(frame)]
+    assert all(check.holds for check in g.equations(pair, "T1 + a*T1*Rbar").identities())
 
 
 def test_names_are_the_invariants() -> None:
@@ -144,3 +153,9 @@ def test_a_long_scalar_is_not_written_out() -> None:
     finally:
         Element.sympy = original
     assert not written
+
+
+def test_a_scale_with_the_number_zero_is_a_parameter() -> None:
+    """R0 and T0 are no invariants: their numbers begin at one."""
+    found = g.equations(CARTAN, "T + T**2/T0 + R0*R_0")
+    assert {"T0", "R0", "R_0"} <= {symbol.name for symbol in found.L[()].free_symbols}

@@ -10,39 +10,11 @@ from geomtorsion.errors import GravityError
 
 T, R, X, Y, Z = sp.symbols("t r x y z", real=True)
 THETA, PHI = sp.symbols("theta phi", real=True)
-K, C = sp.symbols("k c", positive=True)
+C = sp.Symbol("c", positive=True)
 LORENTZ = (-1, 1, 1, 1)
 a = sp.Function("a")(T)
 H = sp.diff(a, T) / a
 f = sp.Function("f")
-
-
-def flat_cosmos() -> gt.Frame:
-    """Flat FLRW, e = (dt, a dx)."""
-    return gt.Frame([T, X, Y, Z], sp.diag(1, a, a, a), LORENTZ)
-
-
-def closed_cosmos() -> gt.Frame:
-    """Closed FLRW of curvature k: left-invariant forms of the three-sphere."""
-    psi = sp.Symbol("psi", real=True)
-    s, b = a / (2 * sp.sqrt(K)), sp.sin(THETA)
-    coframe = [
-        [1, 0, 0, 0],
-        [0, 0, s * sp.cos(psi), s * sp.sin(psi) * b],
-        [0, 0, s * sp.sin(psi), -s * sp.cos(psi) * b],
-        [0, s, 0, s * sp.cos(THETA)],
-    ]
-    return gt.Frame([T, psi, THETA, PHI], coframe, LORENTZ)
-
-
-def open_cosmos() -> gt.Frame:
-    """Open FLRW of curvature -1: the legs of Minkowski space around a hyperboloid."""
-    chi = sp.Symbol("chi", positive=True)
-    ball = [sp.sin(THETA) * sp.cos(PHI), sp.sin(THETA) * sp.sin(PHI), sp.cos(THETA)]
-    place = [sp.cosh(chi), *(sp.sinh(chi) * n for n in ball)]
-    q = [T, chi, THETA, PHI]
-    rows = [[x, *(a * sp.diff(x, s) for s in q[1:])] for x in place]
-    return gt.Frame(q, rows, LORENTZ)
 
 
 def spherical(N: sp.Expr, A: sp.Expr, B: sp.Expr, S: sp.Expr, turn: sp.Expr = sp.S.Zero) -> list:
@@ -67,13 +39,12 @@ def written(value: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return f(value), sp.Subs(sp.Derivative(f(slot), slot), slot, value)
 
 
-@pytest.mark.parametrize(("make", "k"), [(flat_cosmos, 0), (closed_cosmos, K)])
-def test_teleparallel_cosmology(make: object, k: sp.Expr) -> None:
+@pytest.mark.parametrize(("name", "k"), [("frw_flat", 0), ("frw_closed", 1)])
+def test_teleparallel_cosmology(name: str, k: int) -> None:
     """T = 6 (H^2 - k/a^2), E_0^0 = f - 12 H^2 f', E_[ij] = 0."""
-    frame = make()
+    frame = gt.spaces.load(name).frame
     found = g.equations(gt.cartan(frame), g.f_of("T", f))
-    value = sp.expand(6 * (H**2 - k / a**2))
-    assert found.scalar("T") == value
+    assert found.scalar("T") == 6 * (H**2 - k / a**2)
     plain, slope = written(found.scalars["T"])
     assert agree(found.E, (0, 0), plain - 12 * H**2 * slope)
     assert found.antisymmetric.is_zero
@@ -81,7 +52,7 @@ def test_teleparallel_cosmology(make: object, k: sp.Expr) -> None:
 
 def test_open_cosmology() -> None:
     """T = 6 (H - 1/a)^2, E_t^t = f - 12 H (H - 1/a) f' (Hohmann et al. 2019)."""
-    frame = open_cosmos()
+    frame = gt.spaces.load("frw_open").frame
     found = g.equations(gt.cartan(frame), g.f_of("T", f))
     assert found.scalar("T") == 6 * (H - 1 / a) ** 2
     plain, slope = written(found.scalars["T"])
@@ -216,34 +187,9 @@ def test_gauss_bonnet() -> None:
 
 def kerr_de_sitter() -> gt.Connection:
     """Kerr-de Sitter space with torsion (McCrea, Baekler, Guerses 1987)."""
-    m, j, Lambda = sp.symbols("m j Lambda")
-    z, J = sp.sin(THETA), j * sp.cos(THETA)
-    S, F = R**2 + J**2, 1 + Lambda * J**2 / 3
-    D = R**2 + j**2 - 2 * m * R - Lambda * R**2 * (R**2 + j**2) / 3
-    radial, polar = sp.sqrt(D / S), sp.sqrt(F / S)
-    coframe = [
-        [radial, 0, 0, radial * j * z**2],
-        [0, 1 / radial, 0, 0],
-        [0, 0, 1 / polar, 0],
-        [polar * z * j, 0, 0, polar * z * (R**2 + j**2)],
-    ]
-    frame = gt.Frame([T, R, THETA, PHI], coframe, LORENTZ)
-    k, h = 1 / radial, polar * j * z
-    even, odd = k * m * (R**2 - J**2), 2 * k * m * R * J
-    # Coefficients of e^01, e^23 and of n_2, n_3, n_k = (e^0 - e^1) ^ e^k.
-    forms = {
-        0: (even, odd, k**2 * h * m * R * J, -(k**2) * h * m * R**2),
-        1: (even, odd, k**2 * h * m * R * J, -(k**2) * h * m * R**2),
-        2: (0, 0, -k * m * R**2, -k * m * R * J),
-        3: (0, 0, k * m * R * J, -k * m * R**2),
-    }
-    torsion = {}
-    for i, (first, second, two, three) in forms.items():
-        torsion |= {(0, 1, i): first, (2, 3, i): second}
-        torsion |= {(0, 2, i): two, (1, 2, i): -two, (0, 3, i): three, (1, 3, i): -three}
-    halves = {place: x / S**2 / 2 for place, x in torsion.items() if x != 0}
-    other = {(y, x, i): -value for (x, y, i), value in halves.items()}
-    return gt.from_torsion(frame, gt.Tensor(frame, "DDU", halves | other))
+    connection = gt.spaces.load("kerr_de_sitter_torsion").connection
+    assert connection is not None
+    return connection
 
 
 def test_kerr_de_sitter_with_torsion() -> None:
@@ -270,10 +216,8 @@ def density(frame: gt.Frame) -> gt.Tensor:
 
 def test_energy_in_a_sphere_of_schwarzschild() -> None:
     """E = r (1 - sqrt(1 - 2M/r)), in the frame that tends to the Cartesian one."""
-    M = sp.Symbol("M", positive=True)
-    F = 1 - 2 * M / R
-    coframe = spherical(sp.sqrt(F), 1 / sp.sqrt(F), R, R * sp.sin(THETA))
-    frame = gt.Frame([T, R, THETA, PHI], coframe, LORENTZ, domain=[R > 2 * M, THETA > 0, THETA < 3])
+    frame = gt.spaces.load("schwarzschild_cartesian").frame
+    F = 1 - 2 * sp.Symbol("M", positive=True) / R
     energy = density(frame) * (-sp.Integer(1) / 2) / sp.sin(THETA)
     assert energy == R * (1 - sp.sqrt(F))
 

@@ -9,7 +9,7 @@ from geomtorsion import gravity as g
 from tests.gravity.samples import sample_connection, sample_frame
 
 
-@pytest.mark.parametrize("row", g.translations, ids=str)
+@pytest.mark.parametrize("row", g.translations(), ids=str)
 @pytest.mark.parametrize("n", [3, 4])
 def test_each_line_is_true(row: g.Translation, n: int) -> None:
     """On a connection with torsion and curvature, and on one with parallel legs."""
@@ -23,6 +23,6 @@ def test_each_line_is_true(row: g.Translation, n: int) -> None:
 def test_a_wrong_line_is_noticed() -> None:
     """Nothing vanishes on the sample, and a sign turns a line false."""
     connection = sample_connection(sample_frame(3, 1), 2, metric=False)
-    for row in g.translations:
+    for row in g.translations():
         turned = replace(row, own_value=lambda c, row=row: -row.own_value(c))
         assert not turned.holds(connection), str(row)

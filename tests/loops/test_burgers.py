@@ -317,7 +317,7 @@ def test_parameters_are_checked() -> None:
     frame, loop = load("screw_dislocation").frame, Loop.circle([0, 0, 0], 1)
     with pytest.raises(MissingValueError, match=r"contains b: give values, parameters=\{'b'"):
         burgers_vector(frame, loop)
-    with pytest.raises(UnknownNameError, match="c is no parameter"):
+    with pytest.raises(UnknownNameError, match="c is not a parameter"):
         burgers_vector(frame, loop, parameters={"b": 1, "c": 2})
     with pytest.raises(LoopError, match="parameter b: expected a finite number"):
         burgers_vector(frame, loop, parameters={"b": float("nan")})

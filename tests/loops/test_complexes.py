@@ -126,7 +126,7 @@ SQUARE = [[0, 1], [1, 2], [2, 3], [3, 0]]
             lambda: Complex(
                 4, np.array(SQUARE), np.array([[0], [0], [0], [1]]), csr_array([[1, 1, 1, 1]])
             ),
-            r"face 0 winds round a period: \[1\]",
+            r"face 0 winds around a period: \[1\]",
         ),
         (
             lambda: Complex(

@@ -199,7 +199,7 @@ def test_declared_lines_are_looked_for_even_where_both_routes_agree():
     values, axis = {"b": 1, "c": 1}, Defect((0, 0, 0), (0, 1), "core")
     turn = develop(core, Loop.circle([0, 0, 0], 2), parameters=values, defects=[axis])
     assert turn.check.agrees is True
-    assert "winds round core" in turn.check.text
+    assert "winds around core" in turn.check.text
     assert [one.turns for one in turn.enclosed] == [1]
     with pytest.raises(SingularPointError, match="passes through the core at q0 = 0, q1 = 0, at"):
         develop(core, Loop.circle([2, 0, 0], 2), parameters=values, defects=[axis])

@@ -253,9 +253,9 @@ def test_symbols_of_a_loop_have_values_among_the_parameters():
         assert np.abs(path.places[:, -1] - known.burgers).max() < 1e-12
     with pytest.raises(MissingValueError, match="the loop contains R"):
         develop(cartan(frame), loop, parameters={"k": 2})
-    with pytest.raises(UnknownNameError, match="q is no parameter"):
+    with pytest.raises(UnknownNameError, match="q is not a parameter"):
         develop(cartan(frame), loop, parameters=values | {"q": 1})
-    with pytest.raises(UnknownNameError, match="q is no parameter"):
+    with pytest.raises(UnknownNameError, match="q is not a parameter"):
         burgers_vector(frame, loop, parameters=values | {"q": 1})
 
 

@@ -65,7 +65,7 @@ def test_values_are_put_in_exactly() -> None:
     for values, left in (({R: 0.3}, area.subs(R, THIRD)), ({R: 2, "a": 3}, 6), ({}, area)):
         found = burgers_vector(plane, ellipse, exact=True, parameters=values)
         assert found.vector == (0, 0, -sp.pi * left)
-    with pytest.raises(UnknownNameError, match="c is no parameter of this frame"):
+    with pytest.raises(UnknownNameError, match="c is not a parameter of this frame"):
         burgers_vector(frame, loop, exact=True, parameters={"b": 1, "c": 2})
 
 
@@ -194,7 +194,7 @@ X = sp.Symbol("X", positive=True)
 def test_what_is_inside_may_depend_on_symbols(frame: Frame, loop: Loop, names: str) -> None:
     """No closed form holds for a line that is inside for some values only."""
     with pytest.raises(
-        UndecidedError, match=f"winds round the singular line .* depends on {names}:"
+        UndecidedError, match=f"winding number around the singular line .* depends on {names}:"
     ):
         exact_burgers_vector(frame, loop)
 

@@ -72,7 +72,10 @@ JSON = [
     ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is no number"),
     ('[{"circle": {"centre": [0, 0], "radius": true}}]', "expected a number, got True"),
     ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: expected a number"),
-    ('[{"circle": {"centre": [0, 0], "radius": 1, "plane": ["x", "q"]}}]', "'q' is no coordinate"),
+    (
+        '[{"circle": {"centre": [0, 0], "radius": 1, "plane": ["x", "q"]}}]',
+        "'q' is not a coordinate",
+    ),
     (
         '[{"circle": {"centre": [0, 0], "radius": 1, "plane": "xy"}}]',
         "plane: expected two coordinates",
@@ -122,7 +125,7 @@ CSV = [
     ("x,y,radius\n0,0,-1\n", "line 2: radius: expected a positive length"),
     ("x,y,radius\n0,0,nan\n", "a finite number"),
     ("loop,x,y\na,0,0\na,1,1\n", "loop a: vertices: expected at least three"),
-    ("x,y,radius,plane\n0,0,1,x z\n", "'z' is no coordinate"),
+    ("x,y,radius,plane\n0,0,1,x z\n", "'z' is not a coordinate"),
 ]
 
 

@@ -67,9 +67,9 @@ def test_paths_that_do_not_close_are_refused():
         develop_period(frame, [[1, 0], [1, 6]], ROUND)
     with pytest.raises(LoopError, match=r"gap of \(1, 0\)"):
         develop_period(frame, [[1, 0], [2, TURN]], ROUND)
-    with pytest.raises(LoopError, match="psi is no coordinate"):
+    with pytest.raises(LoopError, match="psi is not a coordinate"):
         develop_period(frame, [[1, 0], [1, TURN]], {"psi": TURN})
-    with pytest.raises(LoopError, match="that of phi is 0"):
+    with pytest.raises(LoopError, match="expected the change of phi in one turn"):
         develop_period(frame, [[1, 0], [1, TURN]], {"phi": 0})
     with pytest.raises(LoopError, match="each different from the next"):
         develop_path(frame, [[1, 0]])

@@ -168,3 +168,19 @@ def test_packed_and_new_maps(tmp_path):
     (tmp_path / "a.ctf.gz").write_bytes(gzip.compress(text.encode()))
     assert isinstance(open_source(tmp_path / "a.ctf.gz", sigma=0.1), OrientationMap)
     assert isinstance(open_source(h5oina(tmp_path / "a.h5oina"), sigma=0.1), OrientationMap)
+
+
+def test_tables_are_told_by_their_columns(tmp_path):
+    """Text ending in .csv holds a sampled frame, or an orientation map."""
+    assert isinstance(open_source(grid(tmp_path, "a.csv")), SampledFrame)
+    rows = ["phi1,Phi,phi2,phase,x,y"]
+    rows += [f"{0.1 * x},20,30,1,{x},{y}" for y in range(8) for x in range(9)]
+    path = tmp_path / "b.csv"
+    path.write_text("\n".join(rows))
+    found = open_source(path, laue={1: "m-3m"})
+    assert isinstance(found, OrientationMap)
+    assert found.shape == (8, 9)
+    with pytest.raises(
+        OrientationError, match="order: expected a file of sampled frames, got an o"
+    ):
+        open_source(path, order=4)

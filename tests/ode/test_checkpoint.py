@@ -120,11 +120,11 @@ def test_other_files_are_refused(tmp_path):
     """What is no checkpoint is left alone."""
     path = tmp_path / "notes.npz"
     path.write_text("not yours")
-    with pytest.raises(CheckpointError, match="no checkpoint"):
+    with pytest.raises(CheckpointError, match="not a checkpoint"):
         solve(top(), 1.0, engine=RungeKutta(), checkpoint=path)
     assert path.read_text() == "not yours"
     np.savez(tmp_path / "array.npz", metadata=np.array("[1]"))
-    with pytest.raises(CheckpointError, match="no checkpoint"):
+    with pytest.raises(CheckpointError, match="not a checkpoint"):
         solve(top(), 1.0, engine=RungeKutta(), checkpoint=tmp_path / "array.npz")
 
 

@@ -149,5 +149,5 @@ def test_how_much_heyoka_leaves_on_the_disk(before):
 @pytest.mark.parametrize("rate", ["1e200*x", "1e300*x"])
 def test_what_is_faster_than_any_step_is_stuck(rate):
     """The size of its rates is infinite, of which a first step is no part."""
-    with pytest.raises(StuckError, match=r"cannot go on at t = 0.* too small"):
+    with pytest.raises(StuckError, match=r"cannot continue at t = 0.* too small"):
         solve(ODE.of({"x": rate}, [2]), [0, 1.0], 1e-9, RungeKutta())

@@ -397,7 +397,7 @@ def test_edges_end_with_place_and_reason(engine):
 @every_engine
 def test_series_without_value(engine):
     """x' = x^2 ends at t = 1."""
-    with pytest.raises(StuckError, match=r"cannot go on at t = (1|0\.99)"):
+    with pytest.raises(StuckError, match=r"cannot continue at t = (1|0\.99)"):
         solve(ODE.of({"x": "x**2"}, [1.0]), 2.0, 1e-8, engine)
 
 

@@ -254,7 +254,9 @@ def test_changes_of_charts_keep_all_digits():
 def test_no_engine_at_hand_is_said(monkeypatch):
     """More digits than there are without heyoka."""
     monkeypatch.setitem(sys.modules, "heyoka", None)
-    with pytest.raises(AccuracyError, match="no engine at hand gives two runs to compare. Install"):
+    with pytest.raises(
+        AccuracyError, match="no available engine gives two runs to compare. Install"
+    ):
         solve(ODE.of({"x": "-x"}, [1]), 1.0, 1e-14)
 
 

@@ -117,7 +117,7 @@ def test_what_is_refused():
     context = Context(body)
     with pytest.raises(SceneError, match="'Omega1' is taken already"):
         context.state("Omega1")
-    with pytest.raises(SceneError, match="k = nan: a finite number"):
+    with pytest.raises(SceneError, match="k = nan: expected a finite number"):
         context.parameter("k", float("nan"))
     with pytest.raises(SceneError, match="arm has 2 components"):
         context.vector("arm", (1, 2))

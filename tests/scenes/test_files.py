@@ -226,7 +226,11 @@ quaternion = [1, 0, 0, 0]
         ('"Omega1"', "\"__import__('os')\"", "line 23: body_moment2"),
         ('"t"', '"9**9**9*t"', "line 15: body_moment.moment\\[1\\]: the exponent is"),
         ("inertia = 0.1", "inertia = 5", "line 11: rotor.inertia = 5"),
-        ("momentum = 0.1", 'momentum = "t"', "line 10: rotor.momentum = 't': a finite number"),
+        (
+            "momentum = 0.1",
+            'momentum = "t"',
+            "line 10: rotor.momentum = 't': .* number",
+        ),
         ("[0, 1]", "[1, 0.5]", "line 2: times are not sorted"),
         ("quaternion = [1, 0, 0, 0]", "", None),
         ('["omega"]\nt = [0, 1]', '["nutation"]\nt = 1', None),

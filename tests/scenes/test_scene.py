@@ -76,7 +76,7 @@ def test_replacing():
         ("start.position[0]", "None has no components; set it as a whole first"),
         ("start.omega.x", "'start.omega.x' leads nowhere"),
         ("effects", "leads nowhere"),
-        ("a b", "is no path"),
+        ("a b", "is not a path"),
         ("mass", "leads nowhere. There are body"),
     ],
 )
@@ -149,10 +149,10 @@ def test_save_and_load(tmp_path):
     with pytest.raises(SceneError, match="from a file"):
         _ = back.solution
     (tmp_path / "no.npz").write_bytes(b"nothing")
-    with pytest.raises(FileFormatError, match="no saved result of a scene"):
+    with pytest.raises(FileFormatError, match="not a saved result of a scene"):
         gt.SceneResult.load(tmp_path / "no.npz")
     np.savez(tmp_path / "other.npz", a=1)
-    with pytest.raises(FileFormatError, match="no saved result of a scene"):
+    with pytest.raises(FileFormatError, match="not a saved result of a scene"):
         gt.SceneResult.load(tmp_path / "other.npz")
 
 
@@ -274,9 +274,9 @@ def test_a_force_without_a_value_at_the_start():
 @pytest.mark.parametrize("engine", ["taylor", 3, gt.RungeKutta])
 def test_engines_that_are_none(engine):
     """A name is no engine, nor is a class."""
-    with pytest.raises(gt.errors.StartError, match="engine = .*RungeKutta.. or Stiff.."):
+    with pytest.raises(gt.errors.StartError, match=r"engine = .*RungeKutta.., Stiff.."):
         TOP.run(engine=engine)
-    with pytest.raises(gt.errors.StartError, match="was needed"):
+    with pytest.raises(gt.errors.StartError, match="expected "):
         gt.solve_many(TOP.ode, {"Omega1": [1.0, 2.0]}, 1.0, engine=engine)
 
 
@@ -293,9 +293,9 @@ def test_replacing_what_is_given_in_one_way():
 def test_whole_numbers_of_numpy_and_numbers_that_are_too_small():
     """samples may come from NumPy; the best of no run is refused, not a ValueError of min()."""
     assert len(TOP.with_values(samples=np.int64(5)).times) == 5
-    with pytest.raises(SceneError, match="samples = True: a whole number from 2 on"):
+    with pytest.raises(SceneError, match="samples = True: expected a whole number from 2 on"):
         TOP.with_values(samples=True)
-    with pytest.raises(SceneError, match="repeats: a whole number from 1 on"):
+    with pytest.raises(SceneError, match="repeats: expected a whole number from 1 on"):
         TOP.cost(repeats=0)
 
 

@@ -126,8 +126,8 @@ def test_missing_starts():
         ((E.Drift(), E.Pivot([0, 0, 1])), "drift and pivot contradict each other"),
         ((E.Pivot([0, 0, 1]), E.Rolling(0.1)), "contradict each other"),
         ((E.Gravity(), E.Gravity(1)), "gravity is there twice"),
-        ((E.Gravity,), "Gravity is no effect. Write Gravity\\(...\\)"),
-        (("gravity",), "'gravity' is no effect"),
+        ((E.Gravity,), "Gravity is not an effect. Write Gravity\\(...\\)"),
+        (("gravity",), "'gravity' is not an effect"),
     ],
 )
 def test_effects_that_do_not_go_together(acting, says):

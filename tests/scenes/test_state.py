@@ -40,13 +40,13 @@ def test_arrays_are_kept_as_tuples():
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"omega": (1, 2)}, "omega = \\(1, 2\\): three numbers \\(rad/s\\)"),
+        ({"omega": (1, 2)}, "omega = \\(1, 2\\): expected three numbers \\(rad/s\\)"),
         ({"omega": 3}, "omega = 3: expected three numbers"),
         ({"omega": "abc"}, "omega = 'abc': expected three numbers"),
-        ({"omega": (1, float("inf"), 0)}, "omega\\[1\\] = inf: a finite number"),
+        ({"omega": (1, float("inf"), 0)}, "omega\\[1\\] = inf: expected a finite number"),
         ({"omega": (1, "fast", 0)}, "omega\\[1\\] = 'fast'"),
-        ({"omega": (1, True, 0)}, "omega\\[1\\] = True is no number"),
-        ({"position": (1, 2, None)}, "position\\[2\\] = None is no number"),
+        ({"omega": (1, True, 0)}, "omega\\[1\\] = True is not a number"),
+        ({"position": (1, 2, None)}, "position\\[2\\] = None is not a number"),
         ({"euler": (0, 0, 0), "quaternion": (1, 0, 0, 0)}, "given as euler and as quaternion"),
         ({"quaternion": (0, 0, 0, 0)}, "the quaternion is 0"),
         ({"quaternion": (1, 1, 0, 0)}, "length 1.41421356"),

@@ -128,14 +128,14 @@ def test_measures():
     [
         ({}, FLIP, SceneError, "nothing is varied"),
         ([1], FLIP, SceneError, "nothing is varied"),
-        ({"start.omega[0]": [1]}, None, SceneError, "is no measure"),
-        ({"start.omega[0]": [1]}, [3], SceneError, "is no measure"),
+        ({"start.omega[0]": [1]}, None, SceneError, "is not a measure"),
+        ({"start.omega[0]": [1]}, [3], SceneError, "is not a measure"),
         ({"start.omega[0]": []}, FLIP, SceneError, "no values"),
         ({"start.omga[0]": [1]}, FLIP, UnknownNameError, "Did you mean omega"),
         ({"gravity.g": [1]}, FLIP, UnknownNameError, "leads nowhere"),
         ({"start.omega[7]": [1]}, FLIP, UnknownNameError, r"no \[7\]"),
         ({"start.omega[0]": [float("nan")]}, FLIP, (StartError, SceneError), "nan"),
-        ({"start.omega[0]": [1]}, "biggest omega[0]", SceneError, "is no measure"),
+        ({"start.omega[0]": [1]}, "biggest omega[0]", SceneError, "is not a measure"),
         ({"start.omega[0]": [1]}, "max omgea[0]", UnknownNameError, "Did you mean omega"),
     ],
 )

@@ -15,10 +15,12 @@ TUTORIALS = (
     "first_tetrad",
     "connections",
     "straightest_and_shortest",
+    "which_path",
     "loops_that_do_not_close",
     "from_data",
     "top_and_effects",
     "own_torsion",
+    "gravity",
     "accuracy",
 )
 TASKS = (

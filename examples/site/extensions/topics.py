@@ -76,13 +76,13 @@ def table(package: str, names: Iterable[str]) -> list[str]:
 
 
 def first_line(value: object) -> str:
-    """The first sentence of a docstring; of a module, without its name."""
+    """First sentence of a docstring, without the name of a module."""
     paragraph = (getattr(value, "__doc__", None) or "").strip().split("\n\n")[0]
     text = " ".join(paragraph.split())
     if ismodule(value):
         text = re.sub(r"^\w+: ", "", text)
-    found = re.match(r".*?[.:](?=\s|$)", text)
-    return escaped((found[0] if found else text).rstrip(":"))
+    found = re.match(r".*?\.(?=\s|$)", text)
+    return escaped(found[0] if found else text)
 
 
 class Topics(SphinxDirective):

@@ -278,7 +278,7 @@ class _Source:
             if len(parts) != width:
                 self.fail(
                     k,
-                    f"expected {width} columns, got {len(parts)}. Is the file truncated? Export it "
+                    f"expected {width} columns, got {len(parts)}. Is the file complete? Export it "
                     "again.",
                 )
             for part in parts:

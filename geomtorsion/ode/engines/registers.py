@@ -101,7 +101,7 @@ def run_in_registers(
                 until(ends[k], max_steps=MOST_STEPS, **step)
                 _go_on(integrator, ends[k], hits, max_steps, step)
                 found[k, 0] = own
-            # Of the last of several calls, whose members have taken many steps in any case.
+            # Only from the last of several calls, whose members have taken many steps anyway.
             if steps is not None:
                 taken[k] = [one[1:4] for one in integrator.propagate_res]
             clocks[k] = integrator.time
@@ -113,14 +113,14 @@ def run_in_registers(
             if show is not None:
                 show(min(done * width, len(result)))
     finally:
-        # Also after Ctrl-C: what is done is kept.
+        # Also after Ctrl-C: finished members are kept.
         arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
         arrived[done:] = False
         good = arrived.reshape(-1)
         rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
         finished[index[good]] = True
         if steps is not None:
-            # heyoka tells of no last step, which ends with the times, so of a single one nothing.
+            # heyoka does not report the last step, and so nothing about a single step.
             least, longest, counts = np.abs(taken.reshape(-1, 3)[good]).T
             typical = np.sqrt(least, out=np.zeros(len(least)), where=counts > 1) * np.sqrt(longest)
             way = np.abs(ends.reshape(-1)[good])

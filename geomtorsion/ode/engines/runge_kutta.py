@@ -42,7 +42,7 @@ class _Ladder:
 
 
 def _rung(tolerance: float) -> float:
-    """The power of ten, in quarters, that is no larger."""
+    """The largest quarter power of ten that does not exceed the tolerance."""
     return 10.0 ** (math.floor(4 * math.log10(tolerance) + 1e-9) / 4)
 
 
@@ -57,7 +57,7 @@ class RungeKutta(_Ladder):
     Raises
     ------
     ArgumentError
-        max_evaluations is no whole number from 1 on.
+        max_evaluations is not a whole number from 1 on.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class Stiff(_Ladder):
     max_evaluations: int = 5_000_000
 
     def __post_init__(self) -> None:
-        """Refuse what is no method, or a number without sense."""
+        """Refuse unknown methods and invalid numbers."""
         checks.choice(self.method, METHODS, "method", ArgumentError)
         checks.count(self.max_evaluations, "max_evaluations", ArgumentError, 1)
 

@@ -1,6 +1,6 @@
 """Stepper: the steps of DOP853 as generated code on plain floats, for systems of few states.
 
-The method, its error estimate and its step control are those of scipy's DOP853 (E. Hairer,
+Method, error estimate and step control agree with scipy's DOP853 (E. Hairer,
 S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, II.5 and II.10); scipy
 spends four fifths of its time on arrays of a few numbers each.
 """
@@ -14,7 +14,7 @@ from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.allowance import check_limits
 from geomtorsion.caching import cached_property
@@ -197,7 +197,7 @@ class Steps:
                 error = size * fifth / math.sqrt(both * len(self.state))
             if error < 1:
                 break
-            # An error that is no number shortens the step as far as it goes.
+            # If the error is NaN, take the shortest step.
             shorter = SAFETY * error**-0.125 if error < float("inf") else SHORTEST
             self._size = size * max(SHORTEST, shorter)
             rejected = True
@@ -210,10 +210,10 @@ class Steps:
         return piece
 
     def _last(self) -> Polynomial | None:
-        """The rest of the way, where it is a rounding of the time and changes nothing.
+        """The rest of the way, if it is a rounding error of the time and changes nothing.
 
-        Beyond an end such as that of (1 - t)**(1/3) the rates have no value, and a clock may be
-        beyond it by a rounding.
+        Beyond the end of a function such as (1 - t)**(1/3) the rates have no value, and a clock may
+        pass it by a rounding error.
         """
         h = self.end - self.time
         if abs(h) > NEAR_END * LEAST_ULPS * math.ulp(self.end):
@@ -230,7 +230,7 @@ class Steps:
         return piece
 
     def _stalls(self) -> bool:
-        """Whether time stands still; too many steps are an error."""
+        """Whether time makes no progress; too many steps are an error."""
         check_limits()
         if self.tried * stage_count() > self.most:
             raise too_many_evaluations(self.most, self.time)
@@ -241,7 +241,7 @@ class Steps:
         most = self.most // stage_count()
         refuse_stiff(self._system, state, self.values, pace, self.time, left, most)
         if abs(self.time - self._mark) < 1e-6 * self.duration:
-            self.stuck = "time stands still"
+            self.stuck = "time makes no progress"
             return True
         self._mark = self.time
         return False
@@ -318,7 +318,7 @@ class _Writer:
         return " + ".join(f"{a}*k{s}_{i}" for s, a in enumerate(row) if a)
 
     def _coefficients(self, s: int) -> Sequence[str]:
-        """Of a stage, or (for the number after the last) of the new states."""
+        """Coefficients of a stage, or (for the number after the last) of the new states."""
         tables = scipy.integrate.DOP853
         return _written(tables.B if s == stage_count() else tables.A[s, :s])
 
@@ -344,7 +344,7 @@ class _Writer:
         lines += [f"a{i} = n{i}" for i in self.needed]
         lines += self._rates(last)
         lines.append("fifth = third = 0.0")
-        # Of order three is what the new states are made of, but for three stages.
+        # The error of third order uses the weights of the new states, except for three stages.
         gaps = [a - b for a, b in zip(tables.B, tables.E3, strict=False)]
         lower = _written([a if abs(a) > 1e-15 else 0.0 for a in gaps])
         fifth = _written(tables.E5)

@@ -10,7 +10,7 @@ from functools import cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.allowance import check_limits
 from geomtorsion.caching import cached_property
@@ -33,13 +33,13 @@ from geomtorsion.ode.system import (
 )
 from geomtorsion.precision import EPS
 
-# A step of generated code cannot tell smaller differences from rounding, and scipy accepts no
-# smaller relative tolerance.
+# Smaller differences are rounding errors in generated code, and scipy accepts no smaller relative
+# tolerance.
 LEAST = 1e-15
 FLOOR = 100 * EPS
 
-# Implicit steps are to follow what has decayed to this part of its size, as far as doubles hold it:
-# others hang on it, as fast reactions on what feeds them.
+# Implicit steps follow a state down to this fraction of its size, because other states may depend
+# on it, as fast reactions depend on their supply.
 DECAYED = 1e-6
 
 
@@ -106,7 +106,7 @@ class Piece:
 
 
 class ScipySteps:
-    """Steps of a solver of scipy from a start on; see `Steps`, which it can stand for."""
+    """Steps of a solver of scipy from a start on; an implementation of `Steps`."""
 
     def __init__(
         self,
@@ -159,13 +159,13 @@ class ScipySteps:
             with np.errstate(all="ignore"):
                 message = solver.step()
         except WorkLimitError:
-            # It is a ValueError, too.
+            # It is also a ValueError.
             raise
         except (ValueError, np.linalg.LinAlgError):
-            # scipy refuses to solve linear equations with what is no number.
+            # scipy refuses to solve linear equations with NaN.
             message = NO_JACOBIAN
         if solver.status == "failed" or message or not np.isfinite(solver.y).all():
-            self.stuck = (message or "the states are no numbers any more").rstrip(".")
+            self.stuck = (message or "the states are no longer finite").rstrip(".")
             return None
         self.time, self.state = float(solver.t), tuple(solver.y.tolist())
         self.count += 1
@@ -176,7 +176,7 @@ NO_JACOBIAN = "the Jacobian has no finite value"
 
 
 def counted(function: Callable[[float, np.ndarray], Any], most: int, duration: float) -> Any:
-    """The rates, refusing to be called without end; no numbers any more where time stands still.
+    """The rates, with a limit on calls; NaN if time makes no progress.
 
     scipy then gives up with what it has, as it does where the rates themselves end.
     """
@@ -224,7 +224,7 @@ def stepwise_run(
     ready = time.perf_counter()
     if first == last or not np.isfinite(first_rates).all():
         outcome = "done" if first == last else "stuck"
-        reason = "" if first == last else "the rates are no numbers at the start"
+        reason = "" if first == last else "the rates are not finite at the start"
         here = np.array(y0)
         return Run(
             times[:1], here[None, :], first, here, outcome, 0, 1, ready - began, 0.0, None, reason
@@ -327,7 +327,7 @@ def _crossing(
     if value(piece.t) <= 0 or value(after) >= 0:
         return after
     tiny = 4 * np.finfo(float).eps
-    # Typed as the pair that it gives where a report is asked for, too.
+    # Its declared type includes the pair that it returns with a report.
     return float(scipy.optimize.brentq(value, piece.t, after, xtol=tiny, rtol=tiny))  # type: ignore[arg-type]
 
 
@@ -366,10 +366,10 @@ def error_scales(
     rates: Sequence[float] | np.ndarray,
     duration: float,
 ) -> np.ndarray:
-    """The size of each state for absolute tolerances: that of its group, now or soon.
+    """The size of each state for absolute tolerances: the size of its group, now or soon.
 
     numbers: values of the parameters. A state that starts at zero has the scale of the terms of its
-    rate: where they cancel, no step would be short enough for what is left of them.
+    rate; if they cancel, no step would be short enough for the remainder.
     """
     scales = np.empty(y0.shape)
     for group in system.groups:

@@ -1,6 +1,6 @@
 """Taylor: adaptive Taylor series of any precision, by integrators that heyoka compiles.
 
-Those of equations that come again are kept.
+Integrators are kept for equations that occur again.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Compiled:
     def ready(self, *parameters: Sequence[Real] | np.ndarray) -> Iterator[Ready]:
         """Lock the integrator and set all its numbers, constants included.
 
-        parameters: those of the system, for one motion; for each of a few motions, in a few
+        parameters: of the system, for one motion; for each of a few motions, in a few
             arguments; or for the members of a batch, in one array of shape (number, parameters).
         """
         bits = self.engine.precision
@@ -91,7 +91,7 @@ class Ready:
     def __init__(self, integrator: Any, numbers: np.ndarray, max_steps: int) -> None:
         self.integrator = integrator
         self.max_steps = max_steps
-        # heyoka has no room for the last parameters where these do not occur.
+        # heyoka omits the last parameters if they do not occur.
         self._columns = numbers.T[: len(integrator.pars)]
         integrator.pars[:] = self._columns if numbers.ndim == 1 else np.nan
 
@@ -260,7 +260,7 @@ def _integrator(
 
 __all__ = ["Taylor", "heyoka", "is_available"]
 
-# Below this order steps are no longer in proportion to what the series leave out.
+# Below this order, steps are no longer in proportion to the truncation error.
 LOWEST_ORDER = 6
 NO_VALUE = "the series has no finite value"
 
@@ -462,8 +462,8 @@ class Taylor:
     ) -> tuple[np.ndarray, str, int, float, str]:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
-        A run that gets nowhere is ended.
-        room: the guard, where it may have no series within a step, so that its fall is not seen.
+        A run without progress is ended.
+        room: the guard, if it may have no series within a step, so that its zero is not detected.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
         step: heyoka's option for the longest step.
         """
@@ -478,7 +478,7 @@ class Taylor:
             out = integrator.propagate_grid(rest, max_steps=at_once, **step)
             code = str(getattr(out[0], "name", "event"))
             steps += out[3]
-            # The last step, cut where the grid ends, is not among those whose largest is told.
+            # The reported largest step does not include the last one, which ends with the grid.
             longest = max(longest, abs(float(out[2])), abs(float(integrator.last_h)))
             new = out[5][1:] if done else out[5]
             rows.append(new)
@@ -531,13 +531,13 @@ class _Record:
         self.kind = integrator.state.dtype
 
     def __call__(self, integrator: Any) -> bool:
-        """Keep one step; True goes on."""
+        """Keep one step; True continues."""
         self.coefficients.append(integrator.tc.copy())
         self.times.append(integrator.time)
         return True
 
     def dense(self) -> Dense:
-        """Function of times, by the polynomial of the step in which each lies."""
+        """Function of times, by the polynomial of the step that contains each."""
         times = np.array(self.times, dtype=type(self.times[0]))
         table = np.array(self.coefficients, dtype=self.kind)
         sign = 1.0 if times[-1] >= times[0] else -1.0
@@ -578,7 +578,7 @@ def _edge_ahead(
         if middle in (low, high):
             break
         _place(integrator, low, state)
-        # What takes more steps lies beyond a place where steps shrink.
+        # More steps would mean that steps shrink on the way.
         integrator.propagate_until(middle, max_steps=2)
         arrived = integrator.time == middle and np.isfinite(integrator.state.astype(float)).all()
         if arrived and room() > 0:
@@ -598,13 +598,13 @@ def _last_regular(
 ) -> tuple[Any, np.ndarray]:
     """Time and state before the first step that cannot be taken back.
 
-    A step over a singularity may give finite numbers, from which the series goes on for a while
-    before it fails; but the way back over the singularity does not lead to where it came from.
+    A step over a singularity may give finite numbers, from which the series continues for a while
+    before it fails; but the way back over the singularity does not lead to the same state.
     steps: how many were taken in all.
     """
     good = begin, start
     size: float | None = None
-    # As many at once as have room in memory, whatever their number.
+    # As many at once as fit into memory.
     for left in range(steps, 0, -STEPS_AT_ONCE):
         trail: list[tuple[Any, np.ndarray]] = []
 

@@ -1,4 +1,4 @@
-"""Effects: what acts on a body, one small class each; the tuple below lists them."""
+"""Effects: forces, torques and constraints of a body, one class each, listed below."""
 
 from geomtorsion.scenes.effects.angular_damping import AngularDamping
 from geomtorsion.scenes.effects.custom import Custom

@@ -84,14 +84,14 @@ class Custom(Effect):
         """Check vectors, words and that states and starts agree."""
         check_vectors(self, "moment", "force")
         if self.axes not in ("space", "body"):
-            raise SceneError(f'custom.axes = {self.axes!r}: say "space" or "body".')
+            raise SceneError(f'custom.axes = {self.axes!r}: expected "space" or "body".')
         for name in ("parameters", "states", "start", "outputs"):
             if not isinstance(getattr(self, name), Mapping):
                 raise SceneError(f"custom.{name}: expected a table of names.")
         lost = set(self.states) ^ set(self.start)
         if lost:
             raise SceneError(
-                f"custom: {', '.join(sorted(lost))} stands in only one of states and start. "
+                f"custom: {', '.join(sorted(lost))} is in only one of states and start. "
                 "Every state needs a rate and a value at the start."
             )
         object.__setattr__(self, "switches", _checked_switches(self.switches, self.parameters))
@@ -156,7 +156,7 @@ def _checked_switches(
             if name not in parameters:
                 known = ", ".join(parameters) or "none"
                 raise SceneError(
-                    f"custom.switches: {name!r} is no parameter of it. Known are {known}."
+                    f"custom.switches: {name!r} is not a parameter of it. Known are {known}."
                 )
         found.append((pair[0], dict(pair[1])))
     return tuple(found)

@@ -11,7 +11,7 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect
 
 @dataclass(frozen=True)
 class Drift(Effect):
-    """The centre of mass moves freely, as Newton says: m v' = F in space axes.
+    """The centre of mass moves freely by Newton's law: m v' = F in space axes.
 
     A body that nothing holds drifts in any case; naming it makes a scene that also holds
     the body (pivot, rolling) an error.

@@ -21,7 +21,7 @@ SIGNS = {"positive": "a number > 0", "not negative": "a number >= 0", "any": "a 
 
 
 def check_numbers(effect: Effect, *names: str, sign: str = "any") -> None:
-    """Fields that have to be plain finite numbers, of a sign if one is asked for.
+    """Check fields that have to be plain finite numbers, of a given sign.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def check_axis(effect: Effect, name: str) -> None:
     numbers = [exact(value, f"{effect.key}.{name}[{k}]") for k, value in enumerate(values)]
     if not any(numbers):
         raise SceneError(
-            f"{effect.key}.{name} = {values!r} is no direction. Give one that is not 0."
+            f"{effect.key}.{name} = {values!r} is not a direction. Give one that is not 0."
         )
 
 
@@ -127,7 +127,7 @@ def read(
     Raises
     ------
     ExpressionError
-        The text is no expression, holds an unknown name, or code.
+        The text is not an expression, holds an unknown name, or code.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def read(
     own = sorted(symbols_in(value), key=str)
     if own:
         _check_names(" ".join(symbol.name for symbol in own), known, where)
-        # Symbols of the user's own kind (real, positive) are those of the same name here.
+        # Symbols with other assumptions (real, positive) are replaced by those of the same name.
         return sp.Expr.subs(value, {symbol: known[symbol.name] for symbol in own})
     return context.parameter(name, value)
 
@@ -185,7 +185,7 @@ def between(
 ) -> tuple[sp.Expr, tuple[Switch, ...]]:
     """A factor that is 1 from start to end and 0 outside, with the switches that make it so.
 
-    The times are exact: the integration is begun anew there, nothing is stepped over.
+    The times are exact: the integration restarts there, so that no step passes over them.
 
     Raises
     ------

@@ -15,9 +15,9 @@ from geomtorsion.scenes.effects.protocol import Contribution, Effect, unit
 
 @dataclass(frozen=True)
 class GravityGradient(Effect):
-    """The moment of a central field on a body that circles its centre; the orbit is given.
+    """Torque of a central field on a body that circles its centre; the orbit is given.
 
-    The orbit lies in the plane of the first two space axes; at t = 0 the centre of attraction is
+    The orbit is in the plane of the first two space axes; at t = 0 the centre of attraction is
     seen from the body in the direction (cos phase, sin phase, 0), or the opposite one.
 
     Equation
@@ -35,7 +35,7 @@ class GravityGradient(Effect):
     Raises
     ------
     SceneError
-        a field is no number, or the rate is negative.
+        a field is not a number, or the rate is negative.
 
     Examples
     --------

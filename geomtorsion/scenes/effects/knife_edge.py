@@ -37,7 +37,7 @@ class KnifeEdge(Effect):
     Raises
     ------
     SceneError
-        the arm has not three components, the speed is no number.
+        the arm has not three components, the speed is not a number.
 
     Examples
     --------

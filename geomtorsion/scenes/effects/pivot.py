@@ -26,7 +26,7 @@ class Pivot(Effect):
     Parameters
     ----------
     arm
-        from the pivot to the centre of mass, body axes, m. A top that stands on its tip with its
+        from the pivot to the centre of mass, body axes, m. A top on its tip with its
         axis along the third body axis has (0, 0, height).
     place
         where the pivot is in space, m.
@@ -37,7 +37,7 @@ class Pivot(Effect):
     Raises
     ------
     SceneError
-        the arm is no vector, or moments_at is something else.
+        the arm is not a vector, or moments_at is something else.
 
     Examples
     --------
@@ -60,8 +60,8 @@ class Pivot(Effect):
         check_vectors(self, "arm", "place")
         if self.moments_at not in ("centre", "pivot"):
             raise SceneError(
-                f'pivot.moments_at = {self.moments_at!r}: say "centre" or "pivot", the point about '
-                "which the moments of the body are given."
+                f'pivot.moments_at = {self.moments_at!r}: expected "centre" or "pivot", the point '
+                "about which the moments of the body are given."
             )
 
     def adds(self, context: Context) -> Contribution:

@@ -27,8 +27,8 @@ class Constraint:
     omega: body angular velocity, body axes (rad/s), linear in the speeds.
     velocity: velocity of the centre of mass, in BODY axes (m/s), linear in the speeds; may depend
         on the attitude or the vertical.
-    position: place of the centre of mass, space axes (m), where the constraint fixes it; what
-        follows from the velocity stands there as itself. None: all of it does.
+    position: place of the centre of mass, space axes (m), where the constraint fixes it; components
+        that follow from the velocity are the symbols themselves. None: all of them.
     arm: from a point that is fixed in space to the centre of mass, body axes (m); angular momentum
         then counts about that point. None: about the centre of mass.
     start: speeds of the effect's own -> value at the start.
@@ -59,15 +59,15 @@ class Contribution:
     inertia: 3 x 3, added to the body's inertia tensor (kg m^2).
     states, start: states of its own -> rate, and -> value at the start.
     energy: energy stored in it (J): potentials, energy of rotors.
-    power: what it puts in (W; drag puts in less than nothing). None: if energy is given, its change
-        with time as such (0 unless t stands in it), else moment . Omega + force . velocity.
+    power: input of power (W; negative for drag). None: if energy is given, its explicit change with
+        time (0 unless it contains t), else torque . Omega + force . velocity.
     outputs: further quantities that can be watched -> expression or several.
     switches: ((time, {name: value}), ...): parameters (as `context.parameter` named them) or
         states that change at exact times.
     constraint: the velocities that it leaves.
-    replaces: state -> rate, in place of what is worked out: for laws that are no mechanics.
+    replaces: state -> rate, instead of the derived rate: for laws outside of mechanics.
     stop: the motion stops where this falls through zero.
-    naive: whether Omega x L is left out of the equations, L the whole angular momentum.
+    naive: whether Omega x L is omitted from the equations, L the whole angular momentum.
     """
 
     moment: Triple | None = None
@@ -94,8 +94,8 @@ class Effect:
     title: one line for tables.
     several: whether a scene may have more than one of the kind.
     excludes: keys of effects that contradict it.
-    wrong: whether it is a wrong law, shipped to be compared: drifts are then those of the
-        quantities that the right law keeps.
+    wrong: whether it is a wrong law, shipped for comparison; drifts then measure the quantities
+        that the right law keeps.
 
     Examples
     --------
@@ -128,7 +128,7 @@ class Effect:
 
     @classmethod
     def units(cls) -> dict[str, str]:
-        """Field -> unit (SI); "" for pure numbers; fields that are no quantities are left out."""
+        """Field -> unit (SI); "" for pure numbers; other fields are omitted."""
         return {item.name: item.metadata["unit"] for item in fields(cls) if "unit" in item.metadata}
 
 

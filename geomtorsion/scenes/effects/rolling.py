@@ -58,13 +58,13 @@ class Rolling(Effect):
         """A positive radius and one of two words."""
         check_numbers(self, "radius", sign="positive")
         if self.shape not in SHAPES:
-            raise SceneError(f'rolling.shape = {self.shape!r}: say "disc" or "ball".')
+            raise SceneError(f'rolling.shape = {self.shape!r}: expected "disc" or "ball".')
 
     def adds(self, context: Context) -> Contribution:
         """The constraint; angular velocity is what remains."""
         r = context.parameter("radius", self.radius)
         n1, n2, n3 = context.vertical
-        # The lowest point lies on the plane: the height of the centre is -c . n.
+        # The lowest point is on the plane: the height of the centre is -c . n.
         if self.shape == "disc":
             slope = sp.sqrt(n1**2 + n2**2)
             contact, height = -r / slope * sp.Matrix([n1, n2, 0]), r * slope

@@ -43,7 +43,7 @@ class Rotor(Effect):
     Raises
     ------
     SceneError
-        the axis is no direction, J is not positive or more than the body has, a torque without J.
+        the axis is not a direction, J is not positive or exceeds the body, a torque without J.
     ExpressionError
         the torque cannot be read, or is code.
 

@@ -29,13 +29,13 @@ class Thrust(Effect):
     point
         where it acts, from the centre of mass, body axes, m.
     start, end
-        it is on between these times, s; None: from the beginning, to the end. The motion is begun
-        anew at both: nothing is stepped over.
+        it is on between these times, s; None: from the beginning, to the end. The motion
+        restarts at both, so that no step passes over them.
 
     Raises
     ------
     SceneError
-        a vector has not three components, a time is no number, the end is before the start.
+        a vector has not three components, a time is not a number, the end is before the start.
     ExpressionError
         an expression cannot be read, or is code.
 
@@ -87,7 +87,7 @@ class BodyMoment(Effect):
     Raises
     ------
     SceneError
-        the moment has not three components, a time is no number, the end is before the start.
+        the torque has not three components, a time is not a number, the end is before the start.
     ExpressionError
         an expression cannot be read, or is code.
 

@@ -28,12 +28,12 @@ class Torsion(Effect):
     Parameters
     ----------
     strength
-        1 gives the autoparallels, 0 the geodesics; what lies between, a blend.
+        1 gives the autoparallels, 0 the geodesics; values in between give a blend.
 
     Raises
     ------
     SceneError
-        the strength is no number.
+        the strength is not a number.
 
     Examples
     --------
@@ -65,8 +65,8 @@ class Torsion(Effect):
 class Naive(Effect):
     """The naive law, I Omega' = M: the wrong answer that the paper warns of.
 
-    It is what comes out when variations are closed in the image Phi, which is no coordinate. The
-    angular momentum in space is no longer conserved; the energy is, for what is left out does
+    Variations that close in the image Phi, which is not a coordinate, give this law. It does not
+    conserve the angular momentum in space; it conserves the energy, because the omitted term does
     no work.
 
     Equation

@@ -17,6 +17,7 @@ from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.style import SERIES, Stroke, arrow, number, sense
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.precision import CALCULATED
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
@@ -246,7 +247,7 @@ def _sentence(
     if largest:
         miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
         # Where torsion is constant along the loop, 2 S A is b itself: the rest is rounding.
-        if miss * largest <= b.error:
+        if miss <= max(b.error / largest, CALCULATED):
             said += "2 S A agrees with b within its error. "
         else:
             share = f"{miss:.1%}" if miss > 1e-3 else f"{miss:.0e}"

@@ -332,8 +332,9 @@ async def _tell(send: Send, status: int, text: str) -> None:
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
-_TOP = {"moments": [1.0, 2.0, 3.0], "omega": [0.1, 2.0, 0.1], "tilt": 0.3, "t": 12.0}
+_TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
+    ("compass", {"course": 75}),
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
     ("paths", {**_SO3, "moments": None}),
     ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),

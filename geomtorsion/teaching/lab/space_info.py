@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 # Shown first, because a lesson begins with them.
 FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
 # Complex, or with unknown functions: there is nothing to draw.
-_UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "s7")
+_UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "frw_closed", "frw_open", "pp_wave", "s7")
 # Too many coordinates, or complex: these are not typed either.
 _UNTYPED = ("kerr_kinnersley", "s7")
 # Where loops begin in spaces with a line: on it, so that the first circle goes round it.

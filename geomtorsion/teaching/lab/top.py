@@ -52,7 +52,8 @@ _SHOWN = {
     "energy": (("energy",), "J"),
     "position": (("x", "y", "z"), "m"),
 }
-_SPACE, _BODY, _AXIS, _MOMENTUM = SERIES[:4]
+# On a page a colour has one meaning: those of the chart do not occur in the film.
+_SPACE, _BODY, _AXIS, _MOMENTUM, _RIGHT, _NAIVE = SERIES
 
 
 def top(
@@ -219,9 +220,9 @@ def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str
     label = names[k]
     title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
     figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
-    axes.plot(result.times, right[:, k], **SERIES[0].line, label="L′ + Ω × L = M")
+    axes.plot(result.times, right[:, k], **_RIGHT.line, label="right: L′ + Ω × L = M")
     if wrong is not None:
-        axes.plot(result.times, other[:, k], **SERIES[1].line, label="naive: L′ = M")
+        axes.plot(result.times, other[:, k], **_NAIVE.line, label="naive: L′ = M")
     key(figure, axes)
     return svg(figure)
 

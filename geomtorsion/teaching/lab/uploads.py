@@ -14,7 +14,8 @@ from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import read_pixels
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.readers import IMAGE, READERS, is_map, suffixes_of
+from geomtorsion.materials.readers import IMAGE, MAP, READERS, suffixes_of
+from geomtorsion.materials.readers import kind_of as content_of
 from geomtorsion.teaching.lab.settings import PAGE
 
 # First bytes of formats that are something else -> what they are.
@@ -107,9 +108,11 @@ def read_map(
         path = Path(folder, _STEM + kind)
         path.write_bytes(content)
         try:
-            if kind in IMAGES:
+            content_kind = content_of(path)
+            if content_kind is IMAGE:
                 return _lattice(path)
-            found = _orientations(path, threshold, laue) if is_map(path) else _frame(path)
+            is_map = content_kind is MAP
+            found = _orientations(path, threshold, laue) if is_map else _frame(path)
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
             # Of the same class: a limit stays a limit.

@@ -165,7 +165,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
         (("--circle", "0,1,0:-1"), "expected a positive length"),
         (("--circle", "0,1,0:one"), "one is neither"),
-        (("--circle", "0,1,0:1:phi1,psi"), "'psi' is no coordinate"),
+        (("--circle", "0,1,0:1:phi1,psi"), "'psi' is not a coordinate"),
         (("--circle", "0,1,0:nan"), "a finite number"),
         (("--polygon", "0,0,0;1,1,1"), "at least three points"),
         (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),

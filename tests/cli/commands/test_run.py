@@ -143,7 +143,7 @@ def test_what_is_stuck_is_written_as_far_as_it_came(tmp_path, no_pictures):
     file, out = tmp_path / "pole.toml", tmp_path / "out"
     file.write_text(POLE)
     result = run("run", str(file), "-o", str(out), code=1)
-    assert "cannot go on at t = " in result.stderr
+    assert "cannot continue at t = " in result.stderr
     assert "`solution`" not in result.stderr
     with (out / "table.csv").open(newline="") as table:
         rows = [[float(x) for x in row] for row in list(csv.reader(table))[1:]]

@@ -289,7 +289,10 @@ FLAT = np.ones((1, 2, len(X)))
         (lambda: ScatteredFrame.from_coframe(POINTS[:, :1], FLAT), r"shape \(N, 2\) or \(N, 3\)"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT[:, :, 1:]), r"coframe: shape \(rows, 2"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: 2 or 4"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1), "longest: a positive"),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1),
+            "longest: expected a positive",
+        ),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=1e-3), "no triangle is left"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.nan), "no triangle is left"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.inf), "infinite at point 0"),
@@ -331,8 +334,8 @@ def test_points_that_are_none(make, message):
         ([0, 1, 1600], "there is no edge"),
         ([0, 1, -1], "node -1 is not in the network"),
         ({0: 1}, "the edges do not close"),
-        ({-1: 1}, "edge: a whole number from 0"),
-        ({0: 0.5}, r"circuit\[0\]: a whole number"),
+        ({-1: 1}, "edge: expected a whole number from 0"),
+        ({0: 0.5}, r"circuit\[0\]: expected a whole number"),
         ("here", "circuit"),
     ],
 )

@@ -59,7 +59,7 @@ def test_only_what_is_asked_for_is_shown():
         ("sin(r", "never closed"),
         ("0.5*r", "Write 1/2"),
         ("__import__('os')", "expressions are not code"),
-        ("r.real", "a dot stands only between"),
+        ("r.real", "a dot is allowed only between"),
         ("abs(r)", "abs is not smooth"),
         ("r**99", "the limit is 32"),
         ("+".join(["r"] * 400), "the limit is 600"),
