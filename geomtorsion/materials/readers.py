@@ -19,7 +19,7 @@ from geomtorsion.errors import (
     ImageError,
     OrientationError,
 )
-from geomtorsion.files import ending, opened
+from geomtorsion.files import BOUNDS, ending, opened
 from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.blocked_fields import (
@@ -122,8 +122,6 @@ READERS = (
 # Arrays in parts, of which maps are made in blocks, are read by other means.
 ARRAYS = (".zarr",)
 SUFFIXES = (*dict.fromkeys(reader.suffix for reader in READERS), *ARRAYS)
-# Bytes at the beginning of a text file that tell fields from maps.
-_BEGINNING = 100_000
 _LONGEST = max(len(mark) for reader in READERS for mark in reader.begins)
 
 
@@ -271,7 +269,7 @@ def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
     if not tests:
         return not _has_grid(path)
     with opened(path) as file:
-        content = file.read(_BEGINNING)
+        content = file.read(BOUNDS.beginning)
     return any(seems(content) for seems in tests)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import LARGEST_ARRAYS, cut, file_name, shown
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.files import ending, finite_number, opened, read_text
+from geomtorsion.files import BOUNDS, ending, finite_number, opened, read_text
 from geomtorsion.materials.crystals.atom_counts import check_count_of_gro, check_declared
 from geomtorsion.materials.crystals.atom_rows import AtomData, check_number, completed, is_number
 from geomtorsion.materials.crystals.lammps import (
@@ -73,10 +73,6 @@ ENDS = {
 }
 
 
-# Bytes at the beginning of a file that tell its format.
-BEGINNING = 100_000
-
-
 def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[AtomData]:
     """Frames of a file, one after another.
 
@@ -116,7 +112,7 @@ def _ase(name: str) -> Any:
 def _form_of(file: Path, form: str | None) -> str:
     """The format of a file, one of FORMATS: by its beginning where that leaves no doubt."""
     with opened(file) as stream:
-        start = stream.read(BEGINNING).decode("utf-8-sig", errors="replace")
+        start = stream.read(BOUNDS.beginning).decode("utf-8-sig", errors="replace")
     if form is not None:
         return checks.choice(form, tuple(FORMATS), "form", FileFormatError)
     if seems_dump(start):
