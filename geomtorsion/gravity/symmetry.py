@@ -237,11 +237,29 @@ class Symmetries:
         components of another kind.
         """
         found: list[Tensor] = []
-        for degree in range(4):
-            found = self._solved(_monomials(self.frame, degree))
+        constants = self.frame.parameters
+        for degree, factors in ((0, ()), (1, ()), (2, ()), (2, constants), (3, ())):
+            products = _monomials(self.frame, degree)
+            products += [c * one for c in factors for one in products]
+            found = self._independent([*found, *self._solved(products)])
             if len(found) >= self.dimension:
                 break
         return tuple(found)
+
+    def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
+        """Those that are not sums of others with constant coefficients.
+
+        A symmetry is determined by its value and its derivative at one point.
+        """
+        bar, n = levi_civita(self.frame), self.frame.dimension
+        echelon = Echelon(self.frame.field, n + len(self._turns))
+        found = []
+        for xi in vectors:
+            slope = bar.covariant_derivative(xi.lowered(0))
+            row = [*(xi.element(a) for a in range(n)), *(slope.element(*x) for x in self._turns)]
+            if echelon.add(row):
+                found.append(xi)
+        return found
 
     @property
     def ansatz(self) -> str:
@@ -249,8 +267,8 @@ class Symmetries:
         functions = {str(q): _functions(self.frame, q) for q in self.frame.coordinates}
         text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in functions.items())
         return (
-            "rational combinations of products of up to two of these, or of three of different "
-            f"coordinates: {text}"
+            "rational combinations of products of up to two of these and a parameter, or of three "
+            f"of different coordinates: {text}"
         )
 
     def _solved(self, functions: Sequence[sp.Expr]) -> list[Tensor]:
@@ -359,13 +377,17 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     is_cyclic = all(x.free_of(q) for x in metric)
     found: list[sp.Expr] = []
     if waves:
-        found += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), sp.cos(q) / sp.sin(q)]
+        found += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), 1 / sp.cos(q)]
+        found += [sp.cos(q) / sp.sin(q), sp.sin(q) / sp.cos(q)]
     elif steep:
         found += [sp.sinh(q), sp.cosh(q), 1 / sp.sinh(q), sp.cosh(q) / sp.sinh(q)]
     else:
         found.append(q)
     if is_cyclic:
+        # Where the metric is free of q, symmetries that do not commute with d/dq depend on it so.
         found += [sp.cos(q), sp.sin(q)]
+        if not any(g.kind in ("cos", "sin") for g in made_of):
+            found += [sp.exp(q), sp.exp(-q)]
     for one in shown:
         if isinstance(one, sp.exp):
             found += [one, 1 / one]
