@@ -56,8 +56,8 @@ def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     3 symmetries of the metric, orbits of dimension 2
     found 3 of 3:
       [0, 1]
-      [-cos(phi), sin(phi)/r]
       [sin(phi), cos(phi)/r]
+      [-cos(phi), sin(phi)/r]
     >>> symmetries(plane, keep="teleparallel").dimension
     1
     """
