@@ -25,9 +25,9 @@ def hover_in_schwarzschild() -> None:
     assert all(force[c] == fall[0, 0, c] for c in range(4))
     print(f"Schwarzschild: the torsion force {force[1]} cancels the gravity of the metric.")
     rest = [0.0, 10.0, math.pi / 2, 0.0], [math.sqrt(1 / 0.8), 0.0, 0.0, 0.0]
-    given = {"parameters": {"M": 1.0}}
-    straight = gt.solve(gt.autoparallel(gt.cartan(hole), *rest, **given), 20.0)
-    short = gt.solve(gt.geodesic(hole, *rest, **given), 20.0)
+    mass = {"M": 1.0}
+    straight = gt.solve(gt.autoparallel(gt.cartan(hole), *rest, parameters=mass), 20.0)
+    short = gt.solve(gt.geodesic(hole, *rest, parameters=mass), 20.0)
     assert np.all(straight["r"] == 10.0)
     assert short["r"][-1] < 9.0
     print(
@@ -89,9 +89,8 @@ def spin_changes_the_orbit(radius: float) -> float:
     """A spinning body on a circle around a black hole: Omega_0 (1 - (3/2) (s/m) Omega_0)."""
     hole = gt.levi_civita(gt.spaces.load("schwarzschild").frame)
     spin, kepler = 0.01, radius**-1.5
-    gamma = 1 / math.sqrt(1 - 2 / radius)
     # Local speed of a circular geodesic; that of a body with spin lies near.
-    near = gamma / math.sqrt(radius)
+    near = 1 / math.sqrt(radius - 2)
 
     def body(speed: float, s: float) -> gt.ODE:
         gamma = 1 / math.sqrt(1 - speed**2)

@@ -86,7 +86,9 @@ def test_type_does_not_depend_on_the_tetrad() -> None:
     rotated = sp.Matrix(legs).inv() * coframe
     frame = gt.Frame(plain.coordinates, rotated, signature=MINUS, complex=True)
     assert frame.metric.nonzero().keys() == plain.metric.nonzero().keys()
-    assert all(frame.scalar(plain.metric[k]) == value for k, value in frame.metric.nonzero().items())
+    assert all(
+        frame.scalar(plain.metric[k]) == value for k, value in frame.metric.nonzero().items()
+    )
     found = newman_penrose(frame)
     assert found.petrov_type == "D"
     assert sum(value != 0 for value in found.psi) > 1

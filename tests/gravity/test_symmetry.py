@@ -105,7 +105,9 @@ def test_dimension_does_not_depend_on_the_legs() -> None:
     assert gt.symmetries(turned, keep="teleparallel").dimension == 0
 
 
-@settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(frames(largest=3))
 def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
     """What is found is counted by the ranks, and parallel legs keep no more than the metric."""
