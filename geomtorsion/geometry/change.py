@@ -202,7 +202,7 @@ def _tensor_in(tensor: Tensor, over: Frame, way: Map) -> Tensor:
             "Change the connection itself: connection.in_coordinates(new, old)."
         )
     frame, n = tensor.frame, over.dimension
-    # Legs of a metric are chosen anew, so that frame indices go through coordinates.
+    # A metric chooses its legs again, so that frame indices go through coordinates.
     plain = tensor.in_coordinates()
 
     def moved(index: Index, value: Element) -> Element:

@@ -37,7 +37,7 @@ def surface(
     frame
         The space around the surface; only its metric counts.
     coordinates
-        The coordinates of the surface, fewer than those of the space: symbols or names.
+        The coordinates of the surface, symbols or names: fewer than the space has.
     embedding
         {coordinate of the space: expression of those of the surface}, or expressions in order. A
         coordinate without an expression is one of the surface, or constant: a parameter of the
@@ -85,7 +85,7 @@ def surface(
 class Surface:
     """A surface in the space of a frame.
 
-    ambient: the frame of the space. way: its coordinates as functions of those of the surface.
+    ambient: the frame of the space. way: its coordinates as functions on the surface.
     domain: relations that hold on the surface. orientation: the side of the normal, 1 or -1.
     """
 
@@ -144,7 +144,7 @@ class Surface:
         Raises
         ------
         ShapeError
-            It belongs to another frame than that of the space.
+            It belongs to another frame.
         TensorIndexError
             An index is up.
 

@@ -31,7 +31,7 @@ def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     ----------
     keep
         "metric": Killing vectors of the metric. "teleparallel": the metric and the connection with
-        parallel legs, which is what tells a good tetrad of a symmetric space from a bad one. A
+        parallel legs, which separates good tetrads of a symmetric space from bad ones. A
         connection over the frame: the metric and this connection.
 
     Returns
@@ -111,7 +111,7 @@ class Symmetries:
 
     @cached_property
     def kept(self) -> str:
-        """What is kept, in words."""
+        """The geometry that is kept, in words."""
         if self.connection.kind == "levi-civita":
             return "the metric"
         return f"the metric and the {self.connection.name}"
@@ -123,7 +123,7 @@ class Symmetries:
         echelon = Echelon(self.frame.field, n + n * (n - 1) // 2)
         new = echelon.extend(sorted(self._conditions(), key=_length))
         ranks = [echelon.rank]
-        # Derivatives of conditions that depend on others are sums of those of the others.
+        # A condition that depends on others has derivatives that depend on theirs.
         while True:
             derived = [self._derivative(row, a) for row in new for a in range(n)]
             new = echelon.extend(sorted(derived, key=_length))
@@ -161,7 +161,7 @@ class Symmetries:
         return list(combinations(range(self.frame.dimension), 2))
 
     def _conditions(self) -> Iterator[Row]:
-        """L_xi of the curvature and of what the connection has beyond that of the metric."""
+        """L_xi of the curvature and of the difference from the connection of the metric."""
         bar = levi_civita(self.frame)
         if self.frame.dimension > 1:
             yield from self._kept_tensor(bar.curvature.lower)
@@ -233,7 +233,7 @@ class Symmetries:
     def vectors(self) -> tuple[Tensor, ...]:
         """The symmetries found: xi^a, slot u, each checked exactly.
 
-        See `ansatz` for what was searched; where fewer than `dimension` are found, others have
+        See `ansatz` for the components searched; where fewer than `dimension` are found, others have
         components of another kind.
         """
         found: list[Tensor] = []
@@ -302,7 +302,7 @@ class Symmetries:
         ]
         if self.connection.kind == "levi-civita" or not killing:
             return killing
-        # Of these the sums that keep the connection, too.
+        # Sums of Killing vectors that keep the connection as well.
         extra = _difference(self.connection, levi_civita(frame))
         changes = [lie(one, extra) for one in killing]
         rows = [[x.components.get(index) for x in changes] for index in _representatives(extra)]
@@ -369,7 +369,7 @@ def _length(row: Row) -> float:
 def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     """Functions of one coordinate that occur in symmetries of such a metric."""
     metric = frame.metric.components.independent.values()
-    # Of the metric only: the field may know functions that were read later.
+    # Only the metric counts: the field may know functions that were read later.
     made_of = [g for value in metric for g in frame.field.generators_of(value)]
     shown = dict.fromkeys(g.shown for g in made_of if q in g.depends)
     waves = [one for one in (sp.sin(q), sp.cos(q)) if one in shown]
