@@ -106,8 +106,9 @@ class NewmanPenrose:
     def petrov_type(self) -> str:
         """Petrov type at a generic point: O, N, III, D, II or I.
 
-        It follows from the way the roots of Psi_0 z^4 + 4 Psi_1 z^3 + 6 Psi_2 z^2 + 4 Psi_3 z + Psi_4
-        coincide, decided by exact zeros of its invariants and covariants; no root is taken.
+        It follows from the multiplicities of the roots of
+        Psi_0 z^4 + 4 Psi_1 z^3 + 6 Psi_2 z^2 + 4 Psi_3 z + Psi_4, which exact zeros of invariants
+        and covariants decide; no root is taken.
 
         Raises
         ------

@@ -233,8 +233,8 @@ class Symmetries:
     def vectors(self) -> tuple[Tensor, ...]:
         """The symmetries found: xi^a, slot u, each checked exactly.
 
-        See `ansatz` for the components searched; where fewer than `dimension` are found, others have
-        components of another kind.
+        See `ansatz` for the components searched; where fewer than `dimension` are found, others
+        have components of another kind.
         """
         found: list[Tensor] = []
         constants = self.frame.parameters
