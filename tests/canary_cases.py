@@ -96,6 +96,19 @@ def public_functions() -> list[Case]:
         _public("limits", seconds=1.0, megabytes=100.0),
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
+        _public("Form", frame=PLANE, degree=1, source={0: X}, values="", symbol="alpha"),
+        _public("lie", xi=[X, Y], field=PLANE),
+        _public("lie_bracket", frame=PLANE, first=[X, Y], second=[Y, X]),
+        _public(
+            "surface", frame=PLANE, coordinates=["u"], embedding={"x": 1, "y": "u"},
+            domain=None, orientation=1,
+        ),
+        _public("symmetries", frame=PLANE, keep="metric"),
+        _public("killing_equations", frame=PLANE),
+        _public(
+            "spinning", connection=RIEMANN, start=[0, 0], velocity=[1, 1],
+            spin=[[0, 0], [0, 0]], coupling="orbital", parameters={},
+        ),
         _of("contract", _contracted, letters="ab,b->a"),
         _public("from_coefficients", frame=PLANE, coefficients=[[[0, X], [0, 0]]] * 2),
         _public("from_contortion", frame=PLANE, contortion=[[[0, 0], [0, 0]]] * 2),
@@ -555,5 +568,6 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases Certainty Proof".split()
+    "Engine LatticeBurgers LatticePhases Certainty Proof Surface "
+    "Symmetries".split()
 )
