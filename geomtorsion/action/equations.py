@@ -20,6 +20,7 @@ from geomtorsion.action.invariants import conserved
 from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LagrangianError
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ class Reduced:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return self.text
@@ -222,6 +225,8 @@ class EquationsOfMotion:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return self.text

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
 
 import typer
 
@@ -116,7 +115,7 @@ def clean_exits() -> Iterator[None]:
         raise
 
 
-def wrong_usage(error: Any) -> str:
+def wrong_usage(error: typer.BadParameter) -> str:
     """What is wrong with the words of a command, and where its options are listed."""
     message = _INVALID.sub(r"\1: ", error.format_message()).replace("Value error, ", "")
     path = error.ctx.command_path if error.ctx else "geomtorsion"

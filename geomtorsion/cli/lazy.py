@@ -70,7 +70,13 @@ class LazyGroup(TyperGroup):
                 with formatter.section(title):
                     formatter.write_dl([(name, self.summaries[name]) for name in names])
 
-    def make_context(self, info_name: Any, args: Any, parent: Any = None, **extra: Any) -> Any:
+    def make_context(
+        self,
+        info_name: str | None,
+        args: list[str],
+        parent: typer.Context | None = None,
+        **extra: Any,
+    ) -> Any:
         """The context of the group; a wrong option of the group ends as any other error."""
         # Without arguments help is shown, which typer raises as an error.
         with clean_exits() if args else nullcontext():

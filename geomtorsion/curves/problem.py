@@ -21,7 +21,7 @@ from geomtorsion.curves.edges import Edge
 from geomtorsion.curves.equations import Equations, Law, written
 from geomtorsion.curves.readout import laid_out, start_lists
 from geomtorsion.curves.transported import Carried, carrying
-from geomtorsion.displays import latex_of
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AccuracyError,
     BranchError,
@@ -223,6 +223,8 @@ class CurveProblem:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         where = f" on {self.frame.name}" if self.frame.name else ""
