@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
+from typing import cast
 
 import typer
 
@@ -17,7 +18,7 @@ from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import GeomtorsionError
 
 # The base of the errors for wrong options; typer brings its own click, and names this one alone.
-UsageError = typer.BadParameter.__bases__[0]
+UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 _INVALID = re.compile(r"^Invalid value for '([^']*)': ")
 _PARAMETERS = re.compile(r"parameters=\{([^{}]*)\}")
 # In a checkout and in the source distribution; a wheel has no pages.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ElementTree
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -136,7 +137,7 @@ def test_people_count_legs_from_one():
     assert "C_{12}^{2}  [0, 1, 1]" in str(polar.anholonomy.table())
 
 
-def shown_in_notebooks() -> dict[str, object]:
+def shown_in_notebooks() -> dict[str, Any]:
     """One of each thing that once needed MathJax, or was plain text."""
     frame = gt.spaces.load("so3").frame
     u = sp.symbols("u1 u2 u3")
