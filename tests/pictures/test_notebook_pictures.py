@@ -115,7 +115,7 @@ def test_without_the_extra_there_is_text(monkeypatch):
 
     monkeypatch.setattr("geomtorsion.pictures.loops.new_figure", missing)
     html = gt.burgers_vector(SO3, gt.Loop.circle(START, 0.3))._repr_html_()
-    assert "b[0] = " in html
+    assert "b1 = " in html
     assert "<p>pictures need matplotlib</p>" in html
     assert "<svg" not in html
 
