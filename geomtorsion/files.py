@@ -48,7 +48,7 @@ class Bounds:
     unpacked, unpacked_each: bytes to which any packed file may unpack, and more for each of its
     bytes: a frame on a regular grid packs to a tenth, equal values everywhere to a hundredth.
     portion: bytes that are unpacked at once while sizes are compared.
-    beginning: bytes of a text file that show its format.
+    beginning: bytes in which a text file shows its format: headers of maps have some hundred lines.
     """
 
     key_parts: int = 32
@@ -59,7 +59,7 @@ class Bounds:
     unpacked: int = 200_000_000
     unpacked_each: int = 100
     portion: int = 2**20
-    beginning: int = 100_000
+    beginning: int = 2**17
 
 
 BOUNDS = Bounds()

@@ -108,7 +108,7 @@ BUDGET = {
     "geometry": 5150,
     "gravity": 2100,
     "loops": 5750,
-    "materials": 14600,
+    "materials": 14900,
     "ode": 5100,
     "paper": 750,
     "pictures": 3650,

@@ -3,6 +3,7 @@
 # Tests give what users give, wrong things included, and read what may be missing.
 # pyright: reportAttributeAccessIssue=false, reportArgumentType=false
 
+import gzip
 import re
 
 import numpy as np
@@ -22,6 +23,7 @@ from geomtorsion.materials.maps import OrientationMap
 from geomtorsion.materials.readers import is_source, open_source
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.test_map_files import ctf, write
+from tests.materials.maps.test_map_points import h5oina
 
 
 def grid(folder, name="field.npz", **options):
@@ -143,17 +145,26 @@ def test_sizes_of_pixels_and_names_of_files(tmp_path):
         open_source(5)
 
 
-def test_tables_are_told_by_their_columns(tmp_path):
-    """Text ending in .csv holds a sampled frame, or an orientation map."""
-    assert isinstance(open_source(grid(tmp_path, "a.csv")), SampledFrame)
-    rows = ["phi1,Phi,phi2,phase,x,y"]
-    rows += [f"{0.1 * x},20,30,1,{x},{y}" for y in range(8) for x in range(9)]
-    path = tmp_path / "b.csv"
-    path.write_text("\n".join(rows))
-    found = open_source(path, laue={1: "m-3m"})
+@pytest.mark.parametrize("name", ["a.csv", "a.txt", "a.csv.gz"])
+def test_endings_that_maps_and_fields_share(tmp_path, name):
+    """A table of angles is a map, by its row of names; one of a coframe a field."""
+    rows = ["phi1,Phi,phi2,x,y", *(f"1,2,{c},{c},{r}" for r in range(5) for c in range(6))]
+    path = tmp_path / name
+    content = "\n".join(rows).encode()
+    path.write_bytes(gzip.compress(content) if name.endswith("gz") else content)
+    found = open_source(path, laue={0: "m-3m"}, sigma=0.1)
     assert isinstance(found, OrientationMap)
-    assert found.shape == (8, 9)
-    with pytest.raises(
-        OrientationError, match="order: expected a file of sampled frames, got an o"
-    ):
-        open_source(path, order=4)
+    assert found.shape == (5, 6)
+    if name == "a.csv":
+        grid(tmp_path, "b.csv")
+        assert isinstance(open_source(tmp_path / "b.csv"), SampledFrame)
+        with pytest.raises(GridError, match=r"laue: expected a file of orientation maps"):
+            open_source(tmp_path / "b.csv", laue={0: "m-3m"})
+
+
+def test_packed_and_new_maps(tmp_path):
+    """A map packed by gzip, and one of Oxford's HDF5, by their endings."""
+    text = "\n".join(ctf()) + "\n"
+    (tmp_path / "a.ctf.gz").write_bytes(gzip.compress(text.encode()))
+    assert isinstance(open_source(tmp_path / "a.ctf.gz", sigma=0.1), OrientationMap)
+    assert isinstance(open_source(h5oina(tmp_path / "a.h5oina"), sigma=0.1), OrientationMap)

@@ -23,6 +23,8 @@ from geomtorsion.materials.crystals.atom_rows import (
 Said = dict[str, tuple[int, list[str]]]
 # Columns of a dump that hold positions, the best first, and whether they are shares of the cell.
 _PLACES = (("x y z", False), ("xu yu zu", False), ("xs ys zs", True), ("xsu ysu zsu", True))
+# Columns of a dump that name a species, the best first.
+_KINDS = ("element", "typelabel", "type")
 # Atom style -> columns of the type and of x in a row of a data file, from 0, and how many columns
 # there are without image flags, as LAMMPS lists them at its command read_data.
 _STYLES = {
@@ -140,17 +142,17 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
             "type x y z."
         )
     axes, scaled = choices[0]
-    values = numbers_of(name, lines, words, [columns.index(axis) for axis in axes.split()])
+    kind = next((columns.index(x) for x in _KINDS if x in columns), None)
+    numeric = [*axes.split(), *(["id"] if "id" in columns else [])]
+    wanted = [columns.index(x) for x in numeric]
+    if kind is not None and words and is_number(words[0][kind]):
+        # Where types are numbers, a word among them is a damaged row.
+        wanted.append(kind)
+    table = numbers_of(name, lines, words, wanted)
+    values = table[:, :3]
     positions = origin + values @ edges if scaled else values
-    order = np.arange(len(words))
-    if "id" in columns:
-        ids = numbers_of(name, lines, words, [columns.index("id")])
-        order = np.argsort(ids[:, 0], kind="stable")
-    kind = next((columns.index(x) for x in ("element", "type") if x in columns), None)
+    order = np.argsort(table[:, 3], kind="stable") if "id" in columns else np.arange(len(words))
     species = None if kind is None else tuple(words[k][kind] for k in order.tolist())
-    if species is not None and columns[kind or 0] == "type":
-        # A word among them is a damaged row.
-        numbers_of(name, lines, words, [columns.index("type")])
     return AtomData(positions[order], completed(edges), periodic, species, where)
 
 
@@ -232,8 +234,8 @@ def data_frame(name: str, text: str) -> AtomData:
     values = numbers_of(name, lines, words, (0, x, x + 1, x + 2))
     order = np.argsort(values[:, 0], kind="stable")
     labels = _labels(rows, plain, sections, heads)
-    types = [words[k][kind] for k in order.tolist()]
-    species = tuple(labels.get(one, one) for one in types)
+    types: list[str] = [words[k][kind] for k in order.tolist()]
+    species: tuple[str, ...] = tuple(labels.get(one, one) for one in types)
     return AtomData(values[order, 1:], _cell(name, said), (True, True, True), species, name)
 
 

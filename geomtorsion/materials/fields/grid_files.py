@@ -29,6 +29,11 @@ from geomtorsion.materials.fields.contents import (
     periodic_names,
 )
 from geomtorsion.materials.fields.displacement import FIND
+from geomtorsion.materials.fields.displacement_tables import (
+    holds_displacement,
+    read_displacement,
+    refuse_writing,
+)
 from geomtorsion.npz import ArrayForm, read_npz, text_of, write_npz
 
 FORMS = {
@@ -394,6 +399,11 @@ class GridFormat:
     begins: tuple[bytes, ...] = ()
 
 
+def _csv(path: Path) -> Contents:
+    """A coframe, a distortion or a displacement, as the row of names says."""
+    return read_displacement(path) if holds_displacement(path) else tables.read_csv(path)
+
+
 _NETCDF = GridFormat(read_netcdf, write_netcdf, (b"CDF\x01", b"CDF\x02", HDF5))
 # Ending of a name -> the format. A new format is a line here.
 FORMATS: dict[str, GridFormat] = {
@@ -401,7 +411,8 @@ FORMATS: dict[str, GridFormat] = {
     ".nc": _NETCDF, ".cdf": _NETCDF, ".netcdf": _NETCDF,
     ".h5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
     ".hdf5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
-    ".csv": GridFormat(tables.read_csv, tables.write_csv),
+    ".csv": GridFormat(_csv, tables.write_csv),
+    **dict.fromkeys((".txt", ".dat"), GridFormat(read_displacement, refuse_writing)),
     ".vtk": GridFormat(tables.read_vtk, tables.write_vtk, (b"# vtk DataFile",)),
     ".vtu": GridFormat(tables.read_vtk, tables.write_vtk),
 }  # fmt: skip

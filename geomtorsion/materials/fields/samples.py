@@ -268,6 +268,8 @@ class Samples:
     def read(cls, path: str | Path, order: int = 4) -> Self:
         """From a file: .npz, .nc, .csv, .h5, .vtk or .vtu (contents: `grid_files.read_grid`).
 
+        A .csv, .txt or .dat file with columns x, y, u, v, or of DaVis, is a displacement.
+
         Raises
         ------
         FileFormatError

@@ -86,7 +86,8 @@ def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], st
     if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
         raise FileFormatError(
             f"{path}: line {line}: a header of different names was needed, at first the axes, then "
-            f"e_0_0, e_0_1, ... or beta_0_0, ...; but {cut(', '.join(header))} came."
+            f"e_0_0, e_0_1, ... or beta_0_0, ... (or x, y, u, v of a displacement); but "
+            f"{cut(', '.join(header))} came."
         )
     return axes, "e" if "e" in kinds else "beta"
 
@@ -100,6 +101,25 @@ def _gridded(
     where: Sequence[str],
 ) -> Contents:
     """Nodes in any order on the grid that their coordinates make."""
+    axes, flat = nodes_of(path, places, where)
+    shape = tuple(len(axis) for axis in axes)
+    found = {
+        name: _array(path, columns, name, flat, shape)
+        for name in (kind, "sigma")
+        if any(column.startswith(f"{name}_") for column in columns)
+    }
+    if "sigma" in found:
+        options["sigma"] = found["sigma"]
+    return Contents(axes, found[kind], tuple(places), kind == "beta", options)
+
+
+def nodes_of(
+    path: Path, places: Mapping[str, np.ndarray], where: Sequence[str]
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """The axes of the grid that coordinates of nodes make, and the number of each node in it.
+
+    where: line or number of each node, for messages.
+    """
     axes, index = [], []
     for name, column in places.items():
         bad = np.flatnonzero(~np.isfinite(column))
@@ -123,14 +143,18 @@ def _gridded(
         raise FileFormatError(
             f"{path}: {where[one]} and {where[two]} are of the same node. Keep one of them."
         )
-    found = {
-        name: _array(path, columns, name, flat, shape)
-        for name in (kind, "sigma")
-        if any(column.startswith(f"{name}_") for column in columns)
-    }
-    if "sigma" in found:
-        options["sigma"] = found["sigma"]
-    return Contents(axes, found[kind], tuple(places), kind == "beta", options)
+    return axes, flat
+
+
+def check_filled(path: Path, rows: int, shape: Sequence[int]) -> None:
+    """Refuse a grid of many more nodes than the file has room for: few of them, far apart."""
+    size, most = 8 * rows * math.prod(shape), most_unpacked(path.stat().st_size)
+    if size > most:
+        raise LimitError(
+            f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
+            f"{' x '.join(map(str, shape))} nodes, most of them missing, of {size:,} bytes. Give "
+            "the part in which values are known, or save it as .npz."
+        )
 
 
 def _array(
@@ -151,14 +175,7 @@ def _array(
     if missing:
         i, mu = missing[0]
         raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
-    # Few nodes far apart make a large grid that is empty.
-    size, most = 8 * rows * width * math.prod(shape), most_unpacked(path.stat().st_size)
-    if size > most:
-        raise LimitError(
-            f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
-            f"{' x '.join(map(str, shape))} nodes, most of them missing, of {size:,} bytes. Give "
-            "the part in which values are known, or save it as .npz."
-        )
+    check_filled(path, rows * width, shape)
     found = np.full((rows, width, int(np.prod(shape))), np.nan)
     for (i, mu), name in keys.items():
         found[i, mu, flat] = columns[name]

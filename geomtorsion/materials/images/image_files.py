@@ -165,7 +165,7 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
     """
     length, end = path.stat().st_size, path.suffix.lower()
     if end in _HDF5:
-        check_hdf5(path, import_module("h5py"))
+        _check_room(path, import_module("h5py"))
     # Their readers take memory, or a part, for each pixel that the header says.
     declared = {".mrc": _pixels_of_mrc, ".ser": _pixels_of_ser}.get(end, lambda _: 0)(path)
     if declared > length:
@@ -174,8 +174,8 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
             f"{declared:,} in its header. Is the file complete?"
         )
     stacks = []
-    # Lazy: an array says its size and reads nothing.
-    for signal in library.file_reader(str(path), lazy=True):
+    # A lazy array says its size and reads nothing; that of HDF5 would leave the file open.
+    for signal in library.file_reader(str(path), lazy=end not in _HDF5):
         data = signal["data"]
         if data.ndim < 2 or data.dtype.kind not in "biuf":
             continue
@@ -198,9 +198,22 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
     for stack in stacks:
         if page < len(stack):
             check_size(path, stack.shape[1:], most)
-            return np.asarray(stack[page].compute(scheduler="synchronous"))
+            return np.asarray(stack[page])
         page -= len(stack)
     raise FileFormatError(f"{path}: it holds no image.")
+
+
+def _check_room(path: Path, h5py: Any) -> None:
+    """Refuse an HDF5 file that lies about sizes, or of more data than can be read at once."""
+    check_hdf5(path, h5py)
+    sizes: list[int] = []
+    with h5py.File(path, "r") as file:
+        file.visititems(lambda _, x: sizes.append(int(getattr(x, "nbytes", 0))))
+    if sum(sizes) > checks.LARGEST_ARRAYS:
+        raise LimitError(
+            f"{path}: expected at most {checks.LARGEST_ARRAYS:,} bytes of data, got "
+            f"{sum(sizes):,}. Export the image alone, as .tif or .npy."
+        )
 
 
 def _pixels_of_mrc(path: Path) -> int:

@@ -276,7 +276,11 @@ class _Source:
         for k, row in enumerate(rows, start):
             parts = re.split(r"\s+", row.strip())
             if len(parts) != width:
-                self.fail(k, f"expected {width} columns, got {len(parts)}. Is the file complete?")
+                self.fail(
+                    k,
+                    f"expected {width} columns, got {len(parts)}. Is the file truncated? Export it "
+                    "again.",
+                )
             for part in parts:
                 self.number(k, part, "entry")
         self.fail(start, f"expected {width} columns of numbers. Export the map again.")

@@ -99,7 +99,7 @@ def test_formats_that_may_run_something_are_refused(tmp_path: Path, name: str):
     with pytest.raises(FileFormatError, match=r"(not read|not known)"):
         read(path)
     assert not marker.exists()
-    with pytest.raises(FileFormatError, match="form: one of"):
+    with pytest.raises(FileFormatError, match="form: expected one of"):
         read(path, form="traj")
 
 
@@ -171,7 +171,7 @@ def test_what_is_no_file_is_told(tmp_path: Path):
             read(tmp_path / name)
     with pytest.raises(ArgumentError, match="name of a file"):
         read(3)
-    with pytest.raises(FileFormatError, match="frame: a whole number"):
+    with pytest.raises(FileFormatError, match="frame: expected a whole number"):
         read(tmp_path / "empty.xyz", frame=-1)
     assert "extxyz" in FORMATS
 

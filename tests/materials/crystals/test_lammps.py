@@ -6,13 +6,14 @@
 import bz2
 import gzip
 import json
+import sys
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from geomtorsion.errors import FileFormatError, LimitError
+from geomtorsion.errors import FileFormatError, LimitError, MissingExtraError
 from geomtorsion.materials.crystals import read, read_all
 from geomtorsion.materials.lines import DislocationNetwork
 from tests.cli.running import run
@@ -58,6 +59,8 @@ DUMPS = {
     "no flags": dump("id type x y z", "{k} {t} {x} {y} {z}", box=""),
     "trailing blanks": dump("id type x y z ", "{k} {t} {x} {y} {z} "),
     "element": dump("id element xu yu zu", "{k} Cu {x} {y} {z}"),
+    "labels": dump("id type x y z", "{k} Cu {x} {y} {z}"),
+    "typelabel": dump("id type typelabel x y z", "{k} {t} Cu {x} {y} {z}"),
     "velocities": dump("id type x y z vx vy vz", "{k} {t} {x} {y} {z} 0 1 2"),
     "scaled": dump("id type xs ys zs", "{k} {t} {x} {y} {z}", places=SITES / SIZE),
     "scaled, unwrapped": dump("id xsu ysu zsu", "{k} {x} {y} {z}", places=SITES / SIZE + 1),
@@ -160,7 +163,11 @@ def test_species_by_number(name: str, tmp_path: Path):
         "dump xyz": [False] * 3, "braces": [True, True, False],
     }.get(name, [True] * 3)  # fmt: skip
     assert set(crystal.species or ()) == {"2"}
-    for wrong, words in ((3, r"\(1, 2\), got '3'"), ([], "expected symbols"), (1.5, "a list was")):
+    for wrong, words in (
+        (3, r"\(1, 2\), got '3'"),
+        ([], "expected symbols"),
+        (1.5, "expected a list"),
+    ):
         with pytest.raises(FileFormatError, match=words):
             read(path, species=wrong)
 
@@ -276,3 +283,20 @@ def test_axes_are_those_nearest_the_file():
         found = Crystal(SITES @ matrix.T, np.diag([SIZE] * 3) @ matrix.T).orient
         rest = np.degrees(np.arccos(min(1.0, (np.trace(found) - 1) / 2)))
         assert rest == pytest.approx(abs((angle + 45) % 90 - 45), abs=1e-5)
+
+
+def test_without_ase(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """XYZ and LAMMPS are read without it; other formats name it and its extra."""
+    for name in ("ase", "ase.io", "ase.io.formats"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for name, text in (
+        ("a.lammpstrj", DUMPS["plain"]),
+        ("a.data", data(STYLES["atomic"])),
+        ("a.xyz", f"256\n{XYZ['OVITO']}\n{rows_of('{t} {x} {y} {z}')}\n"),
+    ):
+        path = tmp_path / name
+        path.write_text(text)
+        assert read(path).count == 256
+    (tmp_path / "POSCAR").write_text("x\n1.0\n4 0 0\n0 4 0\n0 0 4\nFe\n1\nDirect\n0 0 0\n")
+    with pytest.raises(MissingExtraError, match=r"geomtorsion\[crystals\]"):
+        read(tmp_path / "POSCAR")

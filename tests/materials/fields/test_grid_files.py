@@ -93,8 +93,8 @@ def test_a_plain_grid_of_three_axes_comes_back(tmp_path, end):
 
 def test_ends_that_are_not_known(tmp_path):
     """Neither read nor written; without an end it becomes .npz."""
-    with pytest.raises(GridError, match=r"\.npz or \.nc .*ends in '\.txt'"):
-        full().save(tmp_path / "a.txt")
+    with pytest.raises(GridError, match=r"\.npz or \.nc .*ends in '\.doc'"):
+        full().save(tmp_path / "a.doc")
     full().save(tmp_path / "plain")
     assert (tmp_path / "plain.npz").is_file()
 

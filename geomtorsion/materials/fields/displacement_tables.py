@@ -1,0 +1,180 @@
+"""Displacement tables: fields of displacements as text, with columns x, y, u, v, or of DaVis."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from geomtorsion.checks import cut, shown
+from geomtorsion.errors import FileFormatError, GridError
+from geomtorsion.files import BOUNDS, opened, read_text
+from geomtorsion.materials.fields import tables
+from geomtorsion.materials.fields.contents import Contents
+from geomtorsion.npz import LARGEST_ARRAYS
+
+# What programs call the components of a displacement, in small letters.
+_COMPONENTS = (
+    ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement"),
+    ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement"),
+    ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement"),
+)
+_DAVIS, _TECPLOT = "#DaVis", "VARIABLES"
+# A unit behind a name: x (mm), u [um].
+_UNIT = re.compile(r"\s*[\[(]\s*([^\])]*)[\])]")
+_QUOTED = re.compile(r'"([^"]*)"')
+# Of DaVis as of other programs, which write a degree of freedom more for a third axis.
+_WIDTHS = {4: 2, 6: 3}
+
+
+@dataclass(frozen=True)
+class _Header:
+    """How a table begins.
+
+    row: number of the row of names, from 0. split: what stands between columns, None for blanks.
+    axes, components: columns of coordinates and of the displacement. unit, vector_unit: of both.
+    """
+
+    row: int
+    split: str | None
+    axes: tuple[int, ...]
+    components: tuple[int, ...]
+    width: int
+    unit: str = ""
+    vector_unit: str = ""
+
+
+def holds_displacement(path: Path) -> bool:
+    """Whether a text file begins as a table of displacements."""
+    with opened(path) as file:
+        text = file.read(BOUNDS.beginning).decode("utf-8-sig", "replace")
+    return _header(text.splitlines()) is not None
+
+
+def read_displacement(path: Path) -> Contents:
+    """Displacements at the nodes of a grid, in any order; nodes without a row are holes.
+
+    Columns are named in the first row (x, y, u, v, or Ux, Vx, dx ...; units in brackets), in the
+    row VARIABLES of a Tecplot file, or stand in the order x, y, u, v below a row #DaVis. Blanks,
+    tabs, commas or semicolons stand between them.
+
+    Raises
+    ------
+    FileFormatError
+        Columns are missing, a row has another length, or the points make no regular grid.
+    """
+    text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
+    lines = text.splitlines()
+    header = _header(lines)
+    if header is None:
+        first = next((line for line in lines if line.strip()), "")
+        raise FileFormatError(
+            f"{path}: expected a row of names such as x, y, u, v, or a text of DaVis, got "
+            f"{shown(cut(first.strip(), 80))}. Name the columns, or save arrays as .npz."
+        )
+    kept = [
+        k for k in range(header.row + 1, len(lines))
+        if lines[k].strip() and not lines[k].lstrip()[:1].isalpha() and lines[k].lstrip()[0] != "#"
+    ]  # fmt: skip
+    if not kept:
+        raise FileFormatError(f"{path}: there are no nodes below the header. Is it complete?")
+    table = _numbers(path, lines, kept, header)
+    where = [f"line {k + 1}" for k in kept]
+    names = ("x", "y", "z")[: len(header.axes)]
+    places = {name: table[:, k] for name, k in zip(names, header.axes, strict=True)}
+    axes, flat = tables.nodes_of(path, places, where)
+    shape = tuple(len(axis) for axis in axes)
+    tables.check_filled(path, len(header.components), shape)
+    values = np.full((len(header.components), int(np.prod(shape))), np.nan)
+    for row, k in enumerate(header.components):
+        values[row, flat] = table[:, k]
+    options: dict[str, Any] = {
+        key: text
+        for key, text in (("unit", header.unit), ("vector_unit", header.vector_unit))
+        if text
+    }
+    return Contents(axes, values.reshape(-1, *shape), names, False, options, True)
+
+
+def refuse_writing(path: Path, contents: Contents) -> NoReturn:
+    """Say that such files are read alone."""
+    raise GridError(
+        f"{path}: expected the name of a format that is written, got {path.suffix!r}, which is "
+        "read only. Save it as .npz or .csv."
+    )
+
+
+def _header(lines: Sequence[str]) -> _Header | None:
+    """How the table begins; None if it is another one."""
+    rows = [k for k, line in enumerate(lines) if line.strip()]
+    if not rows:
+        return None
+    first = lines[rows[0]].strip()
+    if first.startswith(_DAVIS):
+        body = lines[rows[1]].split() if len(rows) > 1 else ["", "", "", ""]
+        d = _WIDTHS.get(len(body))
+        units = _QUOTED.findall(first)[1::2]
+        if d is None:
+            return None
+        unit, vector = (units[k] if len(units) > k else "" for k in (0, 2))
+        axes, components = tuple(range(d)), tuple(range(d, 2 * d))
+        return _Header(rows[0], None, axes, components, 2 * d, unit, vector)
+    for k in rows:
+        line = lines[k].strip()
+        if line.upper().startswith(_TECPLOT):
+            return _named(k, _QUOTED.findall(line) or line.partition("=")[2].split(","), None)
+        if line.upper().startswith("TITLE") or line.startswith(("#", "%")):
+            continue
+        split = next((mark for mark in (",", ";", "\t") if mark in line), None)
+        if split is None:
+            line = re.sub(r"\s+([\[(])", r"\1", line)
+        return _named(k, line.split(split), split)
+    return None
+
+
+def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
+    """Columns by their names."""
+    clean = [word.strip().strip("\"'") for word in words]
+    plain = [_UNIT.sub("", word).strip().lower() for word in clean]
+    axes = tuple(plain.index(name) for name in ("x", "y", "z") if name in plain)
+    found = [next((plain.index(n) for n in names if n in plain), -1) for names in _COMPONENTS]
+    components = tuple(k for k in found if k >= 0)
+    if len(axes) < 2 or len(components) < 2 or set(plain[:1]) == {"e_0_0"}:
+        return None
+    units = [unit[1].strip() if (unit := _UNIT.search(word)) else "" for word in clean]
+    return _Header(row, split, axes, components, len(clean), units[axes[0]], units[components[0]])
+
+
+def _numbers(path: Path, lines: Sequence[str], kept: Sequence[int], header: _Header) -> np.ndarray:
+    """The rows of numbers; nan where there is none."""
+    rows = [lines[k] for k in kept]
+    if header.split != ",":
+        # Some countries write decimals with a comma.
+        rows = [row.replace(",", ".") for row in rows]
+    try:
+        found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=header.split, ndmin=2)
+        if found.shape == (len(rows), header.width):
+            return found
+    except ValueError:
+        pass
+    values = []
+    for k, row in zip(kept, rows, strict=True):
+        words = [word.strip() for word in row.split(header.split)]
+        if len(words) != header.width:
+            raise FileFormatError(
+                f"{path}: line {k + 1}: expected {header.width} numbers, as the header has "
+                f"columns, got {len(words)}. Is the file complete?"
+            )
+        try:
+            values.append([float(word) if word else float("nan") for word in words])
+        except ValueError:
+            raise FileFormatError(
+                f"{path}: line {k + 1}: expected numbers, got {shown(cut(row.strip(), 80))}. "
+                "Correct the row, or leave the field empty."
+            ) from None
+    return np.array(values)
