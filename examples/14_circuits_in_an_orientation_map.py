@@ -87,14 +87,11 @@ def main(arguments: list[str] | None = None) -> None:
         shown = gt.OrientationMap.read(options.file)
         tell(shown, options.size)
     if options.pictures:
-        from geomtorsion.materials.measured import CrystalField
         from geomtorsion.pictures.measured import draw_circuits, draw_survey
 
         options.pictures.mkdir(parents=True, exist_ok=True)
-        squares = CrystalField(shown).survey(options.size)
-        draw_survey(squares).savefig(options.pictures / "squares.png")
-        wall = CrystalField(made)
-        draw_circuits(wall, [wall.closure(b.circuit)]).savefig(options.pictures / "wall.png")
+        draw_survey(shown.burgers_map(options.size)).savefig(options.pictures / "squares.png")
+        draw_circuits(made, [b]).savefig(options.pictures / "wall.png")
         print(f"wrote squares.png and wall.png into {options.pictures}")
 
 

@@ -101,13 +101,10 @@ def main(arguments: list[str] | None = None) -> None:
         field = gt.SampledFrame.read(options.file)
         print(field, field.burgers_map(options.size), sep="\n")
     if options.pictures:
-        from geomtorsion.materials.measured import SampledField
         from geomtorsion.pictures.measured import draw_survey
 
         options.pictures.mkdir(parents=True, exist_ok=True)
-        draw_survey(SampledField(field).survey(options.size)).savefig(
-            options.pictures / "squares.png"
-        )
+        draw_survey(field.burgers_map(options.size)).savefig(options.pictures / "squares.png")
         print(f"wrote squares.png into {options.pictures}")
 
 

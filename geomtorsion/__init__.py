@@ -23,8 +23,10 @@ from geomtorsion.geometry import (
     Connection,
     Curvature,
     DependencyGraph,
+    Form,
     Frame,
     IdentityCheck,
+    Surface,
     Tensor,
     Torsion,
     blend,
@@ -36,13 +38,16 @@ from geomtorsion.geometry import (
     from_torsion,
     identities,
     levi_civita,
+    lie,
+    lie_bracket,
+    surface,
 )
 from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
     __version__: str
     # For editors and checkers of types, which do not ask for names one by one.
-    from geomtorsion import pictures, scenes
+    from geomtorsion import gravity, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
         CostTable,
@@ -50,9 +55,11 @@ if TYPE_CHECKING:
     )
     from geomtorsion.action import (
         EquationsOfMotion,
+        Linearization,
         Variation,
         conserved_quantities,
         equations_of_motion,
+        linearized,
         variation,
     )
     from geomtorsion.curves import (
@@ -69,10 +76,12 @@ if TYPE_CHECKING:
         holonomy,
         log_map,
         parallel_transport,
+        spinning,
     )
     from geomtorsion.geometry.numpy_functions import (
         numpy_function,
     )
+    from geomtorsion.gravity import Symmetries, killing_equations, symmetries
     from geomtorsion.loops import (
         AffineMap,
         BurgersMap,
@@ -147,14 +156,15 @@ if TYPE_CHECKING:
         StateSelection,
         effects,
     )
+    from geomtorsion.spaces.kerr_orbits import Frequencies, KerrOrbit, kerr_orbit
     from geomtorsion.teaching import exercises
 
 # Imported on first use, so that geometry starts as fast as sympy.
 _LATER = {
     "geometry.numpy_functions": ("numpy_function",),
     "action": (
-        "EquationsOfMotion", "Variation", "conserved_quantities", "equations_of_motion",
-        "variation",
+        "EquationsOfMotion", "Linearization", "Variation", "conserved_quantities",
+        "equations_of_motion", "linearized", "variation",
     ),
     "ode": (
         "At", "Ensemble", "Engine", "ODE", "RungeKutta", "SavedSolution", "Solution", "Stiff",
@@ -163,9 +173,10 @@ _LATER = {
     "curves": (
         "Atlas", "Chart", "CurveProblem", "LogMap", "TransitionMap", "autoparallel",
         "distance_apart", "exponential_map", "geodesic", "geodesic_deviation", "holonomy",
-        "log_map", "parallel_transport",
+        "log_map", "parallel_transport", "spinning",
     ),
     "rigid": ("FreeTop", "free_top"),
+    "gravity": ("Symmetries", "killing_equations", "symmetries"),
     "loops": (
         "AffineMap", "BurgersMap", "BurgersVector", "Cochain", "Complex", "Defect", "Development",
         "EdgeList", "EnclosedDefect", "ExactBurgersVector", "Loop", "Network", "NodeRule",
@@ -179,6 +190,7 @@ _LATER = {
     "materials.maps": ("Circuit", "OrientationMap", "Phase"),
     "materials.images": ("LatticeBurgers", "LatticeImage", "LatticePhases"),
     "proofs": ("Proof", "prove"),
+    "spaces.kerr_orbits": ("Frequencies", "KerrOrbit", "kerr_orbit"),
     "accuracy": ("CostRow", "CostTable", "accuracy_cost"),
     "scenes": (
         "Body", "Scene", "SceneCost", "StateSelection", "SceneResult", "State", "effects",
@@ -187,7 +199,7 @@ _LATER = {
 # Packages that users reach by a public name, imported on first use.
 _PACKAGES = {
     "crystals": "materials.crystals", "exercises": "teaching.exercises",
-    "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
+    "gravity": "gravity", "images": "materials.images", "pictures": "pictures", "scenes": "scenes",
 }  # fmt: skip
 _HOME = {name: package for package, names in _LATER.items() for name in names}
 
@@ -220,14 +232,18 @@ __all__ = [
     "Ensemble",
     "EquationsOfMotion",
     "ExactBurgersVector",
+    "Form",
     "Frame",
     "FreeTop",
+    "Frequencies",
     "GeomtorsionError",
     "IdentityCheck",
+    "KerrOrbit",
     "LatticeBurgers",
     "LatticeImage",
     "LatticePhases",
     "LineArrays",
+    "Linearization",
     "LogMap",
     "Loop",
     "Network",
@@ -247,6 +263,8 @@ __all__ = [
     "State",
     "StateSelection",
     "Stiff",
+    "Surface",
+    "Symmetries",
     "Taylor",
     "Tensor",
     "Torsion",
@@ -284,11 +302,17 @@ __all__ = [
     "from_torsion",
     "geodesic",
     "geodesic_deviation",
+    "gravity",
     "holonomy",
     "identities",
     "images",
+    "kerr_orbit",
+    "killing_equations",
     "levi_civita",
+    "lie",
+    "lie_bracket",
     "limits",
+    "linearized",
     "log_map",
     "numpy_function",
     "parallel_dislocations",
@@ -303,6 +327,9 @@ __all__ = [
     "solve",
     "solve_many",
     "spaces",
+    "spinning",
+    "surface",
+    "symmetries",
     "variation",
 ]
 

@@ -109,6 +109,26 @@ CONVENTIONS = (
         "Force per unit mass; zero where S is totally antisymmetric.",
     ),
     Convention(
+        "volume form",
+        "epsilon_{01...} = det e sqrt|det eta|",
+        "Positive on the legs in their order, where the coframe has a positive determinant.",
+    ),
+    Convention(
+        "hodge dual",
+        "(*alpha)_{b...} = alpha^{a...} epsilon_{a... b...} / p!",
+        "** is (-1)^(p (n - p)) times the sign of det g; alpha ^ *alpha is |alpha|^2 epsilon.",
+    ),
+    Convention(
+        "schouten",
+        "P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), C_abc = D_a P_bc - D_b P_ac",
+        "The Cotton tensor C is antisymmetric in its first two indices; many books write C_cab.",
+    ),
+    Convention(
+        "extrinsic curvature",
+        "K_ab = (D_mu n_nu) d_a q^mu d_b q^nu",
+        "Positive on a sphere with the normal outwards; some books have the other sign.",
+    ),
+    Convention(
         "burgers",
         "b^i = closed integral of e^i_mu dq^mu, right-handed about the line sense",
         "The image in the perfect lattice of a circuit that closes in the sample, from start to "

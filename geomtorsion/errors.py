@@ -270,6 +270,12 @@ class LagrangianError(GeomtorsionError, ValueError):
     page = "tutorials/top_and_effects"
 
 
+class GravityError(GeomtorsionError, ValueError):
+    """A Lagrangian of gravity, its connection or its matter do not fit together."""
+
+    page = "tutorials/gravity"
+
+
 class KineticMatrixError(GeomtorsionError, ValueError):
     """The kinetic matrix of a Lagrangian is singular: accelerations are not determined."""
 

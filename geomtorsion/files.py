@@ -6,20 +6,24 @@ where there is one, the line or the part.
 
 from __future__ import annotations
 
+import bz2
 import errno
+import gzip
 import hashlib
+import io
 import json
 import math
 import os
 import re
 import tomllib
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from stat import S_ISREG
-from typing import Any, NoReturn
+from typing import Any, BinaryIO, NoReturn
 
 from geomtorsion import checks
 from geomtorsion.checks import ErrorClass, cut, did_you_mean, shown
@@ -91,6 +95,100 @@ def finite_number(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+# How packed files begin -> what unpacks them, and what their names end in.
+_PACKED = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open}
+_PACKED_ENDS = (".gz", ".bz2")
+# Packed files that are not read, and the program that unpacks each.
+_FOREIGN_PACKED = {b"\x28\xb5\x2f\xfd": "zstd -d", b"\xfd7zXZ\x00": "xz -d"}
+
+
+def ending(path: object) -> str:
+    """End of the name of a file in small letters, without that of a packed one.
+
+    Raises
+    ------
+    ArgumentError
+        It is no name of a file.
+
+    Examples
+    --------
+    >>> ending("map.CTF"), ending("run.dump.gz"), ending("POSCAR")
+    ('.ctf', '.dump', '')
+    """
+    name = checks.file_name(path)
+    packed = name.suffix.lower() in _PACKED_ENDS
+    return Path(name.stem if packed else name.name).suffix.lower()
+
+
+class _Unpacked(io.RawIOBase):
+    """Bytes of a packed file, up to a number of them."""
+
+    def __init__(self, name: str, source: BinaryIO, most: int) -> None:
+        self.name, self.source, self.most, self.left = name, source, most, most
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        try:
+            content = self.source.read(len(buffer))
+        except (OSError, EOFError, zlib.error):
+            raise FileFormatError(
+                f"{self.name}: expected a whole packed file, got one that is damaged or truncated. "
+                "Copy it again."
+            ) from None
+        self.left -= len(content)
+        if self.left < 0:
+            raise LimitError(
+                f"{self.name}: expected at most {self.most:,} bytes when it is unpacked, got more. "
+                "Unpack it, then read that."
+            )
+        buffer[: len(content)] = content
+        return len(content)
+
+
+@contextmanager
+def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[BinaryIO]:
+    """The bytes of a file, unpacked where it is packed by gzip or bzip2.
+
+    most: bytes to which it may unpack; in proportion to its length if not given.
+
+    Raises
+    ------
+    FileFormatError
+        There is no such file, it is a pipe or a device, packed otherwise, or damaged.
+    LimitError
+        It unpacks to more.
+    """
+    path = checks.file_name(path)
+    try:
+        # A pipe or a device would never end.
+        if not S_ISREG(path.stat().st_mode):
+            raise OSError(0, "this is not a regular file")
+        file = path.open("rb")
+    except OSError as error:
+        reason = error.strerror or type(error).__name__
+        raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    except ValueError:
+        raise FileFormatError(f"{shown(str(path))}: this is not the name of a file.") from None
+    with file:
+        first = file.peek(6)
+        for mark, program in _FOREIGN_PACKED.items():
+            if first.startswith(mark):
+                raise FileFormatError(
+                    f"{path.name}: expected a file that is plain or packed by gzip or bzip2, got "
+                    f"one packed otherwise. Unpack it: {program} {path.name}"
+                )
+        unpack = next((u for mark, u in _PACKED.items() if first.startswith(mark)), None)
+        if unpack is None:
+            yield file
+            return
+        size = BOUNDS.unpacked + BOUNDS.unpacked_each * path.stat().st_size
+        bound = min(checks.LARGEST_ARRAYS, size) if most is None else most
+        with unpack(file) as source:
+            yield io.BufferedReader(_Unpacked(path.name, source, bound))
+
+
 def read_text(
     path: str | PathLike[str], largest: int = LARGEST_TEXT, *, otherwise: str | None = None
 ) -> str:
@@ -107,29 +205,21 @@ def read_text(
     """
     path = checks.file_name(path)
     try:
-        # A pipe or a device would never end.
-        if not S_ISREG(path.stat().st_mode):
-            raise OSError(0, "this is not a regular file")
-        with path.open("rb") as file:
+        with opened(path, largest) as file:
             content = file.read(largest + 1)
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            if otherwise is None:
-                raise
-            text = content.decode(otherwise)
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise FileFormatError(f"{path}: the file cannot be read: {reason}.") from None
+    if len(content) > largest:
+        raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
+    try:
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
+        if otherwise is not None:
+            return content.decode(otherwise)
         raise FileFormatError(
             f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
         ) from None
-    except ValueError:
-        raise FileFormatError(f"{shown(str(path))}: this is not the name of a file.") from None
-    if len(content) > largest:
-        raise LimitError(f"{path.name}: the file is longer than the limit of {largest:,} bytes.")
-    return text
 
 
 # Error codes of a full disk, or of a file that may not grow.

@@ -12,6 +12,9 @@ from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
 from geomtorsion.files import BOUNDS
 from geomtorsion.npz import DENSEST, unpacked_size
 
+# First bytes of a file.
+HDF5 = b"\x89HDF\r\n\x1a\n"
+
 
 def check_hdf5(path: Path, h5py: Any) -> list[str]:
     """The names in the first group of a file that may be given to any reader.

@@ -5,6 +5,8 @@ One function for each target. JSON is escaped by `json.dumps`.
 
 from __future__ import annotations
 
+import cmath
+import math
 import re
 import sys
 import unicodedata
@@ -43,6 +45,34 @@ def terminal_text(text: str, *, styled: bool = True) -> str:
     parts = _STYLE.split(text) if styled else [text]
     written = [_UNSEEN.sub(lambda sign: ascii(sign[0])[1:-1], part) for part in parts]
     return "".join(part + style for part, style in zip(written, [*styles, ""], strict=True))
+
+
+def size_text(value: float, digits: int = 1) -> str:
+    """The size of an error or a difference; zero is 0, never 0e+00.
+
+    Examples
+    --------
+    >>> size_text(4.8e-17), size_text(0.0), size_text(2e-9, 0)
+    ('4.8e-17', '0', '2e-09')
+    """
+    return f"{value:.{digits}e}" if value else "0"
+
+
+def number_text(value: complex, error: float, most: int = 15) -> str:
+    """A number with the digits that its error allows; 0 where it is not larger than its error.
+
+    Examples
+    --------
+    >>> number_text(0.123456789, 2e-5), number_text(7e-16, 5e-15), number_text(1.0, 5e-15)
+    ('0.12346', '0', '1')
+    """
+    if not cmath.isfinite(value) or not math.isfinite(error):
+        return f"{value:.{most}g}"
+    if abs(value) <= error:
+        return "0"
+    # One digit beyond the first that is uncertain.
+    allowed = math.log10(abs(value) / error) + 1 if error else most
+    return f"{value:.{max(1, min(most, round(allowed)))}g}"
 
 
 def one_line(text: str) -> str:

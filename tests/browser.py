@@ -26,7 +26,7 @@ FLAGS = (
 WINDOW = {"width": 1200, "height": 900}
 # Milliseconds that a page may take to show what is waited for, on a loaded machine.
 PATIENCE = 30_000
-FIRST_TAB = "Any tetrad"
+FIRST_TAB = "The compass"
 MISSING = (
     "no browser was found. Install one (`apt-get install chromium` or `playwright install "
     f"chromium`), or name one in {NAMED}."
@@ -149,7 +149,7 @@ def opened(context: Any) -> Watched:
 def loaded(seen: Watched, address: str) -> Watched:
     """The page, with its first tab ready."""
     seen.page.goto(address)
-    seen.page.wait_for_selector("#torsion math")
+    seen.page.wait_for_selector("#compass iframe")
     return seen
 
 
@@ -186,7 +186,7 @@ def standing(context: Any, address: str, standing_pages: list[Watched]) -> Itera
         standing_pages[:] = [loaded(opened(context), address)]
     [seen] = standing_pages
     seen.page.set_viewport_size(WINDOW)
-    seen.tab(FIRST_TAB).wait_for_selector("#torsion math")
+    seen.tab(FIRST_TAB).wait_for_selector("#compass iframe")
     yield seen
     assert seen.errors == []
 

@@ -80,7 +80,7 @@ def public_functions() -> list[Case]:
     energy = {"lagrangian": (u1**2 + u2**2) / 2, "forces": [0, 0], "constraints": None}
     energy |= {"principle": "closed_in_coordinates", "parameters": None, "connection": None}
     starts = {"start": [0, 0], "velocity": [1, 1]}
-    settings = {"parameters": {}, "causal": None, "atlas": None}
+    settings = {"parameters": {}, "causal": None, "atlas": None, "stop": "u1 + 9"}
     return [
         _public(
             "Frame", coordinates=[X, Y], coframe=[[1, 0], [0, X]], signature=(1, 1),
@@ -108,6 +108,8 @@ def public_functions() -> list[Case]:
         ),
         _public("equations_of_motion", frame=PLANE, **energy),
         _public("conserved_quantities", frame=PLANE, **energy),
+        _public("linearized", frame=PLANE, **energy, at={"x": 1, "y": 0}, velocities=None),
+        _public("kerr_orbit", a=0.9, p=6, e=0.3, x=0.5),
         _public("variation", frame=PLANE, principle="closed_in_coordinates", connection=None),
         _public("autoparallel", connection=CARTAN, **starts, frame_velocity=None, **settings),
         _public(
@@ -555,5 +557,6 @@ RESULTS = frozenset(
     "BurgersMap BurgersVector CostRow CostTable Development EnclosedDefect Ensemble "
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
-    "Engine LatticeBurgers LatticePhases Certainty Proof".split()
+    "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
+    "Frequencies".split()
 )

@@ -80,14 +80,14 @@ def diagonal(count: int) -> str:
 
 CASES: list[tuple[str, str | bytes | Callable[[], bytes], Callable[[Path], object], str]] = [
     ("columns.xyz", XYZ.format("Properties=species:S:1:pos:R:1000000000"), atoms, "4 columns"),
-    ("quoted.xyz", XYZ.format('"Prop"erties=species:S:1:a:I:300000000'), atoms, "4 columns"),
+    ("quoted.xyz", XYZ.format("Properties='species:S:1:a:I:300000000'"), atoms, "4 columns"),
     ("count.xyz", "1000000000\nx\nFe 0 0 0\n", atoms, "ends after 1"),
-    ("rows.xyz", "3000\nx\n" + "".join(f"Fe {'1 ' * k}\n" for k in range(3000)), atoms, "line 1"),
+    ("rows.xyz", "3000\nx\n" + "".join(f"Fe {'1 ' * k}\n" for k in range(3000)), atoms, "line 2"),
     ("a.poscar", f"{POSCAR}Fe\n1000000000\nDirect\n0 0 0\n", atoms, "at most 9 atoms"),
     ("b.poscar", f"{POSCAR}1000000000\nDirect\n0 0 0\n", atoms, "at most 8 atoms"),
     ("c.poscar", f"{POSCAR}Fe\n-5 +1000000000\nDirect\n0 0 0\n", atoms, "at most 9 atoms"),
     ("XDATCAR", f"{POSCAR}H9999999999\n1\nDirect configuration= 1\n0 0 0\n", atoms, "one symbol"),
-    ("a.lmp", DATA.format("2 atoms\n1000000000"), atoms, "at most 13 atoms"),
+    ("a.lmp", DATA.format("2 atoms\n1000000000"), atoms, "got 2 rows"),
     ("a.cfg", "Number of particles = 1000000000\nA = 1\n", atoms, "at most 2 atoms"),
     ("b.cfg", "Number of particles = 2\nentry_count = 900000000\n", atoms, "columns"),
     ("strip.tif", lambda: tiff(compression=8, strip=bomb()), LatticeImage.read, "4,096 bytes"),

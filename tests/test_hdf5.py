@@ -5,7 +5,7 @@ import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.hdf5 import check_hdf5
-from geomtorsion.materials.measured import open_measured
+from geomtorsion.materials.readers import open_source
 
 h5py = pytest.importorskip("h5py")
 
@@ -79,7 +79,7 @@ def test_damage_is_said_whatever_asks(tmp_path, name):
         spoilt[place] ^= 0xFF
         (tmp_path / name).write_bytes(spoilt)
         with pytest.raises((FileFormatError, LimitError), match=name):
-            open_measured(tmp_path / name)
+            open_source(tmp_path / name)
         try:
             check_hdf5(tmp_path / name, h5py)
         except FileFormatError:

@@ -50,7 +50,7 @@ BELOW_THE_WALL = (
 )
 # Applications: of packages below the wall they import only what these export in __all__.
 ABOVE_THE_WALL = (
-    ("materials",),
+    ("gravity", "materials"),
     ("accuracy", "pictures", "paper"),
     ("scenes",),
     ("teaching",),
@@ -76,7 +76,10 @@ LONG: dict[str, str] = {
     "exact/reading.py": "what may be read, and how it is",
     "exact/roots.py": "all of roots: added, found in the field, cleared from denominators",
     "exact/tower.py": "the arithmetic of a field: generators, sums, denominators, factors",
+    "geometry/forms.py": "the exterior calculus: a form, its algebra and its derivatives",
+    "geometry/frame.py": "all that a frame can be asked; two thirds are documentation",
     "geometry/components.py": "sparse arrays with their symmetries, products and inverses",
+    "geometry/tensor.py": "all that a tensor can be asked; half is documentation",
     "ode/engines/taylor.py": "the engine and the integrators that are compiled for it",
     "ode/solution.py": "a solution with its cost, and the outline of what can be solved",
     "ode/system.py": "equations, engines that take them, and the units they are run in",
@@ -84,7 +87,7 @@ LONG: dict[str, str] = {
 LONGEST = 500
 # What is to come down: each is lowered as soon as less has been reached.
 CEILINGS = {
-    "files in rings": 27,
+    "files in rings": 34,
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # Of these 17 choose steps and precision in proofs; no ball depends on them.
@@ -97,23 +100,24 @@ CEILINGS = {
 # A change that needs more edits its number and says in the commit what users get for it.
 BUDGET = {
     "accuracy": 450,
-    "action": 1350,
-    "cli": 3050,
+    "action": 1950,
+    "cli": 3300,
     "codegen": 2350,
-    "curves": 2950,
-    "exact": 6350,
-    "geometry": 4000,
+    "curves": 3350,
+    "exact": 6700,
+    "geometry": 5150,
+    "gravity": 2000,
     "loops": 5750,
-    "materials": 13500,
-    "ode": 5050,
+    "materials": 14700,
+    "ode": 5100,
     "paper": 750,
-    "pictures": 3550,
+    "pictures": 3650,
     "proofs": 2050,
-    "rigid": 600,
+    "rigid": 650,
     "scenes": 3850,
-    "spaces": 3350,
-    "support files": 2050,
-    "teaching": 10650,
+    "spaces": 3850,
+    "support files": 2150,
+    "teaching": 10950,
 }
 HEAVY = ("networkx", "scipy", "typer", "rich", "matplotlib", "heyoka", "marimo", "dask", "ase")
 

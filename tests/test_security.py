@@ -168,7 +168,8 @@ CHECKED = frozenset(
     "DislocationNetwork EdgeList LineArrays Element Exercise Frame RungeKutta State Stiff "
     "Taylor Tensor Torsion TransitionMap When blend burgers_vector cartan "
     "conserved_quantities contract dispiration equations_of_motion exact_burgers_vector "
-    "exponential_map free_top from_coefficients from_contortion from_spin_connection "
+    "kerr_orbit linearized exponential_map free_top from_coefficients from_contortion "
+    "from_spin_connection "
     "geodesic_deviation holonomy identities levi_civita log_map numpy_function "
     "parallel_transport parse_expression spaces variation Circuit OrientationMap Phase".split()
 )
@@ -420,6 +421,7 @@ def test_no_array_file_is_run(kind, tmp_path):
 
 COMMANDS = {
     "geometry": ["s2"],
+    "gravity": ["s2"],
     "check": ["s2"],
     "plan": ["s2"],
     "curve": ["s2", "--t", "0.1", "--accuracy", "1e-6"],

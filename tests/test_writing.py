@@ -14,7 +14,7 @@ import geomtorsion as gt
 from geomtorsion import scenes
 from geomtorsion.errors import ArgumentError, FileFormatError, ImageError
 from geomtorsion.loops.loop_files import read_loops
-from geomtorsion.materials.measured import open_measured
+from geomtorsion.materials.readers import open_source
 from geomtorsion.pictures.report import write_report
 from geomtorsion.spaces.files import read_file
 from geomtorsion.teaching.exercises import export
@@ -66,7 +66,7 @@ READERS: dict[str, Callable[[Any], object]] = {
     "scene": scenes.read_file,
     "map": gt.OrientationMap.read,
     "image": gt.LatticeImage.read,
-    "measured": open_measured,
+    "measured": open_source,
     "space": read_file,
     "loops": lambda path: read_loops(gt.spaces.load("s2").frame, path),
     "answers": read_submission,

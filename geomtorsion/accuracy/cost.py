@@ -29,6 +29,7 @@ from geomtorsion.ode.engines.stepwise import FLOOR
 from geomtorsion.ode.engines.taylor import is_available
 from geomtorsion.ode.error_estimate import difference
 from geomtorsion.ode.numbers import checked_accuracy, checked_times
+from geomtorsion.outgoing import size_text
 from geomtorsion.precision import EPS
 from geomtorsion.proofs import prove
 
@@ -117,7 +118,8 @@ class CostTable:
                 lines.append(f"{row.engine:<14}{row.asked:>9.0e}   {row.note}")
                 continue
             lines.append(
-                f"{row.engine:<14}{row.asked:>9.0e}{row.achieved:>10.1e}{row.estimated:>10.1e}"
+                f"{row.engine:<14}{row.asked:>9.0e}{size_text(row.achieved or 0.0):>10}"
+                f"{size_text(row.estimated or 0.0):>10}"
                 f"{_time(row.seconds):>11}{_time(row.total_seconds):>11}"
                 f"{_time(row.compile_seconds):>10}{row.steps:>8}"
             )

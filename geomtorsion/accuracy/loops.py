@@ -22,6 +22,7 @@ from geomtorsion.loops import burgers_vector, forms, integrals
 from geomtorsion.loops.arcs import exact_number
 from geomtorsion.loops.exact_integral import pieces, pulled_back
 from geomtorsion.loops.integrals import flux_at, line_at
+from geomtorsion.outgoing import size_text
 from geomtorsion.precision import CONSTANT_BITS, working_digits
 
 if TYPE_CHECKING:
@@ -84,9 +85,9 @@ class LoopCosts:
         lines = [self.name, head]
         for row in self.rows:
             asked = "" if row.asked is None else f"{row.asked:.0e}"
-            claimed = "" if row.claimed is None else f"{row.claimed:.1e}"
+            claimed = "" if row.claimed is None else size_text(row.claimed)
             lines.append(
-                f"{row.rule:16}{row.points:8}{asked:>9}{row.error:10.1e}{claimed:>10}"
+                f"{row.rule:16}{row.points:8}{asked:>9}{size_text(row.error):>10}{claimed:>10}"
                 f"{row.seconds * 1e3:8.3f} ms"
             )
         return "\n".join(lines)

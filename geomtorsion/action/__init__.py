@@ -5,12 +5,18 @@ from geomtorsion.action.equations import (
     conserved_quantities,
     equations_of_motion,
 )
+from geomtorsion.action.invariants import ConservedQuantities
+from geomtorsion.action.linearized import linearized
+from geomtorsion.action.steady import Linearization
 from geomtorsion.action.variations import Variation, variation
 
 __all__ = [
+    "ConservedQuantities",
     "EquationsOfMotion",
+    "Linearization",
     "Variation",
     "conserved_quantities",
     "equations_of_motion",
+    "linearized",
     "variation",
 ]

@@ -16,11 +16,13 @@ from geomtorsion.action.hamel import (
     hamel_of,
     torsion_over,
 )
-from geomtorsion.action.invariants import conserved
+from geomtorsion.action.invariants import ConservedQuantities, conserved
+from geomtorsion.action.linearized import linearized
 from geomtorsion.action.principles import Principle, principle_named
+from geomtorsion.action.steady import Linearization
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.caching import cached_property
-from geomtorsion.errors import LagrangianError
+from geomtorsion.errors import LagrangianError, LimitError
 
 if TYPE_CHECKING:
     from geomtorsion.exact import Element
@@ -183,7 +185,7 @@ class EquationsOfMotion:
         return tuple(every[k] for k in self.hamel.free)
 
     @cached_property
-    def invariants(self) -> Mapping[str, sp.Expr]:
+    def invariants(self) -> ConservedQuantities:
         """Name -> f(q, u, t) that the motion keeps, each proved by exact zero."""
         return conserved(self.hamel, self.frame, self.lagrange.bundle.frame)
 
@@ -209,6 +211,30 @@ class EquationsOfMotion:
             The velocities do not stand alone.
         """
         return reduced(self.rates, self.invariants, self.frame.coordinates)
+
+    def linearized(
+        self, at: Mapping[object, object], parameters: Iterable[sp.Symbol | str] | None = None
+    ) -> Linearization:
+        """The equations to first order around a steady motion; see `geomtorsion.linearized`.
+
+        at: the steady motion: name of a coordinate, velocity or parameter -> value.
+        parameters: names that may occur in texts there besides those of the equations.
+
+        Examples
+        --------
+        A top about its middle axis, which is unstable:
+
+        >>> from geomtorsion.spaces import load
+        >>> top = equations_of_motion(load("so3").frame, "(u1**2 + 2*u2**2 + 3*u3**2)/2")
+        >>> top.linearized(at={"u2": 1}).eigenvalues.real.round(6).tolist()
+        [0.57735, 0.0, -0.57735]
+        """
+        listed = None if parameters is None else [*self.hamel.bundle.frame.parameters, *parameters]
+        return linearized(
+            self.frame, self.lagrangian, list(self.forces), self.principle,
+            list(self.constraints) or None, at=at, velocities=self.velocities,
+            parameters=listed, connection=self.lagrange.connection,
+        )  # fmt: skip
 
     @property
     def text(self) -> str:
@@ -308,8 +334,14 @@ def equations_of_motion(
     read = validation.expressions(frame, [("lagrangian", lagrangian), *pushes, *fixed], parameters)
     energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
     bundle = bundle_over(frame, read)
-    hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
-    _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
+    try:
+        hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
+        _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
+    except LimitError as error:
+        raise LimitError(
+            f"{error}. For small motions around a steady one, gt.linearized(..., at={{...}}) needs "
+            "no equations that are written out"
+        ) from None
     lagrange = Lagrange(bundle, energy, given, chosen, connection)
     return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
 
@@ -323,12 +355,16 @@ def conserved_quantities(
     *,
     parameters: Iterable[sp.Symbol | str] | None = None,
     connection: Connection | None = None,
-) -> Mapping[str, sp.Expr]:
+) -> ConservedQuantities:
     """Name -> f(q, u, t) that the motion keeps: the `invariants` of its equations.
 
-    Energy; momenta of coordinates, of legs, of right-invariant fields on a Lie group, and of
-    other Killing fields that a finite ansatz finds; Casimirs. Each is proved by exact zero;
-    what is not found may still exist.
+    The search covers a stated ansatz: the energy; momenta p_k xi^k of coordinates, of legs, of
+    right-invariant fields on a Lie group, and of all fields xi = sum c f(q) E_k with constant c
+    and a few functions f (products of 1, x, cos(x), sin(x) as they fit the coordinates, or 1 and
+    the coordinates where there would be too many); Casimirs; and sums of c f(q) p_k p_l for the
+    terms f of which the coframe is made, such as Carter's constant. `ansatz` of the result, which
+    is printed with it, lists the functions. All rational combinations within the ansatz are found,
+    and the derivative of each along the motion is exactly zero. Others may exist.
 
     Parameters
     ----------
@@ -338,13 +374,22 @@ def conserved_quantities(
     Examples
     --------
     >>> from geomtorsion.spaces import load
-    >>> found = conserved_quantities(load("flat_polar").frame, "(u1**2 + u2**2)/2")
-    >>> for name, value in found.items():
-    ...     print(f"{name}: {value}")
+    >>> conserved_quantities(load("flat_polar").frame, "(u1**2 + u2**2)/2")
     energy: u1**2/2 + u2**2/2
     momentum of phi: r*u2
     killing 1: u1*sin(phi) + u2*cos(phi)
     killing 2: u1*cos(phi) - u2*sin(phi)
+    searched:
+      energy p_k u^k - L
+      sums of c*p(xi), the momenta along coordinates and legs
+      sums of c*f(q)*p_k, f a product of one of each (1, r) (1, phi, cos(phi), sin(phi))
+      sums of c*f(q)*p_k*p_l, f one of (1, r**2)
+
+    Carter's constant of Kerr's space, in Carter's tetrad:
+
+    >>> found = conserved_quantities(load("kerr").frame, "(-u1**2 + u2**2 + u3**2 + u4**2)/2")
+    >>> found["killing tensor 1"]
+    a**2*u1**2*cos(theta)**2 - a**2*u2**2*cos(theta)**2 + r**2*u3**2 + r**2*u4**2
     """
     found = equations_of_motion(
         frame, lagrangian, forces, principle, constraints,

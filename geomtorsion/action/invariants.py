@@ -4,91 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
-from itertools import combinations_with_replacement, product
-from math import lcm
+from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
-from flint import fmpq, fmpq_mat
 
+from geomtorsion.action.ansatz import (
+    ansatz_functions,
+    fitting_functions,
+    listed,
+    right_invariant,
+    separable_functions,
+)
 from geomtorsion.action.hamel import Hamel
-from geomtorsion.checks import expression
-from geomtorsion.errors import GeomtorsionError
-from geomtorsion.geometry.derived import derived
-from geomtorsion.geometry.groups import exponential
+from geomtorsion.action.relations import depends, relations
 
 if TYPE_CHECKING:
-    from geomtorsion.exact import Element, Field
+    from geomtorsion.exact import Element
     from geomtorsion.geometry import Frame
 
-Row = dict[int, Fraction]
-
-
-def relations(field: Field, vectors: Sequence[Sequence[Element]]) -> list[Row]:
-    """All independent {j: q_j} with sum_j q_j vectors[j] = 0, each with one q_j = 1 of its own.
-
-    Over a common denominator the monomials of a field are independent, so this is linear
-    algebra over the rationals; parameters count as unknowns, not as numbers.
-
-    Examples
-    --------
-    >>> import sympy as sp
-    >>> from geomtorsion.exact import Field
-    >>> x = sp.Symbol("x")
-    >>> field = Field([x])
-    >>> values = [sp.sin(x) ** 2, sp.cos(x) ** 2, x, sp.Integer(2)]
-    >>> relations(field, [[field.read(value)] for value in values])
-    [{0: Fraction(2, 1), 1: Fraction(2, 1), 3: Fraction(-1, 1)}]
-    """
-    columns = _coordinates(field, vectors)
-    keys = sorted({key for column in columns for key in column})
-    if not keys:
-        return [{j: Fraction(1)} for j in range(len(vectors))]
-    zero = fmpq(0)
-    entries = [column.get(key, zero) for key in keys for column in columns]
-    reduced, rank = fmpq_mat(len(keys), len(columns), entries).rref()
-    pivots = [next(j for j in range(len(columns)) if reduced[r, j] != 0) for r in range(rank)]
-    found = []
-    for free in sorted(set(range(len(columns))) - set(pivots)):
-        row: Row = {free: Fraction(1)}
-        for r, pivot in enumerate(pivots):
-            if reduced[r, free] != 0:
-                row[pivot] = -_fraction(reduced[r, free])
-        found.append(_whole(row))
-    return found
-
-
-def depends(field: Field, element: Element, known: Sequence[Element]) -> bool:
-    """Whether an element is a rational combination of others."""
-    every = relations(field, [[value] for value in (*known, element)])
-    return any(len(known) in row for row in every)
-
-
-def _coordinates(field: Field, vectors: Sequence[Sequence[Element]]) -> list[dict[Any, fmpq]]:
-    """For each vector its coefficients, by row and monomial."""
-    columns: list[dict[Any, fmpq]] = [{} for _ in vectors]
-    for row in range(len(vectors[0]) if vectors else 0):
-        common: Any = ()
-        for vector in vectors:
-            common = field.lcm(common, vector[row]._den)
-        for column, vector in zip(columns, vectors, strict=True):
-            entry = vector[row]
-            poly = field.reduced(field.lift(entry) * field.cofactor(common, entry._den))
-            for monomial, value in poly.to_dict().items():
-                column[row, tuple(monomial)] = value
-    return columns
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
-
-
-def _whole(row: Row) -> Row:
-    """The same relation in whole numbers, the first one positive."""
-    scale = lcm(*(value.denominator for value in row.values()))
-    sign = 1 if row[min(row)] > 0 else -1
-    return {j: row[j] * scale * sign for j in sorted(row)}
+ENERGIES = ("energy", "jacobi integral")
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +78,7 @@ def _along(hamel: Hamel, name: str, components: Mapping[int, Element]) -> Candid
 def energies(hamel: Hamel) -> Iterator[Candidate]:
     """p_i u^i - L over all velocities, and over those that move (others may be driven)."""
     everything = range(hamel.bundle.dimension)
-    for name, moving in (("energy", everything), ("jacobi integral", hamel.free)):
+    for name, moving in zip(ENERGIES, (everything, hamel.free), strict=True):
         weights = {i: hamel.velocities[i] for i in moving}
         terms = [(1, hamel.momenta[i], value) for i, value in weights.items()]
         value = hamel.bundle.field.sum([*terms, (-1, hamel.lagrangian)])
@@ -177,14 +112,23 @@ def _turned(components: Sequence[Element], base: Frame, adapted: Frame) -> list[
     return [exact.sum([(1, value, lines[mu]) for mu, value in row]) for row in forms]
 
 
-def ansatz(hamel: Hamel) -> Iterator[Candidate]:
+def killing_candidates(hamel: Hamel, functions: Sequence[sp.Expr]) -> Iterator[Candidate]:
     """p_k f(q) for a few functions."""
-    frame = hamel.bundle.frame
-    entries = [hamel.lagrangian.sympy, *frame.coframe.nonzero().values()]
-    for function in ansatz_functions(frame, entries):
+    for function in functions:
         value = hamel.bundle.field.read(function)
         for k in hamel.free:
             yield _along(hamel, f"{function}*p{k + 1}", {k: value})
+
+
+def tensor_candidates(hamel: Hamel, functions: Sequence[sp.Expr]) -> Iterator[Candidate]:
+    """f(q) p_k p_l for a few functions."""
+    p = hamel.momenta
+    for function in functions:
+        value = hamel.bundle.field.read(function)
+        for k, m in combinations_with_replacement(range(hamel.bundle.dimension), 2):
+            weights = {k: value * p[m]}
+            weights[m] = value * p[k] * 2 if k == m else value * p[k]
+            yield Candidate(f"{function}*p{k + 1}*p{m + 1}", value * p[k] * p[m], weights)
 
 
 def casimirs(hamel: Hamel) -> Iterator[Candidate]:
@@ -207,7 +151,7 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
         changes = ([(1, operator[j, k], u[m]), (1, u[k], operator[j, m])] for j in range(n))
         vectors.append([exact.sum(terms) for terms in changes])
     p = hamel.momenta
-    for number, row in enumerate(relations(exact, vectors), 1):
+    for number, row in enumerate(relations(vectors), 1):
         terms, weights = [], {k: [] for k in range(n)}
         for place, q in row.items():
             k, m = pairs[place]
@@ -218,143 +162,6 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
         yield Candidate(f"casimir {number}", exact.sum(terms), summed)
 
 
-# More candidates than this take seconds.
-_MOST = 160
-_LINE = sp.Symbol("_along")
-
-
-@derived
-def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
-    """Components xi^i in the frame of n fields that commute with all legs of a Lie group.
-
-    Equation
-    --------
-    [E_k, xi] = 0:  d_mu xi^i = e^k_mu C_kj^i xi^j
-
-    solved along the coordinate lines from the origin, one after the other, in an order in which
-    the matrix on the right is constant up to a factor. None where C_ij^k depends on coordinates
-    or no such order exists.
-
-    Examples
-    --------
-    >>> from geomtorsion.spaces import load
-    >>> right_invariant(load("ax_plus_b").frame)
-    [[1, b/a], [0, 1/a]]
-    """
-    table = frame.anholonomy.components.nonzero
-    if any(value.symbols & set(frame.coordinates) for value in table.values()):
-        return None
-    n, q = frame.dimension, frame.coordinates
-    coefficients = {index: value.sympy for index, value in table.items()}
-    columns = [[frame.coframe[k, mu] for k in range(n)] for mu in range(n)]
-    left, order = set(range(n)), []
-    while left:
-        ready = [
-            mu
-            for mu in sorted(left, reverse=True)
-            if all(not entry.has(q[nu]) for entry in columns[mu] for nu in set(order))
-        ]
-        if not ready:
-            return None
-        # Those on which others depend must wait: they are moved last.
-        mu = max(ready, key=lambda m: sum(e.has(q[nu]) for e in columns[m] for nu in left - {m}))
-        order.append(mu)
-        left.discard(mu)
-    whole = sp.eye(n)
-    for place, mu in enumerate(order):
-        still = {q[nu]: _base(columns, q[nu]) for nu in order[place + 1 :]}
-        column = [expression(entry).xreplace(still) for entry in columns[mu]]
-        step = _step(column, coefficients, n, q[mu], _base(columns, q[mu]))
-        if step is None:
-            return None
-        whole = step * whole
-    return [[sp.expand(whole[i, a]) for i in range(n)] for a in range(n)]
-
-
-def _base(columns: Sequence[Sequence[sp.Expr]], symbol: sp.Symbol) -> sp.Expr:
-    """Where a coordinate line begins: at zero, or at one where the coframe ends at zero."""
-    entries = [expression(entry).subs(symbol, 0) for column in columns for entry in column]
-    singular = any(entry.has(sp.zoo, sp.oo, sp.nan) for entry in entries)
-    return sp.Integer(1 if singular else 0)
-
-
-def _step(
-    column: Sequence[sp.Expr],
-    coefficients: Mapping[tuple[int, ...], sp.Expr],
-    n: int,
-    symbol: sp.Symbol,
-    base: sp.Expr,
-) -> sp.Matrix | None:
-    """exp of the integral of e^k C_kj^i along one line, from the base to the coordinate."""
-    forms = [entry for entry in column if entry != 0]
-    if not forms:
-        return sp.eye(n)
-    shape = forms[0]
-    ratios = [sp.cancel(entry / shape) for entry in column]
-    if any(ratio.free_symbols for ratio in ratios):
-        return None
-    matrix = sp.zeros(n, n)
-    for (k, j, i), value in coefficients.items():
-        matrix[i, j] += value * ratios[k]
-    length = _length(shape, symbol, base)
-    if length is None:
-        return None
-    try:
-        found = exponential(matrix, _LINE)
-    except GeomtorsionError:
-        return None
-    return found.xreplace({_LINE: length}).applyfunc(sp.powsimp)
-
-
-def _length(shape: sp.Expr, symbol: sp.Symbol, base: sp.Expr) -> sp.Expr | None:
-    """The integral of a constant, a power or an exponential from the base."""
-    if not shape.has(symbol):
-        return shape * (symbol - base)
-    factor, rest = shape.as_independent(symbol)
-    power = rest.as_base_exp()
-    if power[0] == symbol and power[1] == -1:
-        return factor * sp.log(symbol)
-    if power[0] == symbol and power[1].is_Integer:
-        more = power[1] + 1
-        return factor * (symbol**more - base**more) / more
-    slope = sp.diff(rest, symbol) / rest
-    if isinstance(rest, sp.exp) and not slope.has(symbol):
-        return factor * (rest - rest.subs(symbol, base)) / slope
-    return None
-
-
-def ansatz_functions(frame: Frame, entries: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """Functions f(q) for an ansatz xi = sum c f E_k: products of those that fit each coordinate.
-
-    An angle has 1, cos, sin; a coordinate that occurs nowhere also itself; other ones 1 and q.
-    None at all where there would be too many.
-
-    Examples
-    --------
-    >>> from geomtorsion.spaces import load
-    >>> frame = load("flat_polar").frame
-    >>> ansatz_functions(frame, [frame.coframe[1, 1]])
-    [1, phi, cos(phi), sin(phi), r, phi*r, r*cos(phi), r*sin(phi)]
-    """
-    choices = []
-    for symbol in frame.coordinates:
-        one, inside = sp.S.One, [entry for entry in entries if entry.has(symbol)]
-        angles = {a for e in inside for a in e.atoms(sp.sin, sp.cos) if a.has(symbol)}
-        waves = [sp.cos(symbol), sp.sin(symbol)]
-        if not inside:
-            choices.append([one, symbol, *waves])
-        elif angles:
-            choices.append([one, *waves])
-        else:
-            choices.append([one, symbol])
-    count = 1
-    for row in choices:
-        count *= len(row)
-    if count * frame.dimension > _MOST:
-        return []
-    return [sp.Mul(*factors) for factors in product(*choices)]
-
-
 @dataclass
 class _Found:
     """What is kept so far; a candidate that adds nothing new is passed over."""
@@ -362,24 +169,20 @@ class _Found:
     hamel: Hamel
     kept: dict[str, Element] = field(default_factory=dict)
 
-    def add(self, one: Candidate, *, squares: bool = False) -> bool:
+    def add(self, one: Candidate, products: Sequence[Element] = ()) -> bool:
         """Keep a value if its derivative is exactly zero and others do not make it up.
 
-        squares: whether squares of momenta that contain no coordinate make up others.
+        products: of values that are kept, which make up others also.
         """
         value = one.value
         if value.is_rational or one.change(self.hamel).is_zero is not True:
             return False
         if not (self.hamel.fixed or one.is_sound(self.hamel)):
             return False
-        known = list(self.kept.values())
-        if squares:
-            # L.L of a body is no news where each component of L is kept.
-            inside = set(self.hamel.bundle.frame.coordinates)
-            known += [x * x for x in known if not x.symbols & inside]
+        known = [*self.kept.values(), *products]
         if not (
             any(self._proportional(value, x) for x in known)
-            or depends(self.hamel.bundle.field, value, [*known, value.field.one])
+            or depends(value, [*known, value.field.one])
         ):
             self.kept[one.name] = value
         return True
@@ -398,34 +201,80 @@ class _Found:
         )
 
 
-def conserved(hamel: Hamel, frame: Frame, base: Frame) -> dict[str, sp.Expr]:
+class ConservedQuantities(Mapping[str, sp.Expr]):
+    """Name -> f(q, u, t) that a motion keeps, each proved by exact zero, and where it was searched.
+
+    ansatz: the families of functions that were searched, one line for each. All linear
+        combinations of a family with rational coefficients that the motion keeps are found; the
+        motion may keep others.
+    """
+
+    def __init__(self, values: Mapping[str, sp.Expr], ansatz: Sequence[str]) -> None:
+        self._values = dict(values)
+        self.ansatz = tuple(ansatz)
+
+    def __getitem__(self, name: str) -> sp.Expr:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        lines = [f"{name}: {value}" for name, value in self.items()] or ["nothing was found"]
+        return "\n".join([*lines, "searched:", *(f"  {line}" for line in self.ansatz)])
+
+
+def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
     """Name -> f(q, u, t) that does not change along the motion.
 
     Tried are: the energy p_i u^i - L, of driven systems also without what is driven; momenta
-    p_i xi^i along coordinate lines, along legs, along right-invariant fields of a Lie group, and,
-    elsewhere, along f(q) E_k for a few functions f; rational combinations of these; and the
-    quadratic Casimirs of the legs.
+    p_i xi^i along coordinate lines, along legs, along right-invariant fields of a Lie group, and
+    along f(q) E_k for a few functions f; rational combinations of these; the quadratic Casimirs of
+    the legs; and, without constraints, f(q) p_k p_l for the terms f of which the coframe is made.
 
     frame: as the user gave it. base: the same over the field of the equations.
     """
-    found = _Found(hamel)
+    found, ansatz = _Found(hamel), ["energy p_k u^k - L"]
     for one in energies(hamel):
         found.add(one)
-    rest = [one for one in momenta(hamel, frame, base) if not found.add(one)]
-    _combine(found, rest, "momentum")
-    # On a group the fields are known; elsewhere a few functions are tried, which costs seconds.
-    if right_invariant(frame) is None:
-        _combine(found, ansatz(hamel), "killing")
-    for one in casimirs(hamel):
-        found.add(one, squares=True)
-    return {name: value.sympy for name, value in found.kept.items()}
+    tried = list(momenta(hamel, frame, base))
+    _combine(found, [one for one in tried if not found.add(one)], "momentum")
+    group = right_invariant(frame) is not None
+    fields = "coordinates, legs and right-invariant fields" if group else "coordinates and legs"
+    ansatz.append(f"sums of c*p(xi), the momenta along {fields}")
+    entries = [hamel.lagrangian.sympy, *frame.coframe.nonzero().values()]
+    functions, words = ansatz_functions(frame, fitting_functions(frame, entries))
+    _combine(found, killing_candidates(hamel, functions), "killing")
+    ansatz.append(f"sums of c*f(q)*p_k, f {words}")
+    # L.L of a body is no news where each component of L is kept.
+    inside = set(hamel.bundle.frame.coordinates)
+    squares = [x * x for x in found.kept.values() if not x.symbols & inside]
+    constant = list(casimirs(hamel))
+    for one in constant:
+        found.add(one, squares)
+    if constant:
+        ansatz.append("sums of c*p_k*p_l that commute with all p_j (Casimirs)")
+    if not hamel.fixed:
+        linear = [value for name, value in found.kept.items() if name not in ENERGIES]
+        linear += [one.value for one in tried if one.change(hamel).is_zero is True]
+        products = [x * y for x, y in combinations_with_replacement(linear, 2)]
+        tensors = separable_functions(frame)
+        _combine(found, tensor_candidates(hamel, tensors), "killing tensor", products)
+        ansatz.append(f"sums of c*f(q)*p_k*p_l, f one of ({listed(tensors)})")
+    values = {name: value.sympy for name, value in found.kept.items()}
+    return ConservedQuantities(values, ansatz)
 
 
-def _combine(found: _Found, tried: Iterable[Candidate], stem: str) -> None:
+def _combine(
+    found: _Found, tried: Iterable[Candidate], stem: str, products: Sequence[Element] = ()
+) -> None:
     """Keep the rational combinations of candidates that do not change."""
     hamel, every = found.hamel, list(tried)
     number = 1
-    for row in relations(hamel.bundle.field, [[one.change(hamel)] for one in every]):
+    for row in relations([[one.change(hamel)] for one in every]):
         parts = [(q, every[j]) for j, q in row.items()]
-        found.add(combined(hamel, f"{stem} {number}", parts))
+        found.add(combined(hamel, f"{stem} {number}", parts), products)
         number = 1 + sum(name.removeprefix(f"{stem} ").isdigit() for name in found.kept)

@@ -16,6 +16,7 @@ class Commands(LazyGroup):
     summaries: ClassVar = {
         "spaces": "List the shipped spaces.",
         "geometry": "Show metric, connections, torsion and curvature.",
+        "gravity": "Show the field equations of a Lagrangian on a space.",
         "check": "Check the identities of a space exactly.",
         "plan": "Show what a quantity of a space, or a scene, needs, and what is left out.",
         "report": "Write geometry, motions and a loop of a space as a page.",
@@ -31,6 +32,12 @@ class Commands(LazyGroup):
         "lab": "Play with tetrads, loops, curves, tops and exercises in a browser.",
         "exercises": "List, show, check and grade exercises.",
     }
+    groups: ClassVar = {
+        "Geometry": ("spaces", "geometry", "check", "plan", "report", "paper"),
+        "Motions": ("curve", "run", "scenes", "accuracy"),
+        "Defects and data": ("burgers", "map", "crystal", "network"),
+        "Teaching": ("lab", "exercises"),
+    }
     limited = frozenset(summaries) - {"spaces", "network", "scenes", "lab", "exercises"}
 
 
@@ -39,7 +46,7 @@ app = typer.Typer(
     name="geomtorsion",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    **SETTINGS,
+    **{**SETTINGS, "add_completion": True},
 )
 
 

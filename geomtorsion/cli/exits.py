@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -15,6 +17,10 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import GeomtorsionError
 
+# The base of the errors for wrong options; typer brings its own click, and names this one alone.
+UsageError = typer.BadParameter.__bases__[0]
+_INVALID = re.compile(r"^Invalid value for '([^']*)': ")
+_PARAMETERS = re.compile(r"parameters=\{([^{}]*)\}")
 # In a checkout and in the source distribution; a wheel has no pages.
 SITE = Path(__file__).parents[2] / "examples/site"
 
@@ -87,8 +93,11 @@ def clean_exits() -> Iterator[None]:
         if came:
             stopped()
             raise typer.Exit(ExitCode.interrupted) from None
+        if isinstance(error, UsageError):
+            typer.echo(f"geomtorsion: {wrong_usage(error)}", err=True)
+            raise typer.Exit(ExitCode.wrong_input) from None
         if isinstance(error, GeomtorsionError):
-            typer.echo(f"geomtorsion: {error}", err=True)
+            typer.echo(f"geomtorsion: {in_options(str(error))}", err=True)
             if pages := more_on(error):
                 typer.echo(pages, err=True)
             raise typer.Exit(ExitCode.wrong_input) from None
@@ -105,6 +114,34 @@ def clean_exits() -> Iterator[None]:
             typer.echo(f"geomtorsion: {error.strerror or error}{name}", err=True)
             raise typer.Exit(ExitCode.wrong_input) from None
         raise
+
+
+def wrong_usage(error: Any) -> str:
+    """What is wrong with the words of a command, and where its options are listed."""
+    message = _INVALID.sub(r"\1: ", error.format_message()).replace("Value error, ", "")
+    path = error.ctx.command_path if error.ctx else "geomtorsion"
+    message = message if message.endswith((".", "?", ")")) else f"{message}."
+    return f"{message}\n(Arguments and options: {path} --help)"
+
+
+def in_options(message: str) -> str:
+    """A message that names arguments of Python, with the options of the command line.
+
+    Examples
+    --------
+    >>> in_options("the frame contains b: give values, parameters={'b': ...}.")
+    'the frame contains b: give values, --set b=1.'
+    >>> in_options("Name another file, or give overwrite=True.")
+    'Name another file, or give --overwrite.'
+    """
+    message = message.replace("overwrite=True", "--overwrite")
+    return _PARAMETERS.sub(lambda found: _settings(found[1]), message)
+
+
+def _settings(table: str) -> str:
+    """A table of parameters in Python as options."""
+    names = re.findall(r"['\"]?([^\W\d]\w*)['\"]?\s*:", table)
+    return " ".join(f"--set {name}=1" for name in names if name != "name") or "--set NAME=VALUE"
 
 
 def more_on(error: GeomtorsionError, site: Path = SITE) -> str:

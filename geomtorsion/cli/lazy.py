@@ -34,12 +34,14 @@ class LazyGroup(TyperGroup):
 
     module: where the function of a command stands, with {} in the place of its name.
     summaries: name of a command, and of its function -> what help says of it.
+    groups: title -> names of the commands that help lists below it.
     settings: name -> settings of its context, where they are not the usual ones.
     limited: names of commands that take limits of time and memory.
     """
 
     module: ClassVar[str]
     summaries: ClassVar[Mapping[str, str]]
+    groups: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     settings: ClassVar[Mapping[str, dict[str, Any]]] = {}
     limited: ClassVar[frozenset[str]] = frozenset()
 
@@ -60,9 +62,19 @@ class LazyGroup(TyperGroup):
         return _limited(command) if cmd_name in self.limited else command
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """The part of `--help` that lists the commands."""
-        with formatter.section("Commands"):
-            formatter.write_dl(list(self.summaries.items()))
+        """The part of `--help` that lists the commands, group by group."""
+        grouped = {name for names in self.groups.values() for name in names}
+        others = tuple(name for name in self.summaries if name not in grouped)
+        for title, names in {**self.groups, "Commands": others}.items():
+            if names:
+                with formatter.section(title):
+                    formatter.write_dl([(name, self.summaries[name]) for name in names])
+
+    def make_context(self, info_name: Any, args: Any, parent: Any = None, **extra: Any) -> Any:
+        """The context of the group; a wrong option of the group ends as any other error."""
+        # Without arguments help is shown, which typer raises as an error.
+        with clean_exits() if args else nullcontext():
+            return super().make_context(info_name, args, parent, **extra)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -15,9 +15,39 @@ def option(*names: str, metavar: str, text: str) -> object:
     return typer.Option(*names, metavar=metavar, show_default=False, help=text)
 
 
-def argument(metavar: str, text: str) -> object:
-    """An argument whose default is not shown."""
-    return typer.Argument(metavar=metavar, show_default=False, help=text)
+def argument(metavar: str, text: str, known: Callable[[], Iterable[str]] | None = None) -> object:
+    """An argument whose default is not shown; the shell completes the known names."""
+
+    def completed(incomplete: str) -> list[str]:
+        return [name for name in known() if name.startswith(incomplete)] if known else []
+
+    return typer.Argument(
+        metavar=metavar,
+        show_default=False,
+        help=text,
+        autocompletion=completed if known else None,
+    )
+
+
+def _spaces() -> Iterable[str]:
+    # Loaded when the shell asks: `--help` is faster without.
+    from geomtorsion.spaces import names
+
+    return names()
+
+
+def _scenes() -> Iterable[str]:
+    # As above.
+    from geomtorsion.scenes import names
+
+    return names()
+
+
+def _exercises() -> Iterable[str]:
+    # As above.
+    from geomtorsion.teaching.exercises import names
+
+    return names()
 
 
 def directory(text: str) -> object:
@@ -51,15 +81,27 @@ BasisOption = Annotated[
 
 SpaceOrFile = Annotated[
     str,
-    argument("SPACE|FILE", "A shipped space (see `geomtorsion spaces`) or a tetrad file (TOML)."),
+    argument(
+        "SPACE|FILE",
+        "A shipped space (see `geomtorsion spaces`) or a tetrad file (TOML).",
+        _spaces,
+    ),
 ]
 SceneOrFile = Annotated[
     str,
-    argument("SCENE.toml|NAME", "A scene file, or a shipped scene (see `geomtorsion scenes`)."),
+    argument(
+        "SCENE.toml|NAME",
+        "A scene file, or a shipped scene (see `geomtorsion scenes`).",
+        _scenes,
+    ),
 ]
 SpaceOrScene = Annotated[
     str,
-    argument("SPACE|SCENE|FILE", "A shipped space or scene, a tetrad file or a scene file."),
+    argument(
+        "SPACE|SCENE|FILE",
+        "A shipped space or scene, a tetrad file or a scene file.",
+        lambda: (*_spaces(), *_scenes()),
+    ),
 ]
 
 SpaceOrMeasured = Annotated[
@@ -67,6 +109,7 @@ SpaceOrMeasured = Annotated[
     argument(
         "SPACE|FILE",
         "A shipped space, a tetrad file (TOML), or measured: .npz, .csv, .ctf, .ang, .png ...",
+        _spaces,
     ),
 ]
 MeasuredFile = Annotated[
@@ -204,7 +247,7 @@ Proved = Annotated[
 
 # -- exercises ------------------------------------------------------------------------------------
 
-Number = Annotated[str, argument("NUMBER", "Such as 3.2.")]
+Number = Annotated[str, argument("NUMBER", "Such as 3.2.", _exercises)]
 Seed = Annotated[int, typer.Option(metavar="N", help="Which variant; 0 is that of the paper.")]
 
 # -- files ----------------------------------------------------------------------------------------

@@ -1,16 +1,36 @@
-"""sources: the space or the scene that a name or a file on the command line means."""
+"""sources: the space, scene or measured file that a name on the command line means."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
+
 from geomtorsion import spaces
-from geomtorsion.errors import UnknownNameError
+from geomtorsion.checks import cut, shown
+from geomtorsion.errors import (
+    GeomtorsionError,
+    GridError,
+    ImageError,
+    OrientationError,
+    UnknownNameError,
+)
+from geomtorsion.files import UNSIGNED
+from geomtorsion.geometry import Frame
+from geomtorsion.materials import Source
+from geomtorsion.materials.readers import open_source
 from geomtorsion.spaces import Space, read_file
 
 T = TypeVar("T")
+# Options that messages of the library begin with, without the dashes of the command line.
+OPTIONS = tuple(
+    "sigma threshold order laue slip size plane spots resolution blocks steps workers".split()
+)
+_SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
 
 
 def shipped_or_file(
@@ -33,3 +53,98 @@ def shipped_or_file(
 def open_space(source: str) -> Space:
     """The shipped space of this name, or the space in this file."""
     return shipped_or_file(source, spaces.names(), spaces.load, read_file)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Options about how a measured file is read, as they are typed."""
+
+    sigma: str | None = None
+    threshold: float | None = None
+    order: int | None = None
+    laue: Sequence[str] = ()
+    slip: str | None = None
+    pixel: str | None = None
+    spots: str | None = None
+    resolution: float | None = None
+
+    @property
+    def given(self) -> dict[str, object]:
+        """The options that were typed, by name."""
+        return {f"--{name}": value for name, value in vars(self).items() if value not in (None, ())}
+
+
+def opened(source: str, reading: Reading) -> Source:
+    """The source in a file; errors about an option name it as it is typed."""
+    value = None if reading.sigma is None else sigma_of(reading.sigma)
+    try:
+        return open_source(
+            source,
+            sigma=value,
+            threshold=reading.threshold,
+            order=reading.order,
+            laue=_symmetries(reading.laue),
+            slip=reading.slip,
+            pixel=None if reading.pixel is None else _pixel(reading.pixel),
+            spots=None if reading.spots is None else _spots(reading.spots),
+            resolution=reading.resolution,
+        )
+    except (GridError, OrientationError, ImageError) as error:
+        raise dashed(error) from None
+
+
+def dashed(error: GeomtorsionError) -> GeomtorsionError:
+    """The same error; where it begins with the name of an option, as this is typed."""
+    return type(error)(f"--{error}") if str(error).startswith(OPTIONS) else error
+
+
+def _pixel(text: str) -> tuple[float, str]:
+    """Size and unit of a pixel."""
+    size = _SIZE.fullmatch(text.strip())
+    if size is None or not 0 < float(size[1]) < np.inf:
+        raise ImageError(
+            f"--pixel {cut(text)}: expected a size with its unit. Write it like --pixel 0.03nm."
+        )
+    return float(size[1]), (size[2] or "").strip() or "px"
+
+
+def _spots(text: str) -> list[list[float]]:
+    """Two Bragg spots."""
+    try:
+        return [[float(x) for x in part.split(",")] for part in text.split(";")]
+    except ValueError:
+        raise ImageError(
+            f"--spots {cut(text)}: expected two spots in cycles per unit. Write them like --spots "
+            "'4,0;0,4'."
+        ) from None
+
+
+def _symmetries(texts: Sequence[str]) -> dict[int, str]:
+    """Number of a phase -> Laue group, from PHASE=GROUP."""
+    groups = {}
+    for text in texts:
+        number, equals, group = text.partition("=")
+        if not equals or not number.strip().isdecimal() or len(number) > 9:
+            raise OrientationError(
+                f"--laue {cut(text)}: expected PHASE=GROUP. Write it like --laue 1=m-3m."
+            )
+        groups[int(number)] = group.strip()
+    return groups
+
+
+def sigma_of(text: str) -> float | str:
+    """A number, or the word that asks for an estimate."""
+    if text == "estimate":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise GridError(
+            f"--sigma: expected a number of 0 or more, or estimate, got {shown(text)}. Write "
+            "--sigma 0.001, or leave it out."
+        ) from None
+
+
+def identity_frame(names: Sequence[str]) -> Frame:
+    """A frame whose coordinates are the axes, by which loops name their plane."""
+    return Frame(" ".join(names), np.eye(len(names), dtype=int).tolist())

@@ -13,6 +13,7 @@ from geomtorsion.curves.exponential import exponential_map, holonomy
 from geomtorsion.curves.linear import closed_form
 from geomtorsion.curves.log_map import LogMap, log_map
 from geomtorsion.curves.problem import CurveProblem
+from geomtorsion.curves.spinning import spinning
 
 __all__ = [
     "Atlas",
@@ -30,4 +31,5 @@ __all__ = [
     "holonomy",
     "log_map",
     "parallel_transport",
+    "spinning",
 ]

@@ -12,7 +12,14 @@ from geomtorsion import checks
 from geomtorsion.codegen import rational
 from geomtorsion.curves.atlas import Atlas, atlas_of
 from geomtorsion.curves.atlas_check import check_atlas
-from geomtorsion.curves.equations import Autoparallel, CartanAutoparallel, Geodesic, Law, inverted
+from geomtorsion.curves.equations import (
+    Autoparallel,
+    CartanAutoparallel,
+    Geodesic,
+    Law,
+    inverted,
+    velocity_names,
+)
 from geomtorsion.curves.problem import (
     CurveProblem,
     check_causal,
@@ -20,6 +27,7 @@ from geomtorsion.curves.problem import (
     checked_start,
     frame_velocities,
 )
+from geomtorsion.curves.stops import read_stops
 from geomtorsion.curves.transported import Deviation, TransportedVectors
 from geomtorsion.errors import MetricError, ShapeError, StartError
 from geomtorsion.geometry import Connection, Frame, levi_civita
@@ -36,6 +44,7 @@ def autoparallel(
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
+    stop: object = None,
 ) -> CurveProblem:
     """A straightest line: the velocity is carried parallel along itself.
 
@@ -58,11 +67,18 @@ def autoparallel(
     atlas
         charts of the space; those that came with the frame if not given. Given ones are checked:
         maps must pull the metric (and the frame, where charts keep it) back and lead back.
+    stop
+        an expression over coordinates, frame velocities u1, u2, ... and parameters (text, sympy or
+        `When`), or a list of them: the curve ends where one falls through zero, and
+        `Solution.stopped_by` is that one. The curve is followed in charts whose maps give what
+        occurs in it without jumps.
 
     Raises
     ------
     StartError
         the start is singular, not finite, or incomplete.
+    ExpressionError
+        `stop` cannot be read.
     ShapeError
         a list has not one number per coordinate.
     CoordinateError
@@ -78,6 +94,14 @@ def autoparallel(
     phi' = (1/r)*u2
     u1' = 0
     u2' = 0
+
+    Where it is three times as far from the origin:
+
+    >>> from geomtorsion.ode import solve
+    >>> p = autoparallel(cartan(load("flat_polar").frame), [1.0, 0.0], [1.0, 0.5], stop="3 - r")
+    >>> solution = solve(p, 5.0)
+    >>> solution.outcome, solution.stopped_by, round(float(solution.times[-1]), 9)
+    ('stopped', '3 - r', 2.0)
     """
     checks.instance(connection, Connection, "connection")
     law: Law = Autoparallel(connection)
@@ -87,7 +111,7 @@ def autoparallel(
         law = Geodesic()
     frame = connection.frame
     return _posed(
-        "autoparallel", frame, law, start, velocity, frame_velocity, parameters, causal, atlas
+        "autoparallel", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
     )
 
 
@@ -101,6 +125,7 @@ def geodesic(
     parameters: Mapping[Any, Any] | None = None,
     causal: str | None = None,
     atlas: Atlas | None = None,
+    stop: object = None,
 ) -> CurveProblem:
     """A shortest line: of the metric of the frame, or of a kinetic metric G_ij e^i e^j.
 
@@ -112,7 +137,7 @@ def geodesic(
     ----------
     space
         the frame; of a connection only its frame is used.
-    start, velocity, frame_velocity, parameters, causal, atlas
+    start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
         kinetic metric in the frame, constant: n moments I_i, or a symmetric n x n matrix;
@@ -136,7 +161,7 @@ def geodesic(
     checks.instance(frame, Frame, "space")
     law = Geodesic(None if metric is None else kinetic_metric(metric, frame.dimension))
     return _posed(
-        "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas
+        "geodesic", frame, law, start, velocity, frame_velocity, parameters, causal, atlas, stop
     )
 
 
@@ -258,11 +283,14 @@ def _posed(
     parameters: Any,
     causal: str | None,
     atlas: Atlas | None,
+    stop: object,
 ) -> CurveProblem:
     """A problem from checked input."""
     if frame.complex:
         raise StartError(
-            f"{frame.name or 'the frame'} is complex (a null tetrad); motions need a real frame."
+            f"expected a real frame, got {frame.name or 'a frame'}, which is complex (a null "
+            "tetrad). Take a real one of the same metric: "
+            "gt.Frame.from_metric(frame.coordinates, frame.metric.to_sympy())."
         )
     if atlas is not None:
         checks.instance(atlas, Atlas, "atlas")
@@ -276,9 +304,12 @@ def _posed(
     speeds, given = frame_velocities(frame, place, velocity, frame_velocity, numbers)
     check_causal(frame, speeds, causal)
     written: dict[str, Any] = {} if atlas else _written(frame, law_key(law))
+    names = () if place is None else [symbol.name for symbol in frame.coordinates]
+    stops = () if stop is None else read_stops(stop, names, velocity_names(frame), numbers)
     problem = CurveProblem(
-        name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, written
-    )
+        name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, stops,
+        written,
+    )  # fmt: skip
     problem.check_parameters(problem.charts[0])
     return problem
 

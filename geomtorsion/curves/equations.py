@@ -286,24 +286,25 @@ class Equations:
         """What engines integrate, with the margin of the chart as guard."""
         arguments = (*self.states, *self.parameters)
         rates = graph(arguments, self.rates, self.parameters)
-        guard, end = self.guards(arguments, self.parameters)
-        return System(self.states, self.parameters, rates, self.groups, guard, end)
+        margin, end = self.guard_terms
+        if not margin:
+            return System(self.states, self.parameters, rates, self.groups)
+        guard, final = (graph(arguments, terms, self.parameters) for terms in (margin, end))
+        return System(self.states, self.parameters, rates, self.groups, guard, final)
 
-    def guards(
-        self, arguments: Sequence[str], parameters: Sequence[str]
-    ) -> tuple[Graph | None, Graph | None]:
+    @property
+    def guard_terms(self) -> tuple[list[Any], list[Any]]:
         """What falls through zero at the margin of the chart, and at its very end."""
         if self.chart is None or not self.chart.edges:
-            return None, None
+            return [], []
         edges = [edge.element for edge in self.chart.edges]
         margin = Fraction(self.chart.margin)
         inner = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
-        guard = graph(arguments, inner if margin else edges, parameters)
         # At the very end only the sign matters: quotients and even powers are left out. But
         # engines want to watch something that moves.
         shorter = [of_same_sign(edge) for edge in edges]
         ends = [one if one.symbols else edge for one, edge in zip(shorter, edges, strict=True)]
-        return guard, graph(arguments, ends, parameters)
+        return inner if margin else edges, ends
 
     @property
     def moves(self) -> bool:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +19,9 @@ from geomtorsion.copies import only_fields
 from geomtorsion.curves import readout
 from geomtorsion.curves.atlas import Atlas, MovingPoint, atlas_of
 from geomtorsion.curves.edges import Edge
-from geomtorsion.curves.equations import Equations, Law, written
+from geomtorsion.curves.equations import Equations, Law, velocity_names, written
 from geomtorsion.curves.readout import laid_out, start_lists
+from geomtorsion.curves.stops import Stop, check_stops, in_chart, stopped, with_stops
 from geomtorsion.curves.transported import Carried, carrying
 from geomtorsion.displays import latex_of
 from geomtorsion.errors import (
@@ -35,7 +37,7 @@ from geomtorsion.geometry.evaluation import sign_of
 from geomtorsion.geometry.validation import broken_relations
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
-from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import (
     Numbers,
     Real,
@@ -52,6 +54,7 @@ from geomtorsion.precision import CALCULATED, EPS
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
+    from geomtorsion.ode.system import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +70,7 @@ class CurveProblem:
     atlas: charts of the space.
     carried: what is carried along: transported vectors or a deviation.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
+    stops: conditions that end the curve where they fall through zero.
 
     Examples
     --------
@@ -87,8 +91,10 @@ class CurveProblem:
     atlas: Atlas
     carried: Carried | None = None
     coordinate_velocity: tuple[Real, ...] | None = None
+    stops: tuple[Stop, ...] = ()
     _written: dict[str, Equations] = field(default_factory=dict, repr=False)
     _stages: dict[tuple[int, float], Stage] = field(default_factory=dict, repr=False, init=False)
+    _systems: dict[str, System] = field(default_factory=dict, repr=False, init=False)
     _beginnings: dict[int, tuple[str, MovingPoint]] = field(
         default_factory=dict, repr=False, init=False
     )
@@ -120,7 +126,13 @@ class CurveProblem:
             if name != self.atlas.home and self.carried and not self.carried.any_chart:
                 continue
             chart = self.atlas.chart(name)
-            if name == self.atlas.home or not self.law.needs_frame or chart.keeps_frame:
+            stated = all(
+                in_chart(stop, self.atlas, name, velocity_names(self.frame)) is not None
+                for stop in self.stops
+            )
+            if name == self.atlas.home or (
+                stated and (not self.law.needs_frame or chart.keeps_frame)
+            ):
                 found.append(name)
         return tuple(found) or (self.atlas.home,)
 
@@ -253,6 +265,7 @@ class CurveProblem:
     def check_start(self) -> None:
         """Refuse a start beyond an edge that the frame itself tells, and find the first chart."""
         if self.start is None:
+            self._check_stops({})
             return
         chart, point = self.atlas.chart(self.atlas.home), self.floats()
         told = chart.edges if chart.edge is None else ()
@@ -264,7 +277,14 @@ class CurveProblem:
                     "Start inside, or state a domain (and with it the branches of roots) around "
                     "the start."
                 )
+        self._check_stops(point)
         self._beginning(53)
+
+    def _check_stops(self, point: Mapping[str, float]) -> None:
+        """Refuse a start at which a condition to stop has fallen already."""
+        if self.stops:
+            speeds = zip(velocity_names(self.frame), self.frame_velocity, strict=True)
+            check_stops(self.stops, {**point, **{name: float(u) for name, u in speeds}})
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
         """The motion from its start on; perturbation: the part by which this is changed."""
@@ -319,14 +339,27 @@ class CurveProblem:
             numbers = perturbed(numbers, perturbation, precision, all_of_them=False)
         if precision == 53:
             states, numbers = (np.array(floats(row)) for row in (states, numbers))
-        several = len(self.charts) > 1
-        system = equations.system if several else equations.system.to_the_end
-        follow = None
-        if several:
+        follow = stop = None
+        if len(self.charts) > 1:
             follow = self._follower(label, point.velocities, precision, perturbation)
-        event = Event(None, follow, self._ender(label, floats(states)))
+        system = self.system(label)
+        if self.stops:
+            stop = partial(stopped, self.stops, system, states, numbers)
+        event = Event(None, follow, self._ender(label, floats(states)), stop)
         groups = equations.groups
         return Stage(label, system, states, numbers, begin, (event,), groups=groups)
+
+    def system(self, label: str) -> System:
+        """What engines integrate in a chart, with the conditions that end the curve."""
+        if label not in self._systems:
+            equations, single = self.equations(label), len(self.charts) == 1
+            system = equations.system.to_the_end if single else equations.system
+            if self.stops:
+                system = with_stops(
+                    system, equations, self.stops, self.atlas, label, self.time_unit, single=single
+                )
+            self._systems[label] = system
+        return self._systems[label]
 
     def _follower(
         self, label: str, velocities: Sequence[Real], precision: int, perturbation: float
@@ -444,6 +477,12 @@ class CurveProblem:
             advice = "The law is about this very frame, which ends here; stop earlier."
         elif self.carried is not None and not self.carried.any_chart:
             advice = "What is carried along is given in this frame, which ends here; stop earlier."
+        elif self.stops and len(self.atlas.makers) > 1:
+            terms = ", ".join(stop.text for stop in self.stops)
+            advice = (
+                f"Other charts cannot state the condition to stop ({terms}); use coordinates that "
+                "they give without jumps, or stop earlier."
+            )
         elif len(self.atlas.makers) > 1:
             advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
         # A coordinate may be called t, too.
@@ -462,8 +501,11 @@ class CurveProblem:
         pieces: Sequence[tuple[Segment, np.ndarray]],
         shape: tuple[int, ...],
         bits: int,
+        names: Collection[str] | None = None,
     ) -> Moment:
-        """Coordinates, velocities and what is carried, in the home chart."""
+        """Coordinates, velocities and what is carried, in the home chart; or some of these."""
+        if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
+            return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)
 
     def in_chart(self, trajectory: Trajectory, name: str) -> np.ndarray:
@@ -475,21 +517,22 @@ class CurveProblem:
         """Relative change of each invariant at each sample, counted anew in each chart."""
         return readout.invariant_changes(self, trajectory)
 
-    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+    def term(self, term: object) -> Term:
         """A function of moments for a coordinate, a velocity or an expression over these."""
         equations = self.equations(self.charts[0])
         names = (*(self.coordinates if self.start is not None else ()), *equations.velocities)
         names = (*names, *equations.carried)
         every = tuple(dict.fromkeys((*names, *self.parameters, "t")))
         read = expression(term, "event_times", symbol_table(every), smooth=False)
-        made = graph(every, [read], factor=False).numpy()
+        used = sorted(symbol.name for symbol in read.free_symbols)
+        made = graph(used, [read], factor=False).numpy()
         numbers = {name: float(value) for name, value in self.parameters.items()}
 
         def values(moment: Moment) -> np.ndarray:
-            given = {"t": moment.time} | numbers | {name: moment[name] for name in names}
-            return made(*(given[name] for name in every))[0]
+            given = {"t": moment.time} | numbers
+            return made(*(moment[name] if name in names else given[name] for name in used))[0]
 
-        return values
+        return Term(values, frozenset(used))
 
     def breaks(self) -> tuple[float, ...]:
         """No times: nothing jumps."""
@@ -517,6 +560,7 @@ class CurveProblem:
             "frame_velocity": [_number(x) for x in self.frame_velocity],
             "carried": [_number(x) for x in self.carried.start] if self.carried else [],
             "charts": list(self.charts),
+            "stops": [stop.text for stop in self.stops],
         }
 
     # -- many starts -----------------------------------------------------------------------------
@@ -603,8 +647,31 @@ def _advice(frame: Frame, point: Mapping[str, float]) -> str:
     values = {symbol: point[symbol.name] for symbol in symbols}
     outside = broken_relations(frame.domain, values)
     if not outside:
-        return "Start beside the edge of the chart, or in another chart."
+        return f"{_charts_around(frame, point)}Start beside the edge of the chart."
     return f"The domain is {', '.join(map(str, outside))}. Start inside."
+
+
+def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
+    """Which other charts hold at a point where the home chart ends, and its coordinates there."""
+    atlas, found = atlas_of(frame), []
+    place = [point[symbol.name] for symbol in frame.coordinates]
+    for name in atlas.names:
+        if name == atlas.home or atlas.chart(name).frame is None:
+            continue
+        there: Any = place
+        for change in atlas.route(atlas.home, name):
+            there = change(there, point)
+        chart = atlas.chart(name)
+        values = {key: float(x) + 0.0 for key, x in zip(chart.names, there, strict=True)}
+        if np.isfinite(there).all() and not (chart.at_edges({**point, **values}) <= 0).any():
+            listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
+            found.append(f"chart {name!r} holds there, at {listed}")
+    if not found:
+        return ""
+    return (
+        f"Of this space {'; '.join(found)}. Its frame, for a start there, is "
+        "problem.atlas.chart(name).frame of any curve of this space. "
+    )
 
 
 def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:

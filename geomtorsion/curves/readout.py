@@ -45,6 +45,34 @@ def moment(
     return Moment(times.reshape(shape), values, whole=tuple(whole))
 
 
+def places(
+    problem: CurveProblem,
+    times: np.ndarray,
+    pieces: Sequence[tuple[Segment, np.ndarray]],
+    shape: tuple[int, ...],
+) -> Moment:
+    """Coordinates in the home chart, as floats; not a number where it does not give one."""
+    home, parts = problem.atlas.home, []
+    for segment, states in pieces:
+        width = problem.equations(segment.label).width
+        q = np.asarray(states[:, :width]).astype(float)
+        parts.append(
+            _turned(problem, segment.label, home, _mapped(problem, segment.label, home, q))
+        )
+    q = np.concatenate(parts)
+    names = problem.coordinates
+    values = {name: q[:, k].reshape(shape) for k, name in enumerate(names)}
+    return Moment(times.reshape(shape), values)
+
+
+def _mapped(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> np.ndarray:
+    """Coordinates of many points in another chart."""
+    there = q.T
+    for change in problem.atlas.route(source, target):
+        there = change(there, problem.parameters)
+    return np.asarray(there).T
+
+
 def _at_home(
     problem: CurveProblem, segment: Segment, states: np.ndarray, bits: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -99,10 +127,7 @@ def converted(
         there = _long_rows([point.coordinates for point in points], bits)
         turned = _long_rows([point.velocities for point in points], bits)
     else:
-        there, turned = q.T, u
-        for change in problem.atlas.route(source, target):
-            there = change(there, problem.parameters)
-        there = np.asarray(there).T
+        there, turned = _mapped(problem, source, target, q), u
     finite = np.isfinite(there.astype(float))
     if not finite.all():
         bad = int(np.argmin(finite.all(axis=1)))
@@ -314,6 +339,12 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
     """Members in the chart of preference, each with a time unit of its own."""
     if problem.carried is not None:
         raise StartError("ensembles carry no vectors along; solve such problems one by one.")
+    if problem.stops:
+        raise StartError(
+            "expected curves without stop=..., which end at times of their own, got "
+            f"stop = {', '.join(stop.text for stop in problem.stops)}. Solve them one by one, or "
+            "omit it and use event_times."
+        )
     sizes = np.abs(velocities).max(axis=1)
     units = np.where(sizes > 0, 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1))), 1.0)
     scaled = velocities / units[:, None]
@@ -330,9 +361,8 @@ def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.nda
     values = equations.numbers(problem.parameters, list(scaled.T))
     columns = [np.broadcast_to(np.asarray(x, dtype=float), number) for x in values]
     parameters = np.array(columns).T if columns else np.zeros((number, 0))
-    several = len(problem.charts) > 1
     return Members(
-        equations.system if several else equations.system.to_the_end,
+        problem.system(label),
         equations.groups,
         np.concatenate(parts, axis=1),
         parameters,

@@ -6,18 +6,24 @@ from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.parsing import parse_expression
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
+from geomtorsion.exact.relations import Echelon, vanishing_sums
+from geomtorsion.exact.truncated import Truncated, TruncatedField
 
 __all__ = [
     "Branch",
     "Certainty",
+    "Echelon",
     "Element",
     "Field",
     "Generator",
     "PrintedOnce",
     "TexPrinter",
+    "Truncated",
+    "TruncatedField",
     "limits",
     "names",
     "parse_expression",
     "syntax",
     "tokens",
+    "vanishing_sums",
 ]

@@ -252,6 +252,11 @@ class Field(Tower):
         """Itself: it only grows, and growth changes no element."""
         return self
 
+    @property
+    def exact(self) -> Field:
+        """The field itself: of truncated series it is the field of their coefficients."""
+        return self
+
     def with_symbol(self, symbol: sympy.Symbol, value: Value) -> Field:
         """A field over one more symbol, with its value at the point at which signs are read off."""
         return Field(
@@ -343,6 +348,7 @@ class Field(Tower):
     # The functions that do it are the methods themselves.
     root = root
     derivative = derivative
+    jet = jet
 
     def conjugate(self, element: Element) -> Element:
         """The element with I replaced by -I, also inside roots, logs and exponents."""

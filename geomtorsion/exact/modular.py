@@ -90,17 +90,21 @@ class ModularPoint:
     # -- values of elements ----------------------------------------------------------------------
 
     def image(self, element: Element) -> fmpz_mod:
-        """The value of an element.
+        """The value of an element (see `images`)."""
+        return self.images([element])[0]
+
+    def images(self, elements: Sequence[Element]) -> list[fmpz_mod]:
+        """The values of elements at one place.
 
         Raises
         ------
         NoPointError
-            no point was found at which it has one.
+            no point was found at which all have one.
         """
 
-        def found() -> fmpz_mod:
+        def found() -> list[fmpz_mod]:
             self._fill(range(len(self._field.generators)))
-            return self._image(element)
+            return [self._image(element) for element in elements]
 
         return self._somewhere(found)
 

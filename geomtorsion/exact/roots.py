@@ -18,7 +18,7 @@ from flint import fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
 from geomtorsion.allowance import check_limits
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import polynomials
 from geomtorsion.exact.generators import Branch, Generator
 from geomtorsion.exact.limits import (
@@ -705,7 +705,11 @@ class Norms:
         factors = field.factored(norm)[1]
         # The norm of a square is one; as a polynomial it has no factors, for its roots are reduced.
         if len(factor) ** 2 <= MOST_AT_ONCE and all(exponent % 2 == 0 for _, exponent in factors):
-            inside = square_root_inside(field, field.polynomial(factor), by_its_own=True)
+            try:
+                inside = square_root_inside(field, field.polynomial(factor), by_its_own=True)
+            except LimitError:
+                # Numbers too large to be factored: the denominator is written as it is.
+                return
             if inside is not None and not inside._den:
                 for part, _ in field.factored(field.lift(inside))[1]:
                     self._enter(field, part)

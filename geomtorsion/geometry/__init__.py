@@ -13,9 +13,12 @@ from geomtorsion.geometry.connections import (
 )
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.curvature import Curvature
+from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.identity import IdentityCheck, identities
+from geomtorsion.geometry.lie_derivative import lie, lie_bracket
 from geomtorsion.geometry.quantities import DependencyGraph
+from geomtorsion.geometry.surfaces import Surface, surface
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import Torsion
 
@@ -23,8 +26,10 @@ __all__ = [
     "Connection",
     "Curvature",
     "DependencyGraph",
+    "Form",
     "Frame",
     "IdentityCheck",
+    "Surface",
     "Tensor",
     "Torsion",
     "blend",
@@ -36,6 +41,9 @@ __all__ = [
     "from_torsion",
     "identities",
     "levi_civita",
+    "lie",
+    "lie_bracket",
     "notation",
+    "surface",
     "validation",
 ]

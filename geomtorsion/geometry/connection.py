@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -23,14 +23,17 @@ from geomtorsion.geometry.components import (
     shifted,
     symmetric,
 )
+from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.frame_matrices import is_dense, parallel_rows
 from geomtorsion.geometry.notation import ComponentTable, Names, Where
+from geomtorsion.geometry.parts import nonmetricity_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 
 if TYPE_CHECKING:
     from geomtorsion.geometry.curvature import Curvature
+    from geomtorsion.geometry.forms import Form
     from geomtorsion.geometry.torsion import Torsion
 
 HALF = Fraction(1, 2)
@@ -114,6 +117,22 @@ class Connection:
             return self.frame.field.sum(terms)
 
         return Tensor(self.frame, "ddd", rule, symmetric(3, 1, 2), "Q", "nonmetricity")
+
+    @cached_property
+    def nonmetricity_parts(self) -> Mapping[str, Tensor]:
+        """Irreducible parts of Q_abc, slots ddd: symmetric, mixed, Lambda, Weyl; they add up.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, from_coefficients
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> polar = Frame([r, phi], [[1, 0], [0, r]])
+        >>> bare = from_coefficients(polar, [[[0, 0], [0, 0]], [[0, 0], [0, 0]]])
+        >>> bare.nonmetricity[0, 1, 1], bare.nonmetricity_parts["Weyl"][0, 1, 1]
+        (2*r, r)
+        """
+        return nonmetricity_parts(self.nonmetricity)
 
     @cached_property
     def contortion(self) -> Tensor:
@@ -219,10 +238,9 @@ class Connection:
         if tensor.anchored:
             raise TensorIndexError(f"{tensor.label} is not a tensor in all its indices.")
         get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
-        tables = {
-            "d": self.coefficients.components.get,
-            "D": self.spin_connection.components.get,
-        }
+        tables = {"d": self.coefficients.components.get}
+        if tensor.slots != tensor.slots.lower():
+            tables["D"] = self.spin_connection.components.get
 
         zero = frame.field.zero
 
@@ -243,6 +261,112 @@ class Connection:
         symmetry = shifted(tensor.symmetry, 1)
         return Tensor(frame, "d" + tensor.slots, rule, symmetry, f"D{tensor.symbol}", "")
 
+    def divergence(self, tensor: Tensor, index: int = 0) -> Tensor:
+        """D_a t^{... a ...}: the derivative contracted with one index of a tensor.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> plane = Frame([r, phi], [[1, 0], [0, r]])
+        >>> levi_civita(plane).divergence(plane.vector([r, 0]))[()]
+        2
+        """
+        raised = instance(tensor, Tensor, "tensor").raised(index)
+        derivative = self.covariant_derivative(raised)
+        if raised.slots[index] == "U":
+            derivative = derivative._with_slot(0, "D")
+        letters = "bcdefghijklmnopqrstuvwxyz"[: len(raised.slots)]
+        summed = letters[:index] + "a" + letters[index + 1 :]
+        rest = letters[:index] + letters[index + 1 :]
+        return contract(f"a{summed}->{rest}", derivative)
+
+    def laplacian(self, tensor: Tensor) -> Tensor:
+        """g^{ab} D_a D_b of a tensor, slots as given; of a scalar the Laplace-Beltrami operator.
+
+        With a Lorentzian metric this is the d'Alembertian. It is the rough Laplacian: curvature
+        terms, as in the Laplacian of Hodge, are not added.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> plane = Frame([r, phi], [[1, 0], [0, r]])
+        >>> levi_civita(plane).laplacian(plane.scalar(r**3))[()]
+        9*r
+        """
+        second = self.covariant_derivative(self.covariant_derivative(tensor))
+        letters = "cdefghijklmnopqrstuvwxyz"[: len(tensor.slots)]
+        return contract(f"ab,ab{letters}->{letters}", self.frame.inverse_metric, second)
+
+    def dalembertian(self, tensor: Tensor) -> Tensor:
+        """g^{ab} D_a D_b of a tensor: the name of `laplacian` for a Lorentzian metric.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> t, x = sp.symbols("t x")
+        >>> plane = Frame([t, x], [[1, 0], [0, 1]], signature=(-1, 1))
+        >>> levi_civita(plane).dalembertian(plane.scalar(sp.sin(t + 2 * x)))[()]
+        -3*sin(t + 2*x)
+        """
+        return self.laplacian(tensor)
+
+    # -- forms -----------------------------------------------------------------------------------
+
+    def torsion_form(self, *index: int) -> Form:
+        """T^k = d e^k + omega_i^k ^ e^i; all of them, or that of one leg.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion_form(1)
+        dr ^ dphi
+        """
+        # A form is taken along connections, so that the two files import each other.
+        from geomtorsion.geometry.forms import torsion_form
+
+        return torsion_form(self).part(*index) if index else torsion_form(self)
+
+    def curvature_form(self, *index: int) -> Form:
+        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k; all of them, or that of two legs i, j.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> theta, phi = sp.symbols("theta phi")
+        >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+        >>> levi_civita(sphere).curvature_form(1, 0)
+        sin(theta) dtheta ^ dphi
+        """
+        # See torsion_form.
+        from geomtorsion.geometry.forms import curvature_form
+
+        return curvature_form(self).part(*index) if index else curvature_form(self)
+
+    def connection_form(self, *index: int) -> Form:
+        """omega_i^j = omega_ai^j dq^a; all of them, or that of two legs i, j.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> theta, phi = sp.symbols("theta phi")
+        >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+        >>> levi_civita(sphere).connection_form(0, 1)
+        cos(theta) dphi
+        """
+        # See torsion_form.
+        from geomtorsion.geometry.forms import connection_form
+
+        return connection_form(self).part(*index) if index else connection_form(self)
+
     def subs(self, values: Values) -> Connection:
         """The connection with values for parameters and unknown functions (see Frame.subs).
 
@@ -259,6 +383,24 @@ class Connection:
             return self.maker(self.frame.subs(values))
         coefficients = self.coefficients.subs(values)
         return Connection(coefficients.frame, coefficients, self.name, self.kind)
+
+    def in_coordinates(self, new: object, old: object, domain: object = None) -> Connection:
+        """The connection over its frame in other coordinates (see Frame.in_coordinates).
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> x, y = sp.symbols("x y")
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> flat = cartan(Frame([x, y], [[1, 0], [0, 1]]))
+        >>> flat.in_coordinates([r, phi], [r * sp.cos(phi), r * sp.sin(phi)])[1, 1, 0]
+        -r
+        """
+        # A change of coordinates makes connections, so that the two files import each other.
+        from geomtorsion.geometry.change import connection_in
+
+        return connection_in(self, new, old, domain)
 
     # -- verdicts --------------------------------------------------------------------------------
 

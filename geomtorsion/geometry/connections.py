@@ -130,8 +130,9 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     Parameters
     ----------
     omega
-        omega_ai^j, shape (n, n, n), axes (a, i, j): direction (coordinate), legs; or a tensor
-        with slots dDU. Metric when omega_aij is antisymmetric in i and j.
+        omega_ai^j, shape (n, n, n), axes (a, i, j): direction (coordinate) first, then legs; or a
+        tensor whose first index, of either kind, is the direction: slots dDU, DDU, dDD, ..., and
+        dUD for omega_a^j_i. Metric when omega_aij is antisymmetric in i and j.
 
     Examples
     --------
@@ -145,7 +146,7 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     """
     checks.instance(frame, Frame, "frame")
     if isinstance(omega, Tensor):
-        given = _given(frame, omega, "dDU", "spin connection")
+        given = _direction_first(frame, omega)
     else:
         given = tensor_from_array(frame, "dDU", omega, "spin connection")
     spin = given.components
@@ -165,6 +166,18 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     coefficients = _coefficients(frame, rule, "\\Gamma", "connection")
     kind = "metric" if metric else "general"
     return Connection(frame, coefficients, "connection from spin connection", kind)
+
+
+def _direction_first(frame: Frame, omega: Tensor) -> Tensor:
+    """A spin connection with slots dDU from a tensor with the direction first, in other slots."""
+    slots = omega.slots
+    if omega.frame is frame and len(slots) == 3 and slots[0] in "dD" and set(slots[1:]) <= {*"DU"}:
+        free = Tensor(frame, slots, omega.components)._with_slot(0, "d")
+        if slots[1:] == "UD":
+            get = free.components.get
+            return Tensor(frame, "dDU", lambda index: get((index[0], index[2], index[1])))
+        return free.lowered(1).raised(2)._with_slot(0, "d")
+    return _given(frame, omega, "dDU", "spin connection")
 
 
 def from_contortion(frame: Frame, contortion: object) -> Connection:

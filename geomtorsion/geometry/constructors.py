@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import sympy as sp
 
 from geomtorsion.errors import CoordinateError
+from geomtorsion.exact import TruncatedField
 from geomtorsion.geometry import naming, validation
 from geomtorsion.geometry.components import inverse
 from geomtorsion.geometry.derived import derived
@@ -90,6 +91,11 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
 @derived
 def substituted(frame: Frame, put: Substitution) -> Frame:
     """The frame with other values, made as it was made (see Frame.subs)."""
+    if isinstance(frame.field, TruncatedField):
+        # A series is expanded again, unless the small parameter has a value now.
+        whole, symbol, order = cast("tuple[Frame, sp.Symbol, int]", frame._plain[1])
+        found = substituted(whole, put)
+        return found if symbol in put.symbols else found.expanded(symbol, order)
     shape, n = frame.shape, frame.dimension
     entries = [
         (f"{shape}[{i}, {j}]", frame.given[shape].get((i, j))) for i in range(n) for j in range(n)

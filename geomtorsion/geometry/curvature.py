@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from geomtorsion.caching import cached_property
 from geomtorsion.displays import drawn_by
+from geomtorsion.errors import ShapeError
 from geomtorsion.exact import Element
 from geomtorsion.geometry import riemannian
 from geomtorsion.geometry.components import (
@@ -20,6 +22,7 @@ from geomtorsion.geometry.components import (
 )
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.frame_matrices import is_dense
+from geomtorsion.geometry.parts import curvature_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Tensor
 from geomtorsion.geometry.torsion import scalar_of
@@ -171,6 +174,59 @@ class Curvature:
             )
 
         return Tensor(frame, "dddd", rule, self._symmetry, "C", "Weyl tensor")
+
+    @cached_property
+    def schouten(self) -> Tensor:
+        """P_ab = (R_ab - R g_ab / (2 (n - 1))) / (n - 2), slots dd; three dimensions or more."""
+        frame, n = self.connection.frame, self.connection.frame.dimension
+        ricci, g = self.ricci.components.get, frame.metric.components.get
+
+        def rule(index: Index) -> Element:
+            if n < 3:
+                raise ShapeError(
+                    f"Schouten tensor: expected a space of three dimensions or more, got {n}. In "
+                    "two dimensions use curvature.ricci."
+                )
+            one, two = Fraction(1, n - 2), Fraction(1, 2 * (n - 1) * (n - 2))
+            scalar = self.scalar.element()
+            return frame.field.sum([(one, ricci(index)), (-two, g(index), scalar)])
+
+        return Tensor(frame, "dd", rule, self.ricci.symmetry, "P", "Schouten tensor")
+
+    @cached_property
+    def cotton(self) -> Tensor:
+        """C_abc = D_a P_bc - D_b P_ac, slots ddd, P the Schouten tensor; 0 if conformally flat.
+
+        In three dimensions it vanishes exactly where the metric is conformally flat. Above three
+        D_k C_abc^k of the Weyl tensor is (n - 3) C_abc.
+        """
+        frame = self.connection.frame
+        derivative = self.connection.covariant_derivative(self.schouten).components.get
+
+        def rule(index: Index) -> Element:
+            a, b, c = index
+            return frame.field.sum([(1, derivative((a, b, c))), (-1, derivative((b, a, c)))])
+
+        return Tensor(frame, "ddd", rule, antisymmetric(3), "C", "Cotton tensor")
+
+    @cached_property
+    def parts(self) -> Mapping[str, Tensor]:
+        """Irreducible parts of R_mnlk, slots dddd; they add up to `lower`.
+
+        weyl, paircom, pseudoscalar, ricci, antiricci, scalar; and strain, R_mn(lk), where the
+        connection is not metric.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, levi_civita
+        >>> theta, phi = sp.symbols("theta phi")
+        >>> sphere = Frame([theta, phi], [[1, 0], [0, sp.sin(theta)]])
+        >>> [name for name, part in levi_civita(sphere).curvature.parts.items() if not part.is_zero]
+        ['scalar']
+        """
+        is_metric = self.connection.kind != "general" or bool(self.connection.metric_compatible)
+        return curvature_parts(self.lower, is_metric=is_metric)
 
     @cached_property
     def kretschmann(self) -> Tensor:

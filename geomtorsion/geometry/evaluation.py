@@ -107,7 +107,7 @@ def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
     from geomtorsion.codegen.expression_graph import branch_check
 
     point = {str(key): complex(number) for key, number in values.items()}
-    check = branch_check([frame.field], list(point))
+    check = branch_check([frame.field.exact], list(point))
     if check is not None:
         real = {name: number if frame.complex else number.real for name, number in point.items()}
         check.refuse(*real.values())

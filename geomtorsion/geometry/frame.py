@@ -23,11 +23,13 @@ from geomtorsion.geometry import (
     substitution,
     validation,
 )
-from geomtorsion.geometry.components import Components, inverse, symmetric
+from geomtorsion.geometry.components import Components, alternating, inverse, symmetric
+from geomtorsion.geometry.from_arrays import tensor_from_array
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
 if TYPE_CHECKING:
+    from geomtorsion.geometry.forms import Form
     from geomtorsion.geometry.quantities import DependencyGraph
 
 Elements = dict[tuple[int, int], Element]
@@ -323,6 +325,44 @@ class Frame:
         """Volume element: det e * sqrt|det eta|, a signed root of |det g| (rank 0)."""
         return self.scalar(lambda: frame_matrices.volume(self), "\\sqrt{g}", "volume element")
 
+    @cached_property
+    def epsilon(self) -> Tensor:
+        """Volume form epsilon_{a...} as a tensor, slots d: epsilon_{0 1 ...} = `volume`."""
+        n = self.dimension
+
+        def rule(_: object) -> Element:
+            return self.volume.element()
+
+        return Tensor(self, "d" * n, rule, alternating(n), "\\epsilon", "volume form")
+
+    def vector(self, components: object) -> Tensor:
+        """A vector field v^a from its components in the coordinate basis, slot u.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).vector([0, 1]).in_frame().nonzero()
+        {(1,): r}
+        """
+        return tensor_from_array(self, "u", components, "vector", symbol="v")
+
+    def coframe_form(self, *index: int) -> Form:
+        """e^i as a one-form: that of one leg, or all of them as a form with values in the frame.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> Frame([r, phi], [[1, 0], [0, r]]).coframe_form(1)
+        r dphi
+        """
+        # A form is made over a frame, so that the two files import each other.
+        from geomtorsion.geometry.forms import Form
+
+        every = Form.of(self.coframe, 1)
+        return every.part(*index) if index else every
+
     @property
     def branches(self) -> tuple[Branch, ...]:
         """The signs with which roots were read, where the domain alone does not settle them."""
@@ -405,6 +445,76 @@ class Frame:
         """
         put = substitution.substitution(values, self.coordinates, self.field)
         return constructors.substituted(self, put)
+
+    def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
+        """This frame in other coordinates.
+
+        The legs stay what they are. A frame made from a metric is made from it again, so that its
+        legs may be others. `tensor.in_coordinates` and `connection.in_coordinates` go with it.
+
+        Parameters
+        ----------
+        new
+            The new coordinates: symbols or names.
+        old
+            {old coordinate: expression of the new ones}, or expressions in the order of the old
+            ones; text is read. A coordinate without an expression stays.
+        domain
+            Relations of the new coordinates, besides those of the frame, which are translated.
+
+        Raises
+        ------
+        CoordinateError
+            A coordinate is not known, has no expression, or the map leaves the domain.
+        CoframeError, MetricError
+            The map is singular.
+
+        Examples
+        --------
+        >>> x, y = sp.symbols("x y")
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> plane = Frame([x, y], [[1, 0], [0, 1]])
+        >>> plane.in_coordinates([r, phi], [r * sp.cos(phi), r * sp.sin(phi)]).metric.nonzero()
+        {(0, 0): 1, (1, 1): r**2}
+        """
+        # A change of coordinates makes frames, so that the two files import each other.
+        from geomtorsion.geometry.change import frame_in
+
+        return frame_in(self, new, old, domain)
+
+    def expanded(self, symbol: sp.Symbol | str, order: int) -> Frame:
+        """This frame as a power series in a small parameter, cut after an order.
+
+        All quantities of the new frame are such series, found order by order: products above the
+        order are never formed. `tensor.order(k)` gives one coefficient.
+
+        Parameters
+        ----------
+        symbol
+            A parameter of the frame, which has to be regular where it is zero.
+        order
+            The last power that is kept.
+
+        Raises
+        ------
+        UnknownNameError, CoordinateError
+            The symbol is not a parameter of the frame.
+        CoframeError, SingularPointError
+            The frame is singular, or an entry has no series, where the parameter is zero.
+
+        Examples
+        --------
+        >>> t, x, epsilon = sp.symbols("t x epsilon")
+        >>> h = sp.Function("h")(t, x)
+        >>> frame = Frame.from_metric([t, x], [[-1 - epsilon * h, 0], [0, 1]])
+        >>> frame.expanded("epsilon", 1).quantity("scalar_curvature")[()]
+        -epsilon*Derivative(h(t, x), (x, 2))
+        """
+        # An expansion makes frames, so that the two files import each other.
+        from geomtorsion.geometry.expansion import expanded, small_parameter
+
+        last = checks.count(order, "order", ArgumentError)
+        return expanded(self, small_parameter(self, symbol), last)
 
     # -- names ----------------------------------------------------------------------------------
 

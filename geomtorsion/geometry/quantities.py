@@ -140,6 +140,20 @@ def _table() -> tuple[Quantity, ...]:
             lambda n: 6,
         ),
         q(
+            "schouten",
+            "(R_ab - R g_ab / (2 (n - 1))) / (n - 2)",
+            ("ricci", "scalar_curvature", "metric"),
+            bar("schouten"),
+            lambda n: 1,
+        ),
+        q(
+            "cotton",
+            "D_a P_bc - D_b P_ac of the Schouten tensor",
+            ("schouten", "christoffel"),
+            bar("cotton"),
+            lambda n: 4 * n,
+        ),
+        q(
             "kretschmann",
             "R_mnlk R^mnlk",
             ("riemann", "inverse_metric"),

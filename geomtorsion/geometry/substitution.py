@@ -84,7 +84,8 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
     constant: dict[sp.Symbol, sp.Expr] = {}
     known: dict[UndefinedFunction, sp.Lambda] = {}
     for given, value in checks.table(values, "values").items():
-        key = _read(given, names, "values")
+        applied = _function_named(given, names, exact)
+        key = _read(given, names, "values") if applied is None else applied
         name = f"the value of {checks.shown(given)}"
         put = _read(value, names, name)
         if put.has(*INFINITE):
@@ -101,6 +102,29 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
             symbol = _parameter(key, given, parameters, coordinates)
             constant[symbol] = _constant(symbol, put, coordinates, exact.symbols)
     return Substitution(constant, known)
+
+
+def _function_named(
+    given: object, names: Mapping[str, sp.Symbol], exact: Field
+) -> AppliedUndef | None:
+    """The unknown function, with its arguments, that is meant by its name alone."""
+    name = given.strip() if isinstance(given, str) else getattr(given, "__name__", None)
+    if not isinstance(given, str | UndefinedFunction) or name in names:
+        return None
+    jets = [g.shown for g in exact.generators if g.kind == "jet"]
+    found = {
+        one
+        for shown in jets
+        for one in shown.atoms(AppliedUndef)
+        if str(one.func) == name and all(isinstance(x, sp.Symbol) for x in one.args)
+    }
+    if len(found) > 1:
+        listed = ", ".join(sorted(map(str, found)))
+        raise ArgumentError(
+            f"values: expected one function of the name {name}, got {listed}. Write it with "
+            "its arguments."
+        )
+    return found.pop() if found else None
 
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:

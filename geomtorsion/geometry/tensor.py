@@ -237,9 +237,30 @@ class Tensor:
         """The same tensor with all indices in the frame."""
         return self._form(self.slots.upper())
 
-    def in_coordinates(self) -> Tensor:
-        """The same tensor with all indices in the coordinate basis."""
-        return self._form(self.slots.lower())
+    def in_coordinates(
+        self, new: object = None, old: object = None, domain: object = None
+    ) -> Tensor:
+        """The same tensor with all indices in the coordinate basis; or in other coordinates.
+
+        With a map, as in `Frame.in_coordinates`, it is the tensor over the frame in the new
+        coordinates, its slots as they are.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y = sp.symbols("x y")
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> turning = Frame([x, y], [[1, 0], [0, 1]]).vector([-y, x])
+        >>> turning.in_coordinates([r, phi], {x: r * sp.cos(phi), y: r * sp.sin(phi)}).nonzero()
+        {(1,): 1}
+        """
+        if new is None and old is None:
+            return self._form(self.slots.lower())
+        # A change of coordinates makes tensors, so that the two files import each other.
+        from geomtorsion.geometry.change import tensor_in
+
+        return tensor_in(self, new, old, domain)
 
     def raised(self, k: SupportsIndex | None = None) -> Tensor:
         """The same tensor with index k up, or all indices up."""
@@ -420,6 +441,30 @@ class Tensor:
         last, field = checks.count(order, "order", ArgumentError), self.frame.field
         way, *_ = approaches(symbol, point, None, self.frame.domain, field)
         return self._mapped(lambda x, at: Expansion(field, x, way, at).series(last), written=True)
+
+    def order(self, k: int) -> Tensor:
+        """The coefficient of the k-th power of the small parameter, over the frame at order zero.
+
+        For tensors over `frame.expanded(symbol, order)`.
+
+        Raises
+        ------
+        ArgumentError
+            The frame was not expanded, or not to this order.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame
+        >>> x, y, epsilon = sp.symbols("x y epsilon")
+        >>> frame = Frame([x, y], [[1, epsilon * x], [0, 1]]).expanded("epsilon", 2)
+        >>> frame.inverse_metric.order(2).nonzero()
+        {(0, 0): x**2}
+        """
+        # An expansion makes tensors, so that the two files import each other.
+        from geomtorsion.geometry.expansion import coefficient
+
+        return coefficient(self, k)
 
     def _mapped(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -13,6 +13,7 @@ from geomtorsion.exact import Element
 from geomtorsion.geometry.components import Index, alternating, antisymmetric, symmetric
 from geomtorsion.geometry.contraction import contract
 from geomtorsion.geometry.from_arrays import tensor_from_array
+from geomtorsion.geometry.parts import torsion_parts
 from geomtorsion.geometry.substitution import Values
 from geomtorsion.geometry.tensor import Scalar, Tensor
 
@@ -115,6 +116,21 @@ class Torsion:
             )
 
         return Tensor(frame, "ddd", rule, antisymmetric(3), "q", "tensor part of torsion")
+
+    @cached_property
+    def parts(self) -> Mapping[str, Tensor]:
+        """Tensor, vector and axial part of T_abc, slots ddd; they add up to `T.lowered()`.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Frame, cartan
+        >>> r, phi = sp.symbols("r phi", positive=True)
+        >>> parts = cartan(Frame([r, phi], [[1, 0], [0, r]])).torsion.parts
+        >>> {name: part.is_zero for name, part in parts.items()}
+        {'tensor': True, 'vector': False, 'axial': True}
+        """
+        return torsion_parts(self.T.lowered(2))
 
     @cached_property
     def scalar(self) -> Tensor:

@@ -28,6 +28,7 @@ from geomtorsion.loops.protocols import HasBurgers, Result_co
 from geomtorsion.loops.result import BurgersVector, Check
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
+from geomtorsion.outgoing import size_text
 
 
 @overload
@@ -245,5 +246,5 @@ def _check(
     agrees = all(verdict is True for verdict in verdicts)
     others = ", ".join(dict.fromkeys(route.rule for route in fluxes))
     word = "agree to" if agrees else "DISAGREE: a defect is enclosed; they differ by"
-    text = f"line ({rules}) and flux ({others}) {word} {abs(line - flux).max():.1e}"
+    text = f"line ({rules}) and flux ({others}) {word} {size_text(abs(line - flux).max())}"
     return Check(line, line_error, flux, flux_error, agrees, text)

@@ -24,6 +24,7 @@ from geomtorsion.loops.quadrature import ROUNDING
 from geomtorsion.loops.transport import Transported, transported
 from geomtorsion.loops.validation import check_accuracy
 from geomtorsion.loops.values import with_numbers
+from geomtorsion.outgoing import size_text
 
 
 def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
@@ -190,7 +191,7 @@ class Development:
     def __repr__(self) -> str:
         inside = f", encloses {len(self.enclosed)} defect(s)" if self.enclosed else ""
         return (
-            f"Development(burgers={self.burgers.tolist()} +- {self.error:.1e}, "
+            f"Development(burgers={self.burgers.tolist()} +- {size_text(self.error)}, "
             f"turn={float(abs(self.motion.turn).max()):.3g}, route={self.route!r}{inside})"
         )
 

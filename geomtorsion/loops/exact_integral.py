@@ -203,6 +203,17 @@ class ExactBurgersVector:
     checked_at: Mapping[sp.Symbol, sp.Expr]
     seconds: float
 
+    @property
+    def magnitude(self) -> sp.Expr:
+        """Length of the vector, sqrt|eta_ij b^i b^j|."""
+        eta, b = sp.Matrix(self.frame.eta.to_sympy().tolist()), sp.Matrix(self.vector)
+        return sp.sqrt(sp.Abs((b.T * eta * b)[0]))
+
+    @property
+    def error(self) -> sp.Expr:
+        """Zero: the vector is exact."""
+        return sp.S.Zero
+
     def at(self, values: Parameters | None = None) -> np.ndarray:
         """Numbers for given parameters, shape (n,).
 

@@ -24,6 +24,7 @@ from geomtorsion.loops.quadrature import (
     ray_rule,
     refined,
 )
+from geomtorsion.outgoing import size_text
 
 Face = tuple[Hashable, ...]
 Cell = tuple[Face, ...]
@@ -46,7 +47,7 @@ class Violation:
 
     def __str__(self) -> str:
         nodes = sorted({node for face in self.cell for node in face}, key=str)
-        return f"cell {nodes}: sum of b = {shown(self.total)}, error {self.error:.1e}"
+        return f"cell {nodes}: sum of b = {shown(self.total)}, error {size_text(self.error)}"
 
 
 @dataclass(frozen=True, eq=False)

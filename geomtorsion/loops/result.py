@@ -17,6 +17,7 @@ from geomtorsion.errors import LoopError
 from geomtorsion.loops import validation
 from geomtorsion.loops.arcs import Number, Parameters
 from geomtorsion.loops.defects import EnclosedDefect, enclosed_defects
+from geomtorsion.outgoing import size_text
 
 if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
@@ -215,7 +216,9 @@ class BurgersVector(Signed):
     def __repr__(self) -> str:
         parts = ", ".join(f"{x:.12g}" for x in self.vector.tolist())
         inside = "".join(f", enclosed defect: {one}" for one in self.enclosed)
-        return f"BurgersVector([{parts}], error={self.error:.1e}, route={self.route!r}{inside})"
+        return (
+            f"BurgersVector([{parts}], error={size_text(self.error)}, route={self.route!r}{inside})"
+        )
 
 
 def _plain(vector: np.ndarray) -> list[float | list[float]]:

@@ -11,9 +11,39 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
+from geomtorsion.precision import CALCULATED
 
 # The share of circuits without torsion in which noise alone may look significant.
 CHANCE = 1e-3
+# Plain data, as JSON has it.
+Json = dict[str, Any]
+# One number for all circuits, or one for each.
+Numbers = float | np.ndarray
+# Covariances by components i <= j; a pair that is missing has none.
+Covariance = Mapping[tuple[int, int], Numbers]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A plane of a source: two axes, and the coordinates on all others, in order."""
+
+    plane: tuple[int, int] = (0, 1)
+    at: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, points: np.ndarray, area: np.ndarray) -> Section:
+        """The plane of the largest area of a circuit, through its middle.
+
+        points: shape (d, k). area: by planes, shape (d, d).
+        """
+        one, two = np.unravel_index(int(np.abs(np.triu(area)).argmax()), area.shape)
+        plane = (int(one), int(two)) if one != two else (0, 1)
+        others = [k for k in range(len(area)) if k not in plane]
+        return cls(plane, tuple(points[others].mean(axis=1).tolist()))
+
+
+# The plane of a source that has no other.
+PLANE = Section()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,6 +56,11 @@ class Burgers(Signed):
     whole: b in lattice vectors, whole numbers, shape (k,); empty where b is not counted.
     lattice: the lattice vectors as rows, shape (k, n), in `unit`; empty with `whole`.
     chance: that noise has changed `whole`.
+    name: of the circuit. path: the circuit as it was taken, in the plane of its section, shape
+        (2, k), with NaN between parts; empty where it is not known.
+    area: enclosed in that plane, signed, in the square of `length_unit`.
+    arrow: b along the axes of that plane, shape (2,); None where b has no such direction.
+    section: that plane. components: names of the entries of `vector`.
 
     Examples
     --------
@@ -41,11 +76,20 @@ class Burgers(Signed):
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     lattice: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     chance: float = 0.0
+    name: str = ""
+    path: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
+    area: float = 0.0
+    arrow: np.ndarray | None = None
+    section: Section = PLANE
+    components: tuple[str, ...] = ()
+    length_unit: str = ""
 
     def __post_init__(self) -> None:
-        """Without noise the covariance is zero."""
+        """Without noise the covariance is zero; components are numbered if they have no names."""
         if not self.covariance.size:
             object.__setattr__(self, "covariance", np.zeros((len(self.vector),) * 2))
+        if not self.components:
+            object.__setattr__(self, "components", numbered(len(self.vector)))
 
     @property
     def magnitude(self) -> float:
@@ -83,13 +127,41 @@ class Burgers(Signed):
         length that normal noise passes with their chance of being wrong.
         """
         if self.whole.size:
-            return float(noise_level(len(self.vector), self.chance)) if self.whole.any() else 0.0
-        return float(significances(self.vector, self.covariance, self.systematic_error))
+            return float(counted_significances(self.whole, self.chance, len(self.vector)))
+        rows = range(len(self.vector))
+        covariance = {(i, j): self.covariance[i, j] for i in rows for j in rows[i:]}
+        return float(significances(self.vector, covariance, self.systematic_error))
 
     @property
     def is_significant(self) -> bool:
         """Whether noise alone gives as much in less than one circuit of a thousand."""
         return bool(self.significance > noise_level(len(self.vector)))
+
+    @property
+    def facts(self) -> Json:
+        """Name -> further facts, as JSON has them."""
+        if not self.whole.size:
+            return {}
+        vectors = self.lattice.tolist()
+        return {"whole": self.whole.tolist(), "chance": self.chance, "vectors": vectors}
+
+    def to_json(self) -> Json:
+        """All of it as plain data; an infinite significance (no noise) is None."""
+        finite = np.isfinite(self.significance)
+        return {
+            "loop": self.name,
+            "vector": self.vector.tolist(),
+            "components": list(self.components),
+            "magnitude": self.magnitude,
+            "noise": self.noise,
+            "grid_error": self.systematic_error,
+            "significance": self.significance if finite else None,
+            "significant": self.is_significant,
+            "area": self.area,
+            "unit": self.length_unit,
+            "vector_unit": self.unit,
+            **self.facts,
+        }
 
     def __repr__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
@@ -101,7 +173,18 @@ class Burgers(Signed):
         return f"{type(self).__name__}([{shown}]{unit}{counted}{said})"
 
 
-def noise_level(rows: int, share: Any = CHANCE) -> Any:
+def numbered(rows: int) -> tuple[str, ...]:
+    """Names of so many components of b along a frame.
+
+    Examples
+    --------
+    >>> numbered(2)
+    ('b0', 'b1')
+    """
+    return tuple(f"b{k}" for k in range(rows))
+
+
+def noise_level(rows: int, share: Numbers = CHANCE) -> np.ndarray:
     """The length that normal noise of `rows` components passes in this share of all circuits.
 
     Examples
@@ -113,29 +196,63 @@ def noise_level(rows: int, share: Any = CHANCE) -> Any:
 
 
 def significances(
-    vectors: np.ndarray, covariance: np.ndarray, other: np.ndarray | float = 0.0
+    vectors: np.ndarray, covariance: Covariance, systematic: Numbers = 0.0
 ) -> np.ndarray:
-    """sqrt(b C^-1 b), shape (...,), for b (..., n); infinite where there are no errors.
+    """sqrt(b C^-1 b) of one Burgers vector or of many; infinite where there are no errors.
 
-    covariance: by noise, one for all or one for each; C has the square of the other errors (one for
-    all or one for each) added to each component.
+    Equation
+    --------
+    C = L D L^T, so that b C^-1 b = sum of y_i^2 / D_i with L y = b.
+
+    Parameters
+    ----------
+    vectors
+        b^i, shape (rows, places...).
+    covariance
+        By noise, for all or for each place.
+    systematic
+        Other error of each component, for all or for each place; C has its square on the diagonal.
+
+    Examples
+    --------
+    >>> b = np.array([[3.0, 3.0], [4.0, 0.0]])
+    >>> significances(b, {(0, 0): 1.0, (1, 1): 1.0}), significances(b, {(0, 0): 1.0}, 0.0)
+    (array([5., 3.]), array([inf,  3.]))
     """
-    values, axes = np.linalg.eigh(covariance)
-    parts = np.einsum("...i,...ij->...j", vectors, axes)
-    sizes = np.sqrt(np.maximum(values, 0) + np.asarray(other)[..., None] ** 2)
+    rows = len(vectors)
+    rests: list[np.ndarray] = []
+    pivots: list[np.ndarray] = []
+    factors: dict[tuple[int, int], np.ndarray] = {}
+    total = np.zeros(())
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(parts == 0, 0.0, np.abs(parts) / sizes)
-    return np.sqrt((shares**2).sum(axis=-1))
+        for i in range(rows):
+            rest = vectors[i]
+            pivot = square = np.square(systematic) + covariance.get((i, i), 0.0)
+            size = np.abs(rest)
+            for k in range(i):
+                shared = covariance.get((k, i), 0.0)
+                for j in range(k):
+                    if (k, j) in factors and (i, j) in factors:
+                        shared = shared - factors[k, j] * factors[i, j] * pivots[j]
+                if not np.any(shared):
+                    continue
+                factors[i, k] = factor = np.where(pivots[k] > 0, shared / pivots[k], 0.0)
+                rest = rest - factor * rests[k]
+                size = size + np.abs(factor * rests[k])
+                pivot = pivot - factor**2 * pivots[k]
+                # What rounding leaves of nothing is nothing.
+                rest = np.where(np.abs(rest) <= CALCULATED * size, 0.0, rest)
+                pivot = np.where(pivot <= CALCULATED * square, 0.0, pivot)
+            rests.append(rest)
+            pivots.append(pivot)
+            total = total + np.where(rest == 0, 0.0, rest / np.sqrt(pivot)) ** 2
+    return np.sqrt(total)
 
 
-def independent_significances(
-    vectors: np.ndarray, sigmas: np.ndarray, other: np.ndarray
-) -> np.ndarray:
-    """`significances` of components with independent noise, shape (places...).
+def counted_significances(whole: np.ndarray, chance: Numbers, rows: int) -> np.ndarray:
+    """The length that normal noise passes with the chance that noise changed whole numbers.
 
-    vectors, sigmas: shape (rows, places...). other: the other error of each component, shape
-    (places...). NaN where b is unknown, infinite where b has no error.
+    whole: shape (k, places...). chance: for all or for each place. rows: components of b. Zero
+    where all numbers are zero.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = np.where(vectors == 0, 0.0, vectors / np.hypot(sigmas, other))
-    return np.sqrt((shares**2).sum(axis=0))
+    return np.where(whole.any(axis=0), noise_level(rows, chance), 0.0)

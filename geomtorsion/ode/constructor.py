@@ -46,20 +46,27 @@ def read(
             invariants = known
     if not rates:
         raise ExpressionError("rates: expected at least one state, got none.")
+    rates = checks.by_name(rates, "rates", ExpressionError)
     states = tuple(rates)
-    numbers = {key: number(value, key) for key, value in (parameters or {}).items()}
+    given_numbers = checks.by_name(parameters or {}, "parameters", StartError)
+    numbers = {key: number(value, key) for key, value in given_numbers.items()}
+    invariants, outputs = (
+        checks.by_name(terms or {}, what, ExpressionError)
+        for terms, what in ((invariants, "invariants"), (outputs, "outputs"))
+    )
+    _check_names(states, tuple(numbers), time)
     symbols = symbol_table((*states, *numbers, time))
     expressions = {key: expression(x, f"rate of {key}", symbols) for key, x in rates.items()}
     listed = list(events)
     stop = _stop([event for event in listed if isinstance(event, When)], symbols)
-    read_outputs = _read_terms(outputs or {}, "output", symbols)
+    read_outputs = _read_terms(outputs, "output", symbols)
     for key in read_outputs:
         if key in symbols:
             raise ExpressionError(f"output {key} has the name of a state, parameter or the time.")
     groups = _group_list(states, norm_groups, normalized)
     stops = [event.falls for event in listed if isinstance(event, When)]
-    read_invariants = _read_terms(invariants or {}, "invariant", symbols)
-    terms = (rates, invariants or {}, outputs or {})
+    read_invariants = _read_terms(invariants, "invariant", symbols)
+    terms = (rates, invariants, outputs)
     declared = _declared([*(x for each in terms for x in each.values()), *stops], numbers)
     timed = timed_events((*states, *numbers), [x for x in listed if not isinstance(x, When)])
     for values in (numbers, *(event.changes for event in timed)):
@@ -72,6 +79,34 @@ def read(
         read_outputs,
         timed,
     )
+
+
+def named(name: str | sp.Symbol) -> str:
+    """The name of a symbol; anything else as it is.
+
+    Examples
+    --------
+    >>> named(sp.Symbol("x")), named("y")
+    ('x', 'y')
+    """
+    return str(name) if isinstance(name, sp.Symbol) else name
+
+
+def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) -> None:
+    """Refuse a name of two things, and say how to part them."""
+    for name in parameters:
+        if name in states:
+            raise ExpressionError(
+                f"{name} is named twice, for a state and for a parameter. Rename one of them, or "
+                "omit it from parameters if the state is meant."
+            )
+    if time in states or time in parameters:
+        what = "state" if time in states else "parameter"
+        other = next(x for x in ("tau", "s", "time") if x not in (*states, *parameters))
+        raise ExpressionError(
+            f"{time} is named twice, for a {what} and for the time. Give the time another name: "
+            f"time={other!r}."
+        )
 
 
 def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, ...]:
@@ -163,6 +198,7 @@ def start_numbers(
 ) -> tuple[Real, ...]:
     """A number for each state; a mapping may change some of the known numbers."""
     if isinstance(start, Mapping):
+        start = checks.by_name(start, "start", StartError)
         for name in start:
             if name not in states:
                 raise UnknownNameError(f"start: {name} is not a state. {_hint(name, states)}")
@@ -189,6 +225,7 @@ def start_numbers(
 
 def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) -> dict[str, Real]:
     """Numbers for some of the parameters."""
+    parameters = checks.by_name(parameters, "parameters", StartError)
     for name in parameters:
         if name not in names:
             raise UnknownNameError(f"{name} is not a parameter. {_hint(name, names)}")
@@ -209,13 +246,14 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
             raise TimeError(f"event {checks.shown(entry)}: expected At(time, {{name: value}}).")
         if not (math.isfinite(at) and at >= 0):
             raise TimeError(f"event at t = {at}: expected a time from the start at 0 on.")
-        for name in entry.changes:
+        changes = checks.by_name(entry.changes, f"event at t = {at:.6g}", StartError)
+        for name in changes:
             if name not in names:
                 raise UnknownNameError(
                     f"event at t = {at:.6g}: {name} is neither a parameter nor a state. "
                     + _hint(name, names)
                 )
-        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in entry.changes.items()}
+        new = {x: number(value, f"{x} at t = {at:.6g}") for x, value in changes.items()}
         table.setdefault(at, {}).update(new)
     return tuple(At(at, changes) for at, changes in sorted(table.items(), key=lambda x: x[0]))
 
@@ -266,7 +304,7 @@ def start_columns(
         return rows, {}
     names = (*states, *parameters)
     arrays = {}
-    for name, values in starts.items():
+    for name, values in checks.by_name(starts, "starts", StartError).items():
         if name not in names:
             raise UnknownNameError(
                 f"starts: {name} is neither a state nor a parameter. {_hint(name, names)}"

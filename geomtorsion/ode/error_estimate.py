@@ -114,10 +114,12 @@ def verified(
         if error <= accuracy and matter:
             # Moved on the way, it is moved by the roundings of each part.
             change = change_by_rounding(engine, answer.steps // (PLACES if amplifies else 1))
+            if not amplifies:
+                # The next power of two keeps the number of different starts small.
+                change = 2.0 ** math.ceil(math.log2(change))
             moved = run(engine, tolerance, change, everywhere=amplifies)
             runs.append(moved)
-            # Parts that amplify most may count more than the mean.
-            second = (SAFETY if amplifies else 1.0) * difference(problem, answer, moved)
+            second = SAFETY * difference(problem, answer, moved)
             if second > error:
                 reference, error = moved, second
         rounded = best is not None and best.error <= UNALIKE and SAFETY * error > best.error
@@ -143,12 +145,12 @@ def roundings_matter(engine: Engine, steps: int, tolerance: float) -> bool:
 
 
 def change_by_rounding(engine: Engine, steps: int) -> float:
-    """Relative change of the start that moves a motion as far as the roundings of its steps do.
+    """Relative change of a state as large as what the roundings of so many steps add up to.
 
-    They add up at random, as the square root of the number of steps. The next power of two keeps
-    the number of different starts small.
+    Each step rounds the state to half a unit in the last place at most. The roundings add up at
+    random, as the square root of the number of steps.
     """
-    return 2.0 ** (1 - engine.precision) * 2.0 ** math.ceil(0.5 * math.log2(max(steps, 1)))
+    return 2.0**-engine.precision * math.sqrt(max(steps, 1))
 
 
 def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,3 +68,15 @@ class Moment(Mapping[str, np.ndarray]):
     def transported(self) -> np.ndarray:
         """Transported vectors (frame) or deviation (offset, rate), shape (..., number)."""
         return self["transported"]
+
+
+@dataclass(frozen=True)
+class Term:
+    """A function of moments.
+
+    values: moment -> array.
+    names: what it reads of a moment; None: all of it.
+    """
+
+    values: Callable[[Moment], np.ndarray]
+    names: frozenset[str] | None = None

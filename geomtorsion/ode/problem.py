@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -21,7 +21,7 @@ from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
 from geomtorsion.ode.members import Members, Rows
-from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import Numbers, Real, floats, mpf, perturbed
 from geomtorsion.ode.rates import CLOCK, Rates
 from geomtorsion.ode.roots import shares_left
@@ -83,13 +83,13 @@ class ODE:
         parameters: Mapping[str, object] | None = None,
         invariants: Mapping[str, object] | None = None,
         outputs: Mapping[str, object] | None = None,
-        time: str = "t",
+        time: str | sp.Symbol = "t",
         events: Iterable[At | When] = (),
         norm_groups: Sequence[Sequence[str]] | None = None,
         normalized: Sequence[Sequence[str]] = (),
         name: str = "",
     ) -> ODE:
-        """Equations from what users give, checked once.
+        """Equations from what users give, checked once; names may be symbols of sympy.
 
         Parameters
         ----------
@@ -142,6 +142,10 @@ class ODE:
         Omega2' = Omega1*Omega3
         Omega3' = 0
         """
+        time = constructor.named(time)
+        normalized = [[constructor.named(x) for x in group] for group in normalized]
+        if norm_groups is not None:
+            norm_groups = [[constructor.named(x) for x in group] for group in norm_groups]
         try:
             given = constructor.read(
                 rates, start, parameters, invariants, outputs, time, events, norm_groups, normalized
@@ -268,7 +272,7 @@ class ODE:
     ) -> tuple[str, str]:
         """How the motion ends: where it stops, or where a function in its equations ends."""
         if not self.rates.edges:
-            return "stopped", ""
+            return "stopped", str(self.rates.stop)
         made = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
         rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
@@ -282,7 +286,7 @@ class ODE:
             room, *shares = shares
             # A stop that vanishes where a function in it ends does so as a power of the edge.
             if room <= math.sqrt(min(shares)):
-                return "stopped", ""
+                return "stopped", str(self.rates.stop)
         return "stuck", list(self.rates.edges.values())[int(np.argmin(shares))]
 
     def first_stage(self, precision: int, perturbation: float) -> Stage:
@@ -325,7 +329,7 @@ class ODE:
         events = [] if self.system.guard is None else [Event(None, None, ending)]
         if later:
             follow = self._follower(parameters, later, precision, perturbation)
-            events.append(Event(later[0].time, follow))
+            events.append(Event(later[0].time, follow, self._jumped_beyond))
         groups = self.system.groups[:-1] if self.rates.has_clock else self.system.groups
         kept = partial(self._normalized, precision=precision) if self._unit_places else None
         return Stage(
@@ -357,6 +361,10 @@ class ODE:
             return self._stage(event.time, start, changed, rest, precision, perturbation)
 
         return follow
+
+    def _jumped_beyond(self, _: float, state: State) -> tuple[str, str]:
+        """How the motion ends where a change at a time carries it beyond its stop."""
+        return "stopped", str(self.rates.stop)
 
     def _parameter_changes(self, event: At) -> dict[str, Real]:
         return {name: x for name, x in event.changes.items() if name in self.rates.parameters}
@@ -398,6 +406,7 @@ class ODE:
         pieces: Sequence[tuple[Segment, np.ndarray]],
         shape: tuple[int, ...],
         bits: int,
+        names: Collection[str] | None = None,
     ) -> Moment:
         """States and outputs at the times of some pieces, in the requested shape."""
         parts = [self.rows(segment, states, "") for segment, states in pieces]
@@ -511,7 +520,7 @@ class ODE:
             table[name] = change / size if size else change
         return table
 
-    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+    def term(self, term: object) -> Term:
         """A function of moments for an output, or an expression over what may occur."""
         read = constructor.term(self.outputs, self.rates.names, term)
         made = graph(self.rates.names, [read], factor=False).numpy()
@@ -519,7 +528,7 @@ class ODE:
         def values(moment: Moment) -> np.ndarray:
             return made(*self.arguments(moment.time, moment["states"]))[0]
 
-        return values
+        return Term(values)
 
     def breaks(self) -> tuple[float, ...]:
         """Times at which something may jump."""

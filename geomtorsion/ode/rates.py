@@ -141,7 +141,7 @@ def _system(
     free = {symbol.name for term in (*every, *edges) for symbol in term.free_symbols}
     others = tuple(sorted(free - set(names)))
     where = [*(f"rate of {name}" for name in names), *(["stop"] if stop is not None else [])]
-    _check_smooth(every, where)
+    check_smooth(every, where)
     if clock:
         groups = (*groups, (len(states),))
     arguments = (*names, *others)
@@ -151,7 +151,7 @@ def _system(
     return System(names, others, made, groups, guard, None, (clock, CLOCK) if clock else None)
 
 
-def _check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
+def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
     """Refuse functions with kinks or jumps."""
     for term, place in zip(terms, where, strict=True):
         for part in sp.preorder_traversal(term):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -17,16 +17,15 @@ from geomtorsion.copies import only_fields
 from geomtorsion.displays import drawn_by
 from geomtorsion.errors import ArgumentError, ExpressionError, TimeError
 from geomtorsion.ode.error_estimate import SAFETY, difference, rounding
-from geomtorsion.ode.moment import Moment
+from geomtorsion.ode.moment import Moment, Term
 from geomtorsion.ode.numbers import PARTS, times_between
 from geomtorsion.ode.roots import crossings
 from geomtorsion.ode.trajectory import Segment, Stage, Trajectory, close_times
 from geomtorsion.ode.writing import pandas_table, write_solution
+from geomtorsion.outgoing import size_text
 from geomtorsion.precision import EPS, GOLDEN
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from geomtorsion.errors import GeomtorsionError
 
 
@@ -104,15 +103,16 @@ class Problem(Protocol):
         pieces: Sequence[tuple[Segment, np.ndarray]],
         shape: tuple[int, ...],
         bits: int,
+        names: Collection[str] | None = None,
     ) -> Moment:
-        """Everything at the times of some pieces."""
+        """Everything at the times of some pieces; or these names, nan where one has no value."""
         ...
 
     def invariant_changes(self, trajectory: Trajectory) -> Mapping[str, np.ndarray]:
         """Relative change of each invariant at the samples of a trajectory."""
         ...
 
-    def term(self, term: object) -> Callable[[Moment], np.ndarray]:
+    def term(self, term: object) -> Term:
         """A function of moments for a name or an expression."""
         ...
 
@@ -188,6 +188,11 @@ class Solution:
         return self.trajectory.outcome
 
     @property
+    def stopped_by(self) -> str:
+        """The condition that ended the motion, as text; empty where none did."""
+        return self.trajectory.reason if self.outcome == "stopped" else ""
+
+    @property
     def complete(self) -> bool:
         """Whether the motion was followed to its end: the last time, or where it stops."""
         return self.outcome in ("done", "stopped")
@@ -223,9 +228,10 @@ class Solution:
         times: np.ndarray,
         pieces: Sequence[tuple[Segment, np.ndarray]],
         shape: tuple[int, ...],
+        names: Collection[str] | None = None,
     ) -> Moment:
         bits = self.trajectory.engine.precision
-        found = self.problem.moment(times, pieces, shape, bits)
+        found = self.problem.moment(times, pieces, shape, bits, names)
         if self.accuracy < DOUBLE or bits == 53:
             return found
         # Rounded last: quantities derived from rounded states may lose all of their digits.
@@ -290,8 +296,8 @@ class Solution:
         ChartEdgeError
             the motion went where that chart does not reach.
         """
-        skip = self.trajectory.count - len(self.times)
-        return self.problem.in_chart(self.trajectory, name)[skip:]
+        skip = self._with_end.count - len(self.times)
+        return self.problem.in_chart(self._with_end, name)[skip:]
 
     # -- between the times -----------------------------------------------------------------------
 
@@ -308,6 +314,10 @@ class Solution:
         TimeError
             a time is outside of the solution.
         """
+        return self._at(time)
+
+    def _at(self, time: Any, names: Collection[str] | None = None) -> Moment:
+        """Everything at any time, or these names, not a number where the home chart ends."""
         asked = times_between(time)
         flat = np.atleast_1d(asked).ravel()
         unit = self.problem.time_unit
@@ -324,11 +334,11 @@ class Solution:
         order = np.argsort(np.concatenate([index for _, _, index in found]), kind="stable")
         pieces = [(segment, states) for segment, states, _ in found]
         if len(found) > 1:
-            moment = self._read(flat[np.argsort(order)], pieces, flat.shape)
+            moment = self._read(flat[np.argsort(order)], pieces, flat.shape, names)
             values = {name: moment.values[name][order] for name in moment.values}
             shaped = {name: x.reshape((*asked.shape, *x.shape[1:])) for name, x in values.items()}
             return Moment(asked, shaped, moment.whole)
-        return self._read(flat, pieces, asked.shape)
+        return self._read(flat, pieces, asked.shape, names)
 
     def event_times(self, term: object, direction: int = 0) -> np.ndarray:
         """All times at which a term crosses zero, in order.
@@ -339,7 +349,8 @@ class Solution:
         ----------
         term
             the name of something that `at` gives, or an expression over such names, parameters
-            and the time.
+            and the time. Coordinates of a curve are those of the chart of its problem, also where
+            it was followed in another chart, as far as they have a value there.
         direction
             1: only upwards; -1: only downwards; 0: both.
 
@@ -363,7 +374,7 @@ class Solution:
         read = self.problem.term(term)
 
         def function(times: np.ndarray) -> np.ndarray:
-            return np.broadcast_to(read(self.at(times)), len(times))
+            return np.broadcast_to(read.values(self._at(times, read.names)), len(times))
 
         found = [np.zeros(0)]
         for k, times in enumerate(_stretches(self)):
@@ -472,7 +483,7 @@ class Solution:
             f"{reach}, {len(self.times)} times, by {self.engine} ({self.reason})",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
-        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
 
     def __repr__(self) -> str:

@@ -43,15 +43,18 @@ class Event:
         continue, where the engine cannot).
     then: (time, state) -> the next stage, or None where the motion ends; None: it ends here.
     ending: (time, state) -> outcome and reason where nothing comes after; None: it is "stopped".
+    stop: state -> the condition that ends the motion although `then` knows a way on, or None where
+        something else than a condition has let the guard fall; None: there are no conditions.
     """
 
     when: float | None
     then: Callable[[float, State], Stage | None] | None = None
     ending: Callable[[float, State], tuple[str, str]] | None = None
+    stop: Callable[[State], str | None] | None = None
 
     def __getstate__(self) -> Mapping[str, object]:
         # The next stage was determined when the trajectory was made.
-        return only_fields(self) | {"then": None, "ending": None}
+        return only_fields(self) | {"then": None, "ending": None, "stop": None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +150,7 @@ class Trajectory:
 
     outcome: "done"; "stopped" by an event that ends the motion; "stuck" where it cannot continue;
         "interrupted" where the computed part ends.
-    reason: why it is stuck.
+    reason: why it is stuck, or the condition that stopped it, where there are several.
     """
 
     engine: Engine
@@ -295,9 +298,7 @@ def integrate(
                 return Trajectory(engine, tolerance, tuple(segments), "done")
             event = stage.timed
             if event is None or event.when != stop:
-                last = (
-                    run.last if not shake else _shaken(stage.system, run.last, shake, len(segments))
-                )
+                last = _shaken(stage, run.last, shake, len(segments)) if shake else run.last
                 last = last if stage.kept is None else stage.kept(last)
                 stage = replace(stage, start=last, begin=stop)
                 continue
@@ -306,6 +307,10 @@ def integrate(
             lasts = run.outcome == "stuck"
             if event is None or (lasts and event.then is None):
                 return Trajectory(engine, tolerance, tuple(segments), run.outcome, run.reason)
+            if not lasts and event.stop is not None:
+                condition = event.stop(segments[-1].last)
+                if condition is not None:
+                    return Trajectory(engine, tolerance, tuple(segments), "stopped", condition)
             # A motion that cannot continue in two stages in a row cannot continue at all. Engines
             # measure progress by the whole time, so that the same motion ends in every chart.
             moved = abs(float(run.reached) - begin) > STANDSTILL * abs(end)
@@ -321,15 +326,17 @@ def integrate(
         stage = after
 
 
-def _shaken(system: System, state: State, part: float, number: int) -> np.ndarray:
-    """A state changed by a relative part, up or down; a clock stays.
+def _shaken(stage: Stage, state: State, part: float, number: int) -> np.ndarray:
+    """The last state of a stage with each component changed by a relative part, up or down.
 
-    number: of the place on the way. Changes of one sign would add up in proportion to the number of
-    places, and roundings do not.
+    A component that has not changed since the stage began has not been rounded either, nor has a
+    clock: they stay. number: of the place on the way. Changes of one sign would add up in
+    proportion to the number of places, and roundings do not.
     """
-    values = np.asarray(state)
+    values, system = np.asarray(state), stage.system
     sizes = np.where(np.arange(len(values)) % 2, GOLDEN, 1.0) * part
     signs = sizes * random_signs(number, len(values))
+    signs[values == np.asarray(stage.start)] = 0.0
     if system.clock is not None:
         signs[system.states.index(system.clock[0])] = 0.0
     kind = values.dtype.type
@@ -371,7 +378,8 @@ def run_stage(
 ) -> Run:
     """The run of one stage, ended where its guard falls through zero."""
     system, numbers = stage.system, stage.parameters
-    final = stage.boundary is not None and stage.boundary.then is None
+    event = stage.boundary
+    final = event is not None and (event.then is None or event.stop is not None)
 
     def run(dense: bool) -> Run:
         return scaled_run(

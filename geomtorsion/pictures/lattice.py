@@ -53,7 +53,7 @@ def draw_lattice(
         if bar:
             figure.colorbar(found, ax=axes, shrink=0.82, label=bar).ax.tick_params(labelsize=8)
         if b is not None:
-            axes.plot(*(step * b.path.T), color=CIRCUIT, linewidth=1.6)
+            axes.plot(*(step * b.pixels.T), color=CIRCUIT, linewidth=1.6)
 
     show(panels[0], image.field, "image and circuit", "gray")
     seen = (phases.amplitude / phases.levels[:, None, None]).min(axis=0)
@@ -80,7 +80,7 @@ def draw_lattice(
         caption = (
             f"b = ({parts}) in lattice vectors, {number(round(b.magnitude, 4))} {b.unit} long; "
             f"chance that noise has changed it: {b.chance:.1g}. It is the integral of e along "
-            f"the circuit, run {_sense(b.path)}; the arrow shows its direction, not its size. "
+            f"the circuit, run {_sense(b.pixels)}; the arrow shows its direction, not its size. "
             "Grey: holes."
         )
         captioned(figure, [caption])
@@ -90,7 +90,7 @@ def draw_lattice(
 def _vector(axes: Axes, b: LatticeBurgers, step: float, length: float) -> None:
     """The Burgers vector as an arrow of this length from the middle of its circuit."""
     if b.whole.any():
-        middle = step * (b.path.min(axis=0) + b.path.max(axis=0)) / 2
+        middle = step * (b.pixels.min(axis=0) + b.pixels.max(axis=0)) / 2
         arrow(axes, middle, middle + b.vector / b.magnitude * length, CIRCUIT, 2.2)
 
 

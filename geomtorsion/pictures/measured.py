@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geomtorsion.loops import Loop
-from geomtorsion.materials.measured import Backdrop, Closure, Measured, Section, Survey
+from geomtorsion.materials import Backdrop, Burgers, Section, Source, Survey
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.network import SOFT
 from geomtorsion.pictures.style import (
@@ -50,40 +50,38 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
         matplotlib is not installed.
     """
     chosen = survey.strongest_layer if layer is None else layer
-    corners = tuple(_edges(line) for line in survey.centres)
+    points = None if survey.on_grid else survey.lines
+    corners = _corners(survey.lines, points is not None)
     width = STYLE.panel * _ratio(corners) + 1.5
     figure = new_figure(2 * width, STYLE.panel + 1.7)
     left, right = figure.subplots(1, 2)
-    density = survey.density[..., chosen]
+    density = survey.laid(survey.per_area)[..., chosen]
     shades = _shades(survey, density)
     if "norm" in shades:
         # What is below the noise floor has its colour, zero too.
         density = np.maximum(density, shades["norm"].vmin)
-    mesh = left.pcolormesh(*corners, density.T, cmap="viridis", rasterized=True, **shades)
+    mesh = _shaded(left, corners, points, density, cmap="viridis", **shades)
     unit = f" in {survey.density_unit}" if survey.density_unit else ""
     figure.colorbar(mesh, ax=left, shrink=0.86).ax.tick_params(labelsize=8)
     left.set_title(f"|b| per area{unit}", fontsize=11)
-    if survey.arrows is not None:
-        _arrows(left, survey, chosen)
+    _arrows(left, survey, chosen)
     top = 2 * survey.level
-    significance = survey.significance[..., chosen]
-    mesh = right.pcolormesh(
-        *corners, significance.T, cmap="RdBu_r", vmin=0, vmax=top, rasterized=True
-    )
-    above = bool((significance[survey.known[..., chosen]] > top).any())
+    significance = survey.laid(survey.significance)[..., chosen]
+    mesh = _shaded(right, corners, points, significance, cmap="RdBu_r", vmin=0, vmax=top)
+    above = bool((np.nan_to_num(significance) > top).any())
     bar = figure.colorbar(mesh, ax=right, shrink=0.86, extend="max" if above else "neither")
     bar.ax.tick_params(labelsize=8)
     right.set_title("|b| in units of its errors", fontsize=11)
     for axes in (left, right):
-        _place(axes, survey.names, survey.unit, corners, down=survey.down)
+        _place(axes, survey.axes, survey.unit, corners, down=survey.down)
     captioned(figure, _said(survey, chosen))
     return figure
 
 
 def draw_circuits(
-    measured: Measured, closures: Sequence[Closure], refused: Sequence[Loop] = ()
+    source: Source, vectors: Sequence[Burgers], refused: Sequence[Loop] = ()
 ) -> Figure:
-    """Circuits on what was measured (grains, a picture, |b| per cell), with b as arrows.
+    """Circuits on their source (grains, a picture, |b| per cell), with b as arrows.
 
     In grids of three axes and more: on the section in which they lie, one panel each. Arrows are to
     one scale, that of the longest |b|, and show the part of b in the plane.
@@ -103,31 +101,31 @@ def draw_circuits(
     MissingExtraError
         matplotlib is not installed.
     """
-    sections: dict[Section, list[Closure]] = {} if closures else {Section(): []}
-    for one in closures:
+    sections: dict[Section, list[Burgers]] = {} if vectors else {Section(): []}
+    for one in vectors:
         sections.setdefault(one.section, []).append(one)
-    backdrops = [measured.backdrop(section) for section in sections]
-    edges = [tuple(map(_edges, one.centres)) for one in backdrops]
+    backdrops = [source.backdrop(section) for section in sections]
+    edges = [_corners(one.centres, one.kind == "points") for one in backdrops]
     across = math.ceil(math.sqrt(len(edges)))
     down = -(-len(edges) // across)
     width = STYLE.panel * max(map(_ratio, edges)) + 2.2
     figure = new_figure(across * width, down * STYLE.panel + 1.0)
-    longest = max((one.magnitude for one in closures), default=0.0)
+    longest = max((one.magnitude for one in vectors), default=0.0)
     for k, (section, group) in enumerate(sections.items()):
         axes = figure.add_subplot(down, across, k + 1)
         _draw_backdrop(figure, axes, backdrops[k], edges[k])
         if group:
-            _draw_group(axes, group, edges[k], longest, down=measured.down)
+            _draw_group(axes, group, edges[k], longest, down=backdrops[k].down)
         for loop in refused if k == 0 else ():
             points = np.asarray(loop.points(), dtype=float)
             for colour, width, style in (("white", 3.4, "-"), (GAP, 1.6, "--")):
                 closed = np.concatenate([points, points[:, :1]], axis=1)[:2]
                 axes.plot(*closed, color=colour, linewidth=width, linestyle=style, zorder=4)
         one, two = section.plane
-        names = (measured.names[one], measured.names[two])
-        _place(axes, names, measured.unit, edges[k], down=measured.down)
+        names = (source.names[one], source.names[two])
+        _place(axes, names, source.unit, edges[k], down=backdrops[k].down)
     said = "Arrows show the part of b in the plane of the map, to one scale"
-    lines = [f"{said}; grey ones are not more than noise explains."] if closures else []
+    lines = [f"{said}; grey ones are not more than noise explains."] if vectors else []
     if refused:
         lines.append("Dashed: circuits that have no Burgers vector; the text says why.")
     captioned(figure, lines)
@@ -136,7 +134,7 @@ def draw_circuits(
 
 def _draw_group(
     axes: Axes,
-    closures: Sequence[Closure],
+    vectors: Sequence[Burgers],
     corners: tuple[np.ndarray, ...],
     longest: float,
     *,
@@ -145,11 +143,11 @@ def _draw_group(
     """The circuits of one section; longest: |b| of all."""
     # The longest arrow is half as long as the widest circuit, and can be seen.
     widest = max(
-        float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in closures
+        float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in vectors
     )
     extent = max(abs(float(line[-1] - line[0])) for line in corners)
     reach = max(widest, extent / STYLE.arrows * 4) / 2
-    for one in closures:
+    for one in vectors:
         # Bright below dark: seen on whatever lies under it.
         for colour, width in (("white", 3.4), (START, 1.6)):
             axes.plot(*one.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
@@ -171,9 +169,9 @@ def _draw_group(
                 zorder=5,
             )
         noise = f" ± {one.noise:.2g}" if one.noise else ""
-        text = f"|b| = {one.magnitude:.3g}{noise} {one.vector_unit}".rstrip()
-        if "whole" in one.more:
-            text = f"b = ({', '.join(map(str, one.more['whole']))}) lattice vectors"
+        text = f"|b| = {one.magnitude:.3g}{noise} {one.unit}".rstrip()
+        if one.whole.size:
+            text = f"b = ({', '.join(map(str, one.whole.tolist()))}) lattice vectors"
         axes.annotate(
             text,
             (middle[0], low[1] if down else high[1]),
@@ -202,9 +200,23 @@ def _draw_backdrop(
         axes.pcolormesh(*corners, shades.T, rasterized=True, **look)
         _draw_boundaries(axes, backdrop.values, corners)
     else:
-        mesh = axes.pcolormesh(*corners, backdrop.values.T, cmap="Greys", vmin=0, rasterized=True)
+        points = backdrop.centres if backdrop.kind == "points" else None
+        mesh = _shaded(axes, corners, points, backdrop.values, cmap="Greys", vmin=0)
         figure.colorbar(mesh, ax=axes, shrink=0.86).ax.tick_params(labelsize=8)
     axes.set_title(backdrop.title, fontsize=11)
+
+
+def _shaded(
+    axes: Axes,
+    corners: tuple[np.ndarray, ...],
+    points: tuple[np.ndarray, ...] | None,
+    values: np.ndarray,
+    **look: Any,
+) -> Any:
+    """Colours of pixels between corners, or of points, by their values."""
+    if points is None:
+        return axes.pcolormesh(*corners, values.T, rasterized=True, **look)
+    return axes.scatter(*points, c=values.ravel(), s=12, linewidths=0, rasterized=True, **look)
 
 
 def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, ...]) -> None:
@@ -238,19 +250,20 @@ def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
 
 def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
     """The part of b in the plane, at some places where it is significant."""
-    count = max(survey.known.shape[:2])
-    apart = -(-count // STYLE.arrows)
+    if survey.arrows is None or not survey.on_grid:
+        return
+    known = survey.laid(survey.significant & survey.known)[..., layer]
+    apart = -(-max(known.shape) // STYLE.arrows)
     first = apart // 2
     part = (slice(first, None, apart), slice(first, None, apart))
-    vectors = survey.arrows[:, *part, layer] if survey.arrows is not None else np.zeros((2, 0, 0))
-    shown = (survey.significant & survey.known)[..., layer][part]
+    vectors, shown = survey.laid(survey.arrows)[:, *part, layer], known[part]
     if not shown.any():
         return
     lengths = np.where(shown, np.hypot(*vectors), 0.0)
     if lengths.max() == 0:
         return
-    places = np.meshgrid(*(line[first::apart] for line in survey.centres), indexing="ij")
-    steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.centres]
+    places = np.meshgrid(*(line[first::apart] for line in survey.lines), indexing="ij")
+    steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.lines]
     # All are as long, and hardly reach to the next: colours show the size.
     far = lengths[shown] > 0
     scale = apart * min(steps) / np.where(far, lengths[shown], 1.0)
@@ -267,6 +280,13 @@ def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
         pivot="middle",
         zorder=5,
     )
+
+
+def _corners(lines: Sequence[np.ndarray], scattered: bool) -> tuple[np.ndarray, ...]:
+    """Edges between the middles along both axes, or the ends of scattered points."""
+    if scattered:
+        return tuple(np.array([line.min(), line.max()]) for line in lines)
+    return tuple(map(_edges, lines))
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
@@ -298,20 +318,20 @@ def _place(
 
 def _said(survey: Survey, layer: int) -> list[str]:
     """What the picture shows, in numbers."""
-    known = survey.known[..., layer]
-    count, found = int(known.sum()), int((survey.significant[..., layer] & known).sum())
-    sides = " x ".join(map(str, survey.size))
+    known = survey.laid(survey.known)[..., layer]
+    count = int(known.sum())
+    found = int((survey.laid(survey.significant)[..., layer] & known).sum())
     where = f" at {survey.layers[layer]}" if survey.layers[layer] else ""
     lines = [
         (
-            f"Circuits of {sides} cells{where}: {found:,} of {count:,} are more than noise "
+            f"Circuits of {survey.extent}{where}: {found:,} of {count:,} are more than noise "
             f"explains (white: {number(round(survey.level, 2))}, noise passes it 1 in 1000 times)."
         )
     ]
     if count < known.size:
         lines.append(f"Grey: {known.size - count:,} circuits {survey.missing}.")
     if count:
-        floor = float(np.median(survey.floor[..., layer][known]))
+        floor = float(np.median(survey.laid(survey.floor)[..., layer][known]))
         unit = f" {survey.density_unit}" if survey.density_unit else ""
         lines.append(
             f"Noise alone makes {floor:.2g}{unit}; arrows: the sense of b in the plane of the map."

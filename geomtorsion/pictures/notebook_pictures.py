@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion import checks
 from geomtorsion.geometry import DependencyGraph, notation
+from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.loops import draw_closure, draw_map
 from geomtorsion.pictures.scene_plan import layers_picture
 from geomtorsion.pictures.solutions import draw_solution
@@ -30,9 +31,9 @@ def burgers_html(b: BurgersVector) -> str:
 
 def _components(b: BurgersVector) -> str:
     """One component a line, with the error of all and the check."""
-    lines = [f"b[{i}] = {value:.12g}" for i, value in enumerate(b.vector.tolist())]
+    lines = [f"b{i} = {number_text(x, b.error)}" for i, x in enumerate(b.vector.tolist(), 1)]
     inside = [f"enclosed: {one}" for one in b.enclosed]
-    route = f"error below {b.error:.1e}, by the {b.route} route: {b.reason}"
+    route = f"error below {size_text(b.error)}; {b.reason}"
     return "\n".join([*lines, route, b.check.text, *inside])
 
 

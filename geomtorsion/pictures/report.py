@@ -20,7 +20,7 @@ from geomtorsion.errors import GeomtorsionError, StartError
 from geomtorsion.files import write_text, written
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
-from geomtorsion.outgoing import html_text
+from geomtorsion.outgoing import html_text, size_text
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
 from geomtorsion.pictures.formula import FONT_SOURCE, expression_mathml, font_face, mathml
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
@@ -243,7 +243,7 @@ def _sentences(pair: Pair) -> list[str]:
     """What the pictures show, in words."""
     largest = float(pair.distance.max())
     found = (
-        f"From this start straightest and shortest path are one, to {largest:.0e}."
+        f"From this start straightest and shortest path are one, to {size_text(largest, 0)}."
         if pair.coincide
         else f"From one start the straightest and the shortest path part: by {largest:.3g} at most."
     )
@@ -260,7 +260,8 @@ def loop_card(space: Space, progress: Callable[[str], object] = lambda _: None) 
         return f'<section class="card"><p>No loop: {html_text(str(error))}</p></section>'
     # What is no more than its error is shown as zero.
     components = ", ".join(f"{x if abs(x) > 3 * b.error else 0:.6g}" for x in b.vector)
-    text = f"A {b.loop.name} fails to close by b = ({components}), error below {b.error:.0e}."
+    error = size_text(b.error, 0)
+    text = f"A {b.loop.name} fails to close by b = ({components}), error below {error}."
     if b.magnitude <= 3 * b.error:
         text = "Circles close: there is no torsion, or none that a small circle sees here."
     return f'<section class="card"><p>{html_text(text)}</p>{picture or NO_PICTURES}</section>'

@@ -1,4 +1,4 @@
-"""Attitude: quaternions from and to matrices and Euler angles, and from rotation vectors.
+"""Attitude: quaternions from and to matrices, Euler angles and rotation vectors.
 
 Quaternions are (q0, q1, q2, q3), scalar first; q and the matrix R map body to space. Arrays may
 have any leading shape. Euler angles come in 24 conventions, named as in scipy: three small letters
@@ -189,6 +189,93 @@ def quaternion_from_rotation_vector(vector: ArrayLike) -> Array:
     return np.concatenate([np.cos(half), np.sinc(half / np.pi) * v / 2], axis=-1)
 
 
+def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
+    """Rotation vector v of shape (..., 3): axis times angle, rad, with 0 <= angle <= pi.
+
+    Each component is accurate to a few roundings of |v|, for tiny angles and near pi. Half a turn
+    has two rotation vectors, v and -v; q0 >= 0 (or the vector part, where q0 = 0) decides.
+
+    Parameters
+    ----------
+    quaternion
+        q of shape (..., 4), of any length but 0; q and -q give the same vector.
+
+    Raises
+    ------
+    StartError
+        A quaternion is 0 or not finite.
+
+    Examples
+    --------
+    >>> rotation_vector_from_quaternion([0, 0, 0, 1]).round(6).tolist()
+    [0.0, 0.0, 3.141593]
+    """
+    q = _array(quaternion, (4,), "quaternion")
+    largest = np.abs(q).max(axis=-1, keepdims=True)
+    if not (np.isfinite(largest) & (largest > 0)).all():
+        raise StartError(
+            "quaternion: expected finite numbers, not all 0, got a quaternion without a direction. "
+            "(1, 0, 0, 0) turns nothing."
+        )
+    # Divided by a power of two, so that squares neither overflow nor round.
+    q = np.ldexp(q, -np.frexp(largest)[1])
+    q = np.where(q[..., :1] < 0, -q, q)
+    scalar, part = q[..., :1], q[..., 1:]
+    # Of tiny vector parts the squares would underflow: their length is taken of a scaled copy.
+    most = np.abs(part).max(axis=-1, keepdims=True)
+    unit = part / np.where(most > 0, most, 1.0)
+    norm = np.linalg.norm(unit, axis=-1, keepdims=True)
+    # The arc tangent of both lengths loses nothing at either end, where an arc cosine loses half.
+    return 2 * np.arctan2(most * norm, scalar) * unit / np.where(norm > 0, norm, 1.0) + 0.0
+
+
+def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
+    """Rotation vector v of shape (..., 3), rad, |v| <= pi, of R of shape (..., 3, 3).
+
+    Near pi the axis is read off the symmetric part of R, so that no digits are lost.
+
+    Raises
+    ------
+    StartError
+        A matrix is no rotation.
+
+    Examples
+    --------
+    >>> rotation_vector_from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]]).round(6).tolist()
+    [0.0, 0.0, 1.570796]
+    """
+    return rotation_vector_from_quaternion(quaternion_from_matrix(checked_rotations(matrix)))
+
+
+def checked_rotations(matrix: ArrayLike) -> Array:
+    """Matrices of shape (..., 3, 3), each found to be a rotation.
+
+    Raises
+    ------
+    StartError
+        The columns of one are not finite or not orthonormal, or it is a reflection.
+
+    Examples
+    --------
+    >>> checked_rotations(np.diag([1, -1, -1])).shape
+    (3, 3)
+    """
+    r = _array(matrix, (3, 3), "matrix")
+    with np.errstate(all="ignore"):
+        excess = np.abs(np.swapaxes(r, -1, -2) @ r - np.eye(3)).max(initial=0.0)
+    if not excess <= PRINTED:
+        raise StartError(
+            f"the attitude matrix is no rotation: R^T R differs from 1 by {excess:.3g}. "
+            "Its columns are the body axes in space: orthogonal, of length 1."
+        )
+    if (np.linalg.det(r) < 0).any():
+        raise StartError(
+            "the attitude matrix is a reflection (its determinant is -1). Change the sign of a "
+            "column so that the body axes are right-handed."
+        )
+    return r
+
+
 def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """q of shape (..., 4) from angles of shape (..., 3), rad.
 
@@ -296,18 +383,7 @@ def checked_matrix(matrix: object) -> Array:
     StartError
         its columns are not orthonormal, or it is a reflection.
     """
-    r = _numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space")
-    excess = float(np.abs(r.T @ r - np.eye(3)).max())
-    if excess > PRINTED:
-        raise StartError(
-            f"the attitude matrix is no rotation: R^T R differs from 1 by {excess:.3g}. "
-            "Its columns are the body axes in space: orthogonal, of length 1."
-        )
-    if np.linalg.det(r) < 0:
-        raise StartError(
-            "the attitude matrix is a reflection (its determinant is -1). Change the sign of a "
-            "column so that the body axes are right-handed."
-        )
+    r = checked_rotations(_numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space"))
     # The nearest rotation: the polar factor, with all stretches left out.
     left, _, right = np.linalg.svd(r)
     return quaternion_from_matrix(left @ right)

@@ -21,7 +21,7 @@ from geomtorsion.npz import TEXT_FORM, ArrayForm, json_in, read_npz, write_npz
 from geomtorsion.ode import Cost, solve
 from geomtorsion.ode.numbers import times_between
 from geomtorsion.ode.writing import pandas_table
-from geomtorsion.outgoing import csv_cell
+from geomtorsion.outgoing import csv_cell, size_text
 from geomtorsion.pictures.style import pictured
 from geomtorsion.scenes.plotting import plot
 from geomtorsion.scenes.to_ode import observed
@@ -233,7 +233,7 @@ class SceneResult:
             f"to t = {float(self.times[-1]):.6g} s{ended}, {len(self.times)} times, by {how}",
             f"error below {self.error:.2g} (asked: {self.accuracy:.2g}); {self.cost}",
         ]
-        drifts = ", ".join(f"{name} {value:.1e}" for name, value in self.drift.items())
+        drifts = ", ".join(f"{name} {size_text(value)}" for name, value in self.drift.items())
         return "\n".join([*lines, f"drift: {drifts}"] if drifts else lines)
 
     def __repr__(self) -> str:

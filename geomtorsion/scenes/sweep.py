@@ -16,6 +16,7 @@ from geomtorsion import checks
 from geomtorsion.errors import AccuracyError, SceneError, StartError, StuckError, UnknownNameError
 from geomtorsion.ode import ODE, solve_many
 from geomtorsion.ode.writing import pandas_table
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.scene_over_time import sweep_picture
 from geomtorsion.pictures.style import STYLE, number, save
 from geomtorsion.scenes.body import Number
@@ -165,7 +166,9 @@ class SceneSweep:
         if self.unfinished:
             where, why = self.unfinished[0]
             lines.append(f"{len(self.unfinished)} without a value; the first with {where}: {why}")
-        return "\n".join([*lines, f"error below {self.error:.1e} (asked {self.accuracy:.1e})"])
+        return "\n".join(
+            [*lines, f"error below {size_text(self.error)} (asked {self.accuracy:.1e})"]
+        )
 
     __repr__ = __str__
 

@@ -72,12 +72,29 @@ SPACES: tuple[tuple[str, str, str], ...] = (
         "schwarzschild_isotropic",
         "black hole, isotropic Cartesian tetrad",
     ),
+    (
+        "schwarzschild_cartesian",
+        "schwarzschild_tetrads",
+        "black hole, spherical coordinates, tetrad that tends to Cartesian",
+    ),
+    ("schwarzschild_falling", "schwarzschild_tetrads", "black hole, tetrad in free fall"),
     ("kerr", "kerr", "rotating black hole, Carter tetrad"),
     ("kerr_kinnersley", "kerr_kinnersley", "rotating black hole, Kinnersley null tetrad"),
+    ("kerr_newman", "kerr_newman", "charged rotating black hole, Carter tetrad"),
+    ("taub_nut", "taub_nut", "mass with a gravitational magnetic charge, static tetrad"),
+    ("pp_wave", "pp_wave", "gravitational wave with flat fronts, unknown profile, null tetrad"),
     ("frw", "frw", "expanding universe, unknown a(t), curvature k"),
     ("frw_flat", "frw", "flat expanding universe, Cartesian tetrad"),
+    ("frw_closed", "teleparallel_cosmos", "closed universe, left-invariant tetrad"),
+    ("frw_open", "teleparallel_cosmos", "open universe, tetrad of flat space-time"),
+    ("torsion_bounce", "torsion_bounce", "universe of dust with spin, which bounces by torsion"),
     ("de_sitter", "de_sitter", "de Sitter space, static patch"),
     ("goedel", "goedel", "Goedel's rotating universe"),
+    (
+        "kerr_de_sitter_torsion",
+        "kerr_de_sitter_torsion",
+        "rotating black hole with torsion, of Poincare gauge theory",
+    ),
 )
 
 

@@ -5,34 +5,40 @@ import sympy as sp
 
 import geomtorsion as gt
 from geomtorsion import spaces
-from geomtorsion.action.invariants import (
-    ansatz_functions,
-    depends,
-    relations,
-    right_invariant,
-)
+from geomtorsion.action.ansatz import ansatz_functions, fitting_functions, right_invariant
+from geomtorsion.action.relations import depends, relations
 from geomtorsion.exact import Field
 from tests.action.test_equations import FLIGHT, MASS, MOMENTS, SPIN, U
 
 
 def kinetic(frame):
     """Half the square of the velocity, of unit mass."""
-    return sum(u**2 for u in U[: frame.dimension]) / 2
+    return sum(frame.eta[k, k] * u**2 for k, u in enumerate(U[: frame.dimension])) / 2
 
 
 def momenta(found):
     """What is linear in the velocities."""
-    return [name for name in found if name.startswith(("momentum", "body", "space", "killing"))]
+    return [
+        name
+        for name in found
+        if name.startswith(("momentum", "body", "space"))
+        or (name.startswith("killing ") and "tensor" not in name)
+    ]
 
 
 def test_how_many_candidates_are_tried():
-    """Of 1, q, cos q, sin q in three directions there would be 192; with 1 and q in one 96."""
-    q = sp.symbols("x y z")
-    flat = gt.Frame(q, sp.eye(3))
-    assert ansatz_functions(flat, []) == []
-    found = ansatz_functions(flat, [q[2] ** 2])
+    """Of 1, q, cos q, sin q in three directions there are 192; in four 1 and q remain."""
+    q = sp.symbols("x y z t")
+    flat = gt.Frame(q[:3], sp.eye(3))
+    found, words = ansatz_functions(flat, fitting_functions(flat, []))
+    assert len(found) == len(set(found)) == 64
+    assert words.endswith("(1, z, cos(z), sin(z))")
+    found, _ = ansatz_functions(flat, fitting_functions(flat, [q[2] ** 2]))
     assert len(found) == len(set(found)) == 32
     assert {q[0] * q[2], sp.cos(q[0]) * sp.sin(q[1]) * q[2]} <= set(found)
+    four = gt.Frame(q, sp.eye(4))
+    found, words = ansatz_functions(four, fitting_functions(four, []))
+    assert (found, words) == ([1, *q], "one of (1, x, y, z, t)")
 
 
 @pytest.mark.parametrize(
@@ -45,6 +51,7 @@ def test_how_many_candidates_are_tried():
         ("so3", 6),
         ("so3_zxz", 6),
         ("twisted_bar", 4),
+        ("schwarzschild", 4),
     ],
 )
 def test_number_of_killing_fields(name, number):
@@ -52,6 +59,7 @@ def test_number_of_killing_fields(name, number):
     frame = spaces.load(name).frame
     found = gt.conserved_quantities(frame, kinetic(frame))
     assert len(momenta(found)) == number
+    assert not [name for name in found if "tensor" in name], "products of these are no news"
     assert next(iter(found)) == "energy"
 
 
@@ -81,13 +89,16 @@ def test_free_flight_keeps_ten():
 
 
 def test_falling_body():
-    """Under gravity: P_1, P_2, the vertical angular momentum and the energy stay."""
+    """Under gravity: P_1, P_2, the vertical angular momentum, the energy and L.L of the spin."""
     frame = spaces.load("r3xso3").frame
     height, g = frame.coordinates[5], sp.Symbol("g")
     found = gt.conserved_quantities(frame, FLIGHT - MASS * g * height)
     assert set(found) == {
         "energy", "momentum of phi3", "momentum of x1", "momentum of x2", "space momentum 3",
+        "killing tensor 1",
     }  # fmt: skip
+    spin = sum((i * u) ** 2 for i, u in zip(MOMENTS, U[:3], strict=True))
+    assert sp.expand(found["killing tensor 1"] - spin) == 0
 
 
 def test_almost_symmetric_is_not_symmetric():
@@ -156,12 +167,12 @@ def test_relations_over_the_rationals():
     x, k = sp.symbols("x k")
     field = Field([x, k])
     values = [field.read(v) for v in (sp.sin(x) ** 2, sp.cos(x) ** 2, 1 / x, k / x, sp.Integer(3))]
-    (row,) = relations(field, [[value] for value in values])
+    (row,) = relations([[value] for value in values])
     assert row == {0: 3, 1: 3, 4: -1}
-    assert depends(field, field.read(sp.cos(2 * x)), values)
-    assert not depends(field, field.read(k), values)
-    assert relations(field, [[field.zero], [field.zero]]) == [{0: 1}, {1: 1}]
-    assert relations(field, []) == []
+    assert depends(field.read(sp.cos(2 * x)), values)
+    assert not depends(field.read(k), values)
+    assert relations([[field.zero], [field.zero]]) == [{0: 1}, {1: 1}]
+    assert relations([]) == []
 
 
 def test_flow_gets_the_invariants():
@@ -194,3 +205,110 @@ def test_lines_that_begin_where_their_integral_is_not_zero():
                 assert sp.simplify(along - turned) == 0
     found = gt.conserved_quantities(frame, "(u1**2 + u2**2)/2")
     assert "space momentum 1" in found
+
+
+X, Y, Z, T = sp.symbols("x y z t", real=True)
+K = sp.Symbol("k", positive=True)
+
+
+def verified(frame, lagrangian, found):
+    """Whether each quantity is constant along the solved motion, from a start of no symmetry."""
+    equations = gt.equations_of_motion(frame, lagrangian)
+    numbers = [sp.Rational(k, 7) for k in (9, 4, 5, -3, 2, -6, 8, 1)]
+    names = [*frame.coordinates, *equations.velocities]
+    place = dict(zip(names, numbers, strict=False))
+    place |= dict.fromkeys(sp.sympify(lagrangian).free_symbols - set(place), sp.Rational(6, 5))
+    rates = [equations.rates[symbol.name] for symbol in names]
+    for value in found.values():
+        change = sum(value.diff(s) * rate for s, rate in zip(names, rates, strict=True))
+        assert abs(sp.N(change.subs(place), 30)) < 1e-25
+    return True
+
+
+@pytest.mark.parametrize(
+    ("place", "potential", "number"),
+    [
+        ((X, Y), K * (X**2 + Y**2) / 2, 1),
+        ((X, Y), -K / sp.sqrt(X**2 + Y**2), 1),
+        ((X, Y, Z), K * (X**2 + Y**2 + Z**2) / 2, 3),
+        ((X, Y, Z), -K / sp.sqrt(X**2 + Y**2 + Z**2), 3),
+        ((X, Y, Z), K * (X**2 + Y**2) / 2, 2),
+        ((X, Y, Z), sp.S.Zero, 6),
+    ],
+)
+def test_angular_momentum_in_cartesian_coordinates(place, potential, number):
+    """Oscillators, Kepler and the free particle keep what they keep in any coordinates."""
+    frame = gt.Frame(place, sp.eye(len(place)))
+    lagrangian = kinetic(frame) - potential
+    found = gt.conserved_quantities(frame, lagrangian)
+    assert len(momenta(found)) == number
+    assert verified(frame, lagrangian, found)
+    # The angular momentum about z is a combination of what was found.
+    values = [value for name, value in found.items() if name in momenta(found)]
+    field = Field([*place, *U[:3], K])
+    turning = field.read(place[0] * U[1] - place[1] * U[0])
+    assert depends(turning, [field.read(value) for value in values])
+
+
+def test_minkowski_has_ten():
+    """Translations, rotations and boosts, in Cartesian and in spherical coordinates."""
+    signature = (-1, 1, 1, 1)
+    flat = gt.Frame((T, X, Y, Z), sp.eye(4), signature=signature)
+    found = gt.conserved_quantities(flat, kinetic(flat))
+    assert len(momenta(found)) == 10
+    assert len(found) == 11
+    r, theta, phi = sp.symbols("r theta phi", real=True)
+    legs = sp.diag(1, 1, r, r * sp.sin(theta))
+    round_one = gt.Frame((T, r, theta, phi), legs, signature=signature)
+    found = gt.conserved_quantities(round_one, kinetic(round_one))
+    assert len(momenta(found)) == 10
+    assert verified(round_one, kinetic(round_one), found)
+
+
+@pytest.mark.parametrize("name", ["kerr", "kerr_newman"])
+def test_carters_constant(name):
+    """K = r^2 (u3^2 + u4^2) + a^2 cos^2 (u1^2 - u2^2) [Carter 1968], where nothing else is left."""
+    q = sp.symbols("t r theta phi", real=True)
+    _, r, theta, _ = q
+    mass, a, charge = sp.symbols("M a Q", positive=True)
+    c, s = sp.cos(theta), sp.sin(theta)
+    extra = charge**2 if name == "kerr_newman" else 0
+    slow = sp.sqrt(r**2 - 2 * mass * r + a**2 + extra) / sp.sqrt(r**2 + a**2 * c**2)
+    long = sp.sqrt(r**2 + a**2 * c**2)
+    rows = [
+        [slow, 0, 0, -a * s**2 * slow],
+        [0, 1 / slow, 0, 0],
+        [0, 0, long, 0],
+        [-a * s / long, 0, 0, (r**2 + a**2) * s / long],
+    ]
+    frame = gt.Frame(q, rows, signature=(-1, 1, 1, 1), parameters=(mass, a, charge))
+    found = gt.conserved_quantities(frame, kinetic(frame))
+    assert list(found) == ["energy", "momentum of t", "momentum of phi", "killing tensor 1"]
+    u = U[:4]
+    published = r**2 * (u[2] ** 2 + u[3] ** 2) + a**2 * c**2 * (u[0] ** 2 - u[1] ** 2)
+    assert sp.expand(found["killing tensor 1"] - published) == 0
+    # (L - a E)^2 + Q, with the constant Q of Boyer-Lindquist coordinates.
+    energy, turn = -found["momentum of t"], found["momentum of phi"]
+    square = -2 * found["energy"]
+    carter = (long * u[2]) ** 2 + c**2 * (a**2 * (square - energy**2) + turn**2 / s**2)
+    numbers = [r, theta, mass, a, charge, *u]
+    place = {
+        x: sp.Rational(k, 11) for x, k in zip(numbers, (40, 9, 10, 6, 3, 14, 2, 5, 7), strict=True)
+    }
+    gap = found["killing tensor 1"] - (turn - a * energy) ** 2 - carter
+    assert abs(sp.N(gap.subs(place), 30)) < 1e-25
+
+
+def test_the_ansatz_is_reported():
+    """What was searched is printed with what was found, also where nothing was found."""
+    frame = gt.Frame((X, Y), sp.eye(2))
+    found = gt.conserved_quantities(frame, kinetic(frame) - K * (X**2 + X * Y**3))
+    assert list(found) == ["energy"]
+    assert "sums of c*f(q)*p_k, f a product of one of each (1, x) (1, y)" in found.ansatz
+    assert repr(found).endswith("\n".join(f"  {line}" for line in found.ansatz))
+    drag = [-U[0], -U[1]]
+    none = gt.conserved_quantities(frame, kinetic(frame) - T * X - Y**2, drag)
+    assert repr(none).startswith("nothing was found\nsearched:")
+    assert gt.conserved_quantities(frame, kinetic(frame)) == dict(
+        gt.conserved_quantities(frame, kinetic(frame))
+    )

@@ -33,7 +33,7 @@ print(json.dumps({
     "seconds": time.perf_counter() - start[0],
     "processor": time.process_time() - start[1],
     "gigabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
-    "clean": int(found.clean.sum()),
+    "clean": int(found.known.sum()),
     "grains": crystal.grains.count,
     "share": float(np.sqrt(np.nanmean(found.per_area**2)) / np.nanmean(found.floor)),
 }))

@@ -4,8 +4,9 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
-from geomtorsion.cli.app import Commands
+from geomtorsion.cli.app import Commands, app
 from geomtorsion.cli.commands.exercises import ExerciseCommands
 from tests.cli.running import run
 
@@ -20,7 +21,7 @@ def test_version_is_that_of_the_package():
 
 def test_help_lists_the_commands():
     """No command is missing from the overview."""
-    assert len(COMMANDS) == 23
+    assert len(COMMANDS) == 24
     for group, commands in GROUPS.items():
         text = run(*group.split(), "--help").stdout
         for name in commands.summaries:
@@ -42,6 +43,68 @@ def test_a_wrong_name_is_refused():
     error = run("geometri", "so3", code=2).stderr
     assert "No such command 'geometri'" in error
     assert "geometry" in error
+
+
+def test_help_lists_the_commands_in_groups():
+    """Every command stands below one title."""
+    text = run("--help").stdout
+    titles = [text.index(f"\n{title}:\n") for title in Commands.groups]
+    assert titles == sorted(titles)
+    assert "\nCommands:" not in text
+    grouped = [name for names in Commands.groups.values() for name in names]
+    assert sorted(grouped) == sorted(Commands.summaries)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["bogus"], "No such command 'bogus'"), (["--bogus"], "No such option"),
+     (["curve"], "Missing argument"), (["curve", "so3", "--bogus"], "No such option"),
+     (["curve", "so3", "--samples", "x"], "--samples: "),
+     (["curve", "so3", "--format", "gif"], "--format: 'gif' is not one of"),
+     (["exercises", "bogus"], "No such command"), (["curve", "bogus"], "'bogus'"),
+     (["exercises", "show", "9.9"], "9.9"), (["burgers", "so3", "--circle", "3"], "--circle 3")],
+)  # fmt: skip
+def test_all_errors_have_one_style(arguments, words):
+    """One line with the name of the program first, code 2, nothing on standard output."""
+    done = run(*arguments, code=2)
+    first, *rest = done.stderr.splitlines()
+    assert first.startswith("geomtorsion: ")
+    assert words in first
+    assert all(line.startswith("(") for line in rest)
+    assert not done.stdout
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["burgers", "screw_dislocation", "--circle", "1,0,0:2"],
+     ["burgers", "screw_dislocation", "--circle", "1,0,0:2", "--proved"]],
+)  # fmt: skip
+def test_missing_values_name_the_option(arguments):
+    """Not the argument of Python."""
+    error = run(*arguments, code=2).stderr
+    assert "--set b=1" in error
+    assert "parameters=" not in error
+
+
+def completed(*words: str) -> list[str]:
+    """What the shell offers for the last of some words."""
+    line = " ".join(["geomtorsion", *words])
+    asked = {"_GEOMTORSION_COMPLETE": "complete_bash", "COMP_WORDS": line}
+    asked["COMP_CWORD"] = str(len(words))
+    done = CliRunner().invoke(app, [], prog_name="geomtorsion", env=asked)
+    return done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [(["cur"], "curve"), (["curve", "so3_z"], "so3_zxz"), (["run", "dzh"], "dzhanibekov"),
+     (["exercises", "show", "3."], "3.2"), (["curve", "--frame"], "--frame-velocity")],
+)  # fmt: skip
+def test_the_shell_completes(words, offered):
+    """Commands, options, and the names of spaces, scenes and exercises."""
+    found = completed(*words)
+    assert offered in found
+    assert all(name.startswith(words[-1]) for name in found)
 
 
 def loaded(*arguments: str) -> set[str]:

@@ -31,6 +31,8 @@ def test_a_wavy_loop_round_a_screw_in_polar_coordinates(times: int) -> None:
     assert found.check.flux == pytest.approx(expected, abs=1e-12)
     exact = exact_burgers_vector(SCREW, loop)
     assert exact.vector == (0, 4 * sp.pi * times, B * times)
+    assert float(exact.magnitude.subs(B, 0.5)) == pytest.approx(found.magnitude, rel=1e-12)
+    assert exact.error == 0
     assert loop.gap.tolist() == [0, 2 * math.pi * times, 0]
 
 

@@ -232,3 +232,50 @@ def test_values_against_what_was_declared():
     n = sp.Symbol("n", integer=True)
     with pytest.raises(CoordinateError, match="n was declared integer, but 1.5 was"):
         solve_many(ODE.of({"x": n}, [0], parameters={"n": 1}), {"n": [1, 1.5, 2]}, 1.0)
+
+
+def test_symbols_are_names():
+    """Symbols of sympy name states, parameters, the time, outputs, changes and groups."""
+    x, v, k, tau = sp.symbols("x v k tau")
+    made = ODE.of(
+        {x: v, v: -k * x},
+        {x: 1, v: 0},
+        parameters={k: 4},
+        invariants={sp.Symbol("energy"): v**2 + k * x**2},
+        outputs={sp.Symbol("late"): x + tau},
+        time=tau,
+        events=[At(2.0, {k: 1})],
+        norm_groups=[(x, v)],
+    )
+    text = ODE.of(
+        {"x": "v", "v": "-k*x"},
+        {"x": 1, "v": 0},
+        parameters={"k": 4},
+        invariants={"energy": "v**2 + k*x**2"},
+        outputs={"late": "x + tau"},
+        time="tau",
+        events=[At(2.0, {"k": 1})],
+        norm_groups=[("x", "v")],
+    )
+    one, two = solve(made, 3.0), solve(text, 3.0)
+    assert (one.states == two.states).all()
+    assert (one["late"] == two["late"]).all()
+    moved = made.with_start(start={x: 2}, parameters={k: 9})
+    assert (moved.start, moved.parameters) == ((2, 0), {"k": 9})
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (({"t": "v", "v": "-t"}, [1, 0]), "t is named twice, for a state .* time='tau'"),
+        (({"tau": "t"}, [1], {"t": 2}), "t is named twice, for a parameter .* time='s'"),
+        (({"x": "v", "v": "x"}, [1, 0], {"v": 2}), "v is named twice, .* omit it from parameters"),
+    ],
+)
+def test_a_name_of_two_things_says_what_to_do(given, words):
+    """The remedy is in the message, and works."""
+    rates, start, *parameters = given
+    with pytest.raises(ExpressionError, match=words):
+        ODE.of(rates, start, parameters=parameters[0] if parameters else None)
+    if "time" in words:
+        ODE.of({"t": "v", "v": "-t"}, [1, 0], time="tau")

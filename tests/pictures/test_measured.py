@@ -10,19 +10,18 @@ from matplotlib.collections import LineCollection
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.maps import Circuit, OrientationMap
-from geomtorsion.materials.measured import CrystalField, SampledField
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import save
+from tests.materials.fields.test_sampled_source import field
 from tests.materials.maps.synthetic import wall
-from tests.materials.measured.test_fields import field
 
 
 def test_a_survey_shows_density_and_significance():
     """Two panels with the values of the survey; arrows where b is significant."""
-    survey = CrystalField(wall(2.0, (20, 30), 0.5, sigma=0.01)).survey(4)
+    survey = (wall(2.0, (20, 30), 0.5, sigma=0.01)).burgers_map(4)
     left, right = draw_survey(survey).axes[:2]
     shown = np.asarray(left.collections[0].get_array()).reshape(16, 26)
-    assert shown == pytest.approx(survey.density[..., 0].T)
+    assert shown == pytest.approx(survey.per_area.T)
     assert right.collections[0].get_clim() == (0, 2 * survey.level)
     quiver = left.collections[1]
     assert 0 < quiver.N < survey.significant.sum()
@@ -33,30 +32,28 @@ def test_a_survey_shows_density_and_significance():
 
 def test_a_survey_far_above_its_noise_is_logarithmic():
     """From the noise floor to the largest value."""
-    survey = field(sigma=1e-5).survey(2)
+    survey = field(sigma=1e-5).burgers_map(2)
     norm = draw_survey(survey).axes[0].collections[0].norm
     assert norm.vmin == pytest.approx(float(np.median(survey.floor)))
     assert type(norm).__name__ == "LogNorm"
-    assert type(draw_survey(field(sigma=0.1).survey(2)).axes[0].collections[0].norm).__name__ == (
-        "Normalize"
-    )
+    assert type(
+        draw_survey(field(sigma=0.1).burgers_map(2)).axes[0].collections[0].norm
+    ).__name__ == ("Normalize")
 
 
 def test_nothing_known_is_grey():
     """A survey whose circuits all touch a hole is drawn, and says so."""
     mask = np.zeros((11, 13), dtype=bool)
     mask[::2, ::2] = True
-    figure = draw_survey(field(mask=mask, sigma=0.1, order=2).survey(3))
+    figure = draw_survey(field(mask=mask, sigma=0.1, order=2).burgers_map(3))
     assert "touch a hole" in figure.texts[0].get_text()
 
 
 @pytest.mark.parametrize("kind", ["grid", "map"])
 def test_circuits_stand_on_what_was_measured(kind):
     """The circuit as a line, b beside it with its noise."""
-    measured = field(sigma=0.01) if kind == "grid" else CrystalField(wall(2.0, (20, 30), 0.5))
-    if kind == "map":
-        measured = CrystalField(wall(2.0, (20, 30), 0.5, sigma=0.01))
-    found = measured.closure(Loop.circle([2.5, 3], 1.5))
+    measured = field(sigma=0.01) if kind == "grid" else wall(2.0, (20, 30), 0.5, sigma=0.01)
+    found = measured.burgers(Loop.circle([2.5, 3], 1.5))
     axes = draw_circuits(measured, [found]).axes[0]
     assert np.asarray(axes.lines[0].get_xdata()) == pytest.approx(found.path[0], nan_ok=True)
     texts = [text.get_text() for text in axes.texts]
@@ -69,8 +66,8 @@ def test_boundaries_of_grains_and_circuits_step_by_step(tmp_path):
     angles[..., 0] = 0.3 * np.arange(16)
     angles[:, 11:, 0] += 30
     angles[5, 2] = np.nan
-    bent = CrystalField(OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0.05))
-    found = bent.closure(Circuit.square((1, 4), 5))
+    bent = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=0.05)
+    found = bent.burgers(Circuit.square((1, 4), 5))
     assert np.isnan(found.path[0]).sum() == 20
     figure = draw_circuits(bent, [found])
     axes = figure.axes[0]
@@ -86,7 +83,7 @@ def test_a_map_without_clean_circuits():
     angles = np.zeros((6, 6, 3))
     angles[..., 0] = 40 * (np.indices((6, 6)).sum(axis=0) % 2)
     crystal = OrientationMap.from_euler(angles, 0.5, "m-3m", sigma=1)
-    survey = CrystalField(crystal).survey(2)
+    survey = crystal.burgers_map(2)
     assert not survey.known.any()
     assert "cross a boundary" in draw_survey(survey).texts[0].get_text()
 
@@ -95,9 +92,9 @@ def test_circuits_of_a_volume_stand_on_their_sections():
     """Two circuits in two planes: a panel each, with the section below it."""
     axes = [np.arange(7.0), np.arange(8.0), np.arange(6.0)]
     x, _y, z = np.meshgrid(*axes, indexing="ij")
-    cube = SampledField(SampledFrame(axes, np.array([[0 * x, x * z, 0 * x]]), sigma=0.01))
+    cube = SampledFrame(axes, np.array([[0 * x, x * z, 0 * x]]), sigma=0.01)
     loops = [Loop.circle([4, 3, 2], 1.5, plane=plane) for plane in ((1, 2), (0, 1), (1, 2))]
-    figure = draw_circuits(cube, [cube.closure(loop) for loop in loops])
+    figure = draw_circuits(cube, [cube.burgers(loop) for loop in loops])
     panels = [axes for axes in figure.axes if axes.lines]
     assert [axes.get_title() for axes in panels] == [
         "|b| per area of each cell, x = 4",
@@ -113,7 +110,7 @@ def test_refused_circuits_are_drawn():
     loop = Loop.circle([2.5, 3], 1.5)
     alone = draw_circuits(measured, [], [loop]).axes[0]
     assert [line.get_linestyle() for line in alone.lines] == ["-", "--"]
-    closure = measured.closure(loop)
+    closure = measured.burgers(loop)
     both = draw_circuits(measured, [closure], [Loop.circle([2.5, 3], 1.0)])
     assert len(both.axes[0].lines) == 4
     assert "Dashed" in both.texts[0].get_text()

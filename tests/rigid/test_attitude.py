@@ -216,3 +216,58 @@ def test_rounded_input_is_normalised():
     r = att.matrix_from_quaternion(att.checked_matrix(matrix))
     assert np.abs(r.T @ r - np.eye(3)).max() < 5e-16
     assert np.abs(r - matrix).max() < 1e-7
+
+
+def exact_vector(q):
+    """The rotation vector of a quaternion, with 50 digits."""
+    with mpmath.workdps(50):
+        w, *part = map(mpmath.mpf, q)
+        if w < 0:
+            w, part = -w, [-x for x in part]
+        length = mpmath.sqrt(sum(x * x for x in part))
+        angle = 2 * mpmath.atan2(length, w)
+        return np.array([float(angle * x / length) for x in part])
+
+
+@pytest.mark.parametrize(
+    "scalar", [0.0, 1e-300, 1e-16, -1e-16, 1e-9, 0.1, -0.5, 1.0, 1e9, 1e160, -1e300]
+)
+@pytest.mark.parametrize("scale", [1.0, 1e-250, 1e5])
+def test_rotation_vector_of_a_quaternion(scalar, scale):
+    """As 50 digits have it, for quaternions of any length, near 0 and near half a turn."""
+    for part in np.random.default_rng(3).normal(size=(5, 3)):
+        q = np.array([scalar, *part]) * scale
+        expected = exact_vector(q)
+        found = att.rotation_vector_from_quaternion(q)
+        assert np.abs(found - expected).max() <= 1e-15 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-4])
+def test_rotation_vector_of_a_matrix_near_half_a_turn(gap):
+    """A matrix rounded to doubles gives axis and angle to some roundings, where acos loses half."""
+    for axis in np.random.default_rng(4).normal(size=(8, 3)):
+        with mpmath.workdps(50):
+            n = mpmath.matrix([mpmath.mpf(x) for x in axis])
+            n = n / mpmath.norm(n)
+            angle = mpmath.pi - gap
+            c, s = mpmath.cos(angle), mpmath.sin(angle)
+            cross = mpmath.matrix([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
+            exact = c * mpmath.eye(3) + s * cross + (1 - c) * n * n.T
+            expected = np.array([float(angle * x) for x in n])
+        found = att.rotation_vector_from_matrix(np.array(exact.tolist(), dtype=float))
+        # Within a rounding of half a turn the two vectors of half a turn cannot be told apart.
+        sign = np.sign(found @ expected) if gap < 1e-14 else 1.0
+        assert np.abs(sign * found - expected).max() < 1e-14
+
+
+def test_rotation_vectors_go_through_quaternions_and_matrices():
+    """Vectors shorter than half a turn come back; arrays of any leading shape."""
+    vectors = np.random.default_rng(6).uniform(-1.8, 1.8, (4, 5, 3))
+    q = att.quaternion_from_rotation_vector(vectors)
+    assert np.abs(att.rotation_vector_from_quaternion(q) - vectors).max() < 3e-15
+    matrices = att.matrix_from_quaternion(q)
+    assert np.abs(att.rotation_vector_from_matrix(matrices) - vectors).max() < 5e-15
+    assert (att.rotation_vector_from_quaternion([3, 0, 0, 0]) == 0).all()
+    tiny = np.array([3e-200, -4e-200, 1e-310])
+    matrix = att.matrix_from_quaternion(att.quaternion_from_rotation_vector(tiny))
+    assert att.rotation_vector_from_matrix(matrix) == pytest.approx(tiny, rel=1e-14, abs=1e-320)

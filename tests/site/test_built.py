@@ -15,6 +15,7 @@ TUTORIALS = (
     "first_tetrad",
     "connections",
     "straightest_and_shortest",
+    "which_path",
     "loops_that_do_not_close",
     "from_data",
     "top_and_effects",

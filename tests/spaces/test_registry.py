@@ -19,6 +19,8 @@ flat_spherical s2 s3 s7 heisenberg sol sl2r ax_plus_b bianchi_i bianchi_ii bianc
 bianchi_v bianchi_vi_0 bianchi_vi_h bianchi_vii_0 bianchi_vii_h bianchi_viii bianchi_ix twisted_bar
 screw_dislocation edge_dislocation wedge_disclination axial_torsion schwarzschild
 schwarzschild_isotropic kerr kerr_kinnersley frw de_sitter goedel
+schwarzschild_cartesian schwarzschild_falling kerr_newman taub_nut pp_wave frw_closed frw_open
+torsion_bounce kerr_de_sitter_torsion
 """.split()
 
 

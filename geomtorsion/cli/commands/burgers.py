@@ -14,7 +14,6 @@ import typer
 
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.measured import Reading, identity_frame, measured_burgers, opened
 from geomtorsion.cli.options import (
     MeasuredLaue,
     MeasuredOrder,
@@ -29,7 +28,8 @@ from geomtorsion.cli.options import (
     directory,
     option,
 )
-from geomtorsion.cli.sources import open_space
+from geomtorsion.cli.results import show_burgers
+from geomtorsion.cli.sources import Reading, identity_frame, open_space, opened
 from geomtorsion.cli.terminal import working
 from geomtorsion.errors import GeomtorsionError, LoopError, MissingExtraError, MissingValueError
 from geomtorsion.files import write_text
@@ -43,7 +43,8 @@ from geomtorsion.loops.loop_files import (
     number_of,
     read_loops,
 )
-from geomtorsion.materials.measured import is_measured
+from geomtorsion.materials.readers import is_source
+from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.loops import draw_closure
 from geomtorsion.pictures.style import save
 from geomtorsion.proofs import prove
@@ -137,7 +138,7 @@ def burgers(
       geomtorsion burgers map.ctf --loop "circle 20,30:8" -o out
       geomtorsion burgers lattice.tif --pixel 0.032nm --loop "circle 4,4:2.5"
     """
-    measured = is_measured(source)
+    measured = is_source(source)
     field, name = None, source
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     if measured:
@@ -173,7 +174,7 @@ def burgers(
     if not wanted:
         raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
     if field is not None:
-        measured_burgers(field, wanted, output, plain=form is Form.json)
+        show_burgers(field, wanted, output, plain=form is Form.json)
         return
     results: list[dict[str, Any]] = []
     vectors: list[BurgersVector | None] = []
@@ -186,10 +187,8 @@ def burgers(
                     result, vector = _solved(frame, loop, accuracy, parameters, exact)
                     if vector is not None and proved:
                         result |= {"proof": prove(vector).to_json()}
-                except MissingValueError as error:
-                    raise MissingValueError(f"{error} Here: --set NAME=VALUE.") from None
                 except GeomtorsionError as error:
-                    if len(wanted) == 1:
+                    if len(wanted) == 1 or isinstance(error, MissingValueError):
                         raise
                     kind = type(error).__name__
                     result, vector = {"loop": loop.name, "failed": str(error), "kind": kind}, None
@@ -352,10 +351,10 @@ def _explain(result: dict[str, Any]) -> None:
         shown = ", ".join(f"{x:.15g}" for x in result["reduced"])
         typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, below all doubles")
     else:
-        shown = ", ".join(
-            f"{x:.15g}" if isinstance(x, float) else f"{complex(*x):.15g}" for x in numbers
-        )
-        typer.echo(f"  b = ({shown}) +- {result['error']:.1e}")
+        error = result["error"]
+        values = (x if isinstance(x, float) else complex(*x) for x in numbers)
+        shown = ", ".join(number_text(x, error) for x in values)
+        typer.echo(f"  b = ({shown}) +- {size_text(error)}")
     if not result["reached"] and any(numbers):
         typer.secho(
             f"  the accuracy {result['accuracy']:g} was not reached", fg=typer.colors.YELLOW

@@ -55,6 +55,10 @@ def crystal(
     read_as: Annotated[
         str | None, option("--read-as", metavar="NAME", text="Format of FILE, as ase calls it.")
     ] = None,
+    species: Annotated[
+        str | None,
+        option(metavar="NAME,...", text="Keep these atoms: symbols or numbers of types, as U,Pu."),
+    ] = None,
     partials: Annotated[
         bool, typer.Option("--partials", help="Tell partial dislocations of a fault apart.")
     ] = False,
@@ -96,6 +100,7 @@ def crystal(
     Examples:
       geomtorsion crystal cu_edge.xyz -o out
       geomtorsion crystal w.dump --lattice bcc --orient '1,1,-2;-1,1,0;1,1,1' -o out
+      geomtorsion crystal uo2.data.gz --species U -o out
       geomtorsion crystal run.xyz --format json | jq '.frames[].lines[].burgers_lattice'
       geomtorsion crystal atoms.npy --cell 80,80,14.4 --periodic z -o out
     """
@@ -108,15 +113,19 @@ def crystal(
                 f"{name}: expected a file .npy or .npz, got {file.name}, which has its own cell. "
                 "Leave the option out."
             )
-    wanted = Wanted(lattice, _axes(orient), constant, read_as, partials, convention, edges, axes)
+    names = None if species is None else tuple(x.strip() for x in species.split(","))
+    wanted = Wanted(
+        lattice, _axes(orient), constant, read_as, partials, convention, edges, axes, names
+    )
     folder = _folder(output, resume=resume, overwrite=overwrite)
     found: list[Json] = []
     made: list[Callable[[], DislocationNetwork]] = []
     with bar(file.name) as progress:
 
-        def seen(done: int, total: int) -> None:
+        def seen(done: float, total: int, what: str) -> None:
             if progress is not None:
-                progress(done / max(total, 1), f"{file.name}: frame {done + 1} of {total}")
+                number = min(int(done) + 1, total)
+                progress(done / max(total, 1), f"{file.name}: frame {number} of {total}, {what}")
 
         try:
             for report, lines in reports(file, wanted, folder, seen):
@@ -221,6 +230,8 @@ def _text(document: Json) -> str:
     several = len(frames) > 1
     if several:
         rows.append(f"  {len(frames)} frames, in the axes of the first")
+    for frame in frames:
+        rows += _overlapping(frame, several)
     in_grains = any(len(frame.get("grains", ())) > 1 for frame in frames)
     rows += _grain_rows(frames[-1], several)
     for frame in (frame for frame in frames if frame.get("vanished")):
@@ -245,6 +256,19 @@ def _text(document: Json) -> str:
         rows += ["", f"  length {first['length']:.6g} in all, {first['junctions']} junctions"]
         rows += [_loop(line) for line in first["lines"] if "inserted" in line]
     return "\n".join(rows)
+
+
+def _overlapping(frame: Json, several: bool) -> list[str]:
+    """Atoms at one position, which are reported and do not end the run."""
+    pairs = frame.get("overlapping", [])
+    if not pairs:
+        return []
+    some = ", ".join(f"{one} and {other}" for one, other in pairs[:3])
+    of_frame = f" of frame {frame['frame']}" if several else ""
+    more = " ..." if len(pairs) > 3 else ""
+    return [
+        f"  {len(pairs):,} pair{'s' * (len(pairs) != 1)} of atoms{of_frame} overlap: {some}{more}"
+    ]
 
 
 def _grain_rows(frame: Json, several: bool) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from geomtorsion.cli.exits import ExitCode
@@ -27,14 +28,15 @@ from geomtorsion.cli.options import (
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import right_aligned, some_rows, working
 from geomtorsion.cli.values import engine_of, start_lines, start_options
+from geomtorsion.outgoing import number_text, size_text
 from geomtorsion.pictures.curve_files import write_curves
 from geomtorsion.pictures.style import can_draw
 from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Pair, solve_pair
 
-# Characters of a number, and the most coordinates that both curves show in one row.
-WIDTH, SIDE_BY_SIDE = 11, 4
+# Characters and digits of a number, and the most coordinates that both curves show in one row.
+WIDTH, DIGITS, SIDE_BY_SIDE = 11, 5, 4
 
 
 def curve(
@@ -105,14 +107,14 @@ def _summary(pair: Pair) -> list[str]:
     lines = [title, *starts, "", *_table(pair), ""]
     for name, solution in pair.curves.items():
         drift = max(solution.drift.values(), default=None)
-        invariants = "" if drift is None else f", invariants drift by {drift:.1e}"
+        invariants = "" if drift is None else f", invariants drift by {size_text(drift)}"
         lines.append(
             f"{name}: {solution.problem.law.text}; {solution.engine}, error below "
-            f"{solution.error:.1e} (asked {solution.accuracy:.1e}){invariants}"
+            f"{size_text(solution.error)} (asked {solution.accuracy:.1e}){invariants}"
         )
     largest = float(pair.distance.max())
     if pair.coincide:
-        lines.append(f"the two are one: never further apart than {largest:.1e}")
+        lines.append(f"the two are one: never further apart than {size_text(largest)}")
     else:
         lines.append(f"apart by {float(pair.distance[-1]):.6g} at the end, {largest:.6g} at most")
     if pair.chart != pair.problem.atlas.home:
@@ -142,9 +144,21 @@ def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
         f"{'':>10}{heads}".rstrip(),
         f"{parameter:>10}{'  '.join([second] * len(curves))}  {'distance':>10}",
     ]
+    # A solution's error is relative to the largest value of a coordinate.
+    errors = {
+        name: pair.curves[name].error
+        * np.abs(np.asarray(pair.coordinates[name], float)).max(axis=0)
+        for name in curves
+    }
     for k in rows:
         cells = [
-            right_aligned((f"{float(x):.5g}" for x in pair.coordinates[name][k]), WIDTH)
+            right_aligned(
+                (
+                    number_text(float(x), error, DIGITS)
+                    for x, error in zip(pair.coordinates[name][k], errors[name], strict=True)
+                ),
+                WIDTH,
+            )
             for name in curves
         ]
         lines.append(f"{pair.times[k]:>10.5g}{'  '.join(cells)}  {pair.distance[k]:>10.3g}")

@@ -172,23 +172,28 @@ def _from_words(names: list[str], words: list[str]) -> Answers:
     return found
 
 
+SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED)}
+
+
 def _say(verdict: Verdict) -> None:
     """The verdict in colours, and in signs where the terminal has them."""
     for question in verdict.questions:
-        if shows_greek():
-            sign = "✓" if question.right else "✗"
-        else:
-            sign = "right" if question.right else "wrong"
-        colour = typer.colors.GREEN if question.right else typer.colors.RED
+        sign, colour = SIGNS.get(question.state, ("?", typer.colors.YELLOW))
+        if not shows_greek():
+            sign = question.state
         kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
         said = question.message.removeprefix(f"{question.name}: ")
         message = said if "\n" in said else text_of(said)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
+        if question.read_as and not question.right:
+            typer.echo(f"  read as: {question.read_as}")
     for note in verdict.notes:
         typer.echo(note)
     if len(verdict.questions) > 1:
         typer.echo(f"{verdict.earned:g} of {verdict.points} points")
+    if verdict.unread:
+        typer.echo(f"No points are lost for {', '.join(verdict.unread)}: write it again.")
 
 
 def sheet(
@@ -213,9 +218,10 @@ def sheet(
 
 
 class Format(StrEnum):
-    """The systems for which exercises are exported."""
+    """The systems for which exercises are exported; STACK runs in Moodle."""
 
     stack = "stack"
+    moodle = "moodle"
     nbgrader = "nbgrader"
 
 
@@ -227,26 +233,29 @@ def export(
     ] = None,
     seeds: Annotated[
         str | None,
-        option(metavar="N,...", text="Variants; default: 0,1,2 for stack, 0 for nbgrader."),
+        option(metavar="N,...", text="Variants; default: 0,1,2 for moodle, 0 for nbgrader."),
     ] = None,
 ) -> None:
     """Write exercises for Moodle (STACK) or nbgrader.
 
     \b
-    stack     Moodle XML: questions of STACK, a deployed seed for each variant,
+    moodle    Moodle XML with questions of STACK: a deployed seed for each variant,
               a node of the response tree for each recognised mistake
+    stack     the same as moodle
     nbgrader  a course with notebooks: solutions, and hidden tests that grade
 
     \b
     Examples:
-      geomtorsion exercises export --to stack -o moodle
-      geomtorsion exercises export --to stack -o moodle --seeds 0,1,2,3,4
+      geomtorsion exercises export --to moodle -o moodle
+      geomtorsion exercises export --to moodle -o moodle --seeds 0,1,2,3,4
       geomtorsion exercises export --to nbgrader -o course --only 3.1,3.2,3.3
     """
     numbers = None if only is None else list(parts(only))
     variants: list[Any] | None = None if seeds is None else list(map(_seed, parts(seeds)))
     with working("exercises") as progress:
-        done = exports.export(to.value, output, numbers, variants, progress)
+        done = exports.export(
+            "stack" if to == Format.moodle else to.value, output, numbers, variants, progress
+        )
     count = len(done.files)
     typer.echo(f"wrote {'1 file' if count == 1 else f'{count} files'} to {output}")
     for note in done.notes:

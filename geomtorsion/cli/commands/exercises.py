@@ -46,7 +46,7 @@ def overview(context: typer.Context) -> None:
       geomtorsion exercises
       geomtorsion exercises show 3.2 --seed 7
       geomtorsion exercises check 3.2 "cos(phi2)/sin(phi2)"
-      geomtorsion exercises export --to stack -o moodle
+      geomtorsion exercises export --to moodle -o moodle
       geomtorsion exercises grade answers -o marks.csv
     """
     if context.invoked_subcommand is not None:

@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import webbrowser
+from io import StringIO
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from geomtorsion.cli.options import option
-from geomtorsion.cli.terminal import working
+from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.teaching.lab.export import write_pages
 from geomtorsion.teaching.lab.server import Address, serve
 
 
+def qr_code(text: str) -> str:
+    """A text as a QR code of half blocks; a hint where its package is missing."""
+    try:
+        # An extra.
+        import segno
+    except ImportError:
+        return "(`pip install 'geomtorsion[lab]'` adds a QR code here.)"
+    drawn = StringIO()
+    segno.make(text, error="l").terminal(drawn, border=2, compact=True)
+    return drawn.getvalue()
+
+
 def lab(
     host: Annotated[
-        str, typer.Option(metavar="HOST", help="Interface; others than this machine need a token.")
+        str,
+        typer.Option(metavar="HOST", help="Interface; 0.0.0.0 serves the network, with a code."),
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(metavar="N", help="Port; 0 takes a free one.")] = 2718,
     token: Annotated[
-        str, option(metavar="TEXT", text="Token; default: a new one where needed.")
+        str, option(metavar="TEXT", text="Code; default: a new one where needed.")
     ] = "",
     sessions: Annotated[
         int, typer.Option(metavar="N", min=1, help="How many pages may be open at once.")
@@ -34,8 +48,9 @@ def lab(
 ) -> None:
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
-    By default only this machine can open the page; --host changes that. The page loads nothing
-    from the network. It needs the extra `lab`; --export needs only the extra `plots`.
+    By default only this machine can open the page. With --host 0.0.0.0 all machines of the network
+    can: their address, a short code and a QR code are printed. The page loads nothing from the
+    network. It needs the extra `lab`; --export needs only the extra `plots`.
 
     \b
     Examples:
@@ -51,6 +66,12 @@ def lab(
 
     def ready(url: str) -> None:
         typer.echo(f"Torsion lab: {url}  (Ctrl-C ends it)")
+        plain, _, code = url.partition("?access_token=")
+        if code:
+            typer.echo(f"Other machines: open {plain} and type the code {code}, or scan:")
+            # The blocks of the code are signs that some terminals have not.
+            if shows_greek():
+                typer.echo(qr_code(url))
         if show:
             webbrowser.open(url)
 

@@ -12,19 +12,6 @@ import typer
 from geomtorsion.checks import count, cut, shown
 from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode, stopped
-from geomtorsion.cli.measured import (
-    Reading,
-    closures_of,
-    dashed,
-    explain,
-    identity_frame,
-    opened,
-    refused_of,
-    say_on_error,
-    sigma_of,
-    survey_lines,
-    write_survey,
-)
 from geomtorsion.cli.options import (
     MeasuredFile,
     MeasuredLaue,
@@ -41,19 +28,23 @@ from geomtorsion.cli.options import (
     directory,
     option,
 )
+from geomtorsion.cli.results import (
+    burgers_of,
+    explain,
+    refused_of,
+    say_on_error,
+    survey_lines,
+    write_survey,
+)
+from geomtorsion.cli.sources import Reading, dashed, identity_frame, opened, sigma_of
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import CheckpointError, GridError, ImageError, OrientationError
 from geomtorsion.files import write_text
 from geomtorsion.loops.loop_files import loop_from_data
+from geomtorsion.materials.fields.blocked_fields import BlockedSurvey, map_in_blocks
 from geomtorsion.materials.fields.blocked_map import run_in
 from geomtorsion.materials.fields.contents import module
-from geomtorsion.materials.measured import is_array
-from geomtorsion.materials.measured.blocked_fields import (
-    BlockedSurvey,
-    map_in_blocks,
-    open_in_blocks,
-)
-from geomtorsion.materials.measured.results import summary
+from geomtorsion.materials.readers import is_array, open_in_blocks
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from geomtorsion.pictures.style import can_draw, save
 from geomtorsion.progress import bar
@@ -140,17 +131,17 @@ def map(
         if show is not None:
             show(1, f"{path.name}: circuits of {size} x {size} cells")
         try:
-            survey = field.survey(size, _plane(plane, field.names))
+            survey = field.burgers_map(size, _plane(plane, tuple(field.names)))
         except (GridError, OrientationError, ImageError) as error:
             raise dashed(error) from None
-        about = field.about
+        about = field.description
     frame = identity_frame(field.names)
     loops = [
         loop_from_data(frame, loop_data("circle", text, ""), f"--circle {cut(text)}")
         for text in circle or []
     ]
-    results, found, _ = closures_of(field, loops, alone=False)
-    document = {"about": list(about), **summary(survey), "circles": results}
+    results, found, _ = burgers_of(field, loops, alone=False)
+    document = {"about": list(about), **survey.summary(), "circles": results}
     if as_json:
         typer.echo(json.dumps(document, indent=2))
     else:
@@ -233,7 +224,7 @@ def _in_blocks(
 def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str], list[Path]]:
     """Write map.json and a picture beside the map; the numbers, the same in words, the files."""
     survey, numbers = found.survey()
-    about = found.field.about
+    about = found.field.description
     document = {"about": list(about), **numbers, "circles": []}
     place = Path(found.result.path)
     written = [place, place.with_suffix(".json")]

@@ -223,7 +223,8 @@ def _save(
     written = [folder / "network.json", folder / "network.png"]
     try:
         save(draw_lines(net, loops, symmetry), written[1])
-    except MissingExtraError as error:
+    except (MissingExtraError, NetworkError) as error:
+        # An empty network has no picture.
         typer.echo(f"no picture: {error}", err=True)
         written.pop()
     write_text(written[0], json.dumps(document, indent=2) + "\n")

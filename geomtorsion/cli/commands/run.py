@@ -143,9 +143,6 @@ def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> Sce
         except KeyboardInterrupt:
             stopped(_left(scene, checkpoint, engine))
             raise typer.Exit(ExitCode.interrupted) from None
-        except CheckpointError as error:
-            # The library names the argument of its function; here it is an option.
-            raise CheckpointError(str(error).replace("overwrite=True", "--overwrite")) from None
         except StuckError as stuck:
             if checkpoint is not None:
                 checkpoint.unlink(missing_ok=True)

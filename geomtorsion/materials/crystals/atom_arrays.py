@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from geomtorsion.errors import CrystalError
-from geomtorsion.materials.crystals.atom_files import AtomData
+from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.given import POSITIONS, Given
 from geomtorsion.materials.fields.contents import guarded
 from geomtorsion.npz import ArrayForm, read_npz

@@ -66,51 +66,6 @@ def _counts(kind: str, rows: list[str]) -> Iterator[tuple[int, str, list[str], i
                 atoms = max(1, int(count[0])) if count and count[0].isdecimal() else atoms
             elif equals and key == "entry_count":
                 yield number, "columns", count, max(6, words // atoms)
-    elif kind == "lammps-data":
-        for number, row in enumerate(rows):
-            words = row.split()
-            if words[1:2] == ["atoms"]:
-                yield number, "atoms", words[:1], most
-
-
-def check_columns(name: str, line: int, rows: list[str]) -> None:
-    """Refuse an extended XYZ frame that names more columns than its rows have words."""
-    try:
-        # An extra: whoever reads such a file has it.
-        from ase.io.extxyz import key_val_str_to_dict
-
-        said = key_val_str_to_dict(rows[1].strip()).get("Properties")
-    except (ValueError, TypeError, RecursionError):
-        # ase will refuse it in its own words.
-        return
-    counts = said.split(":")[2::3] if isinstance(said, str) else []
-    wanted = sum(int(x) if len(x) <= 18 else 10**18 for x in counts if x.isdecimal())
-    most = max((len(row.split()) for row in rows[2:]), default=0)
-    if wanted > most:
-        raise FileFormatError(
-            f"{name}: line {line + 1}: expected Properties of at most {most:,} columns, as many as "
-            f"the rows have words, got {wanted:,}. Correct the line, or export the file again."
-        )
-
-
-def check_count_of_data(name: str, rows: list[str]) -> None:
-    """Refuse a LAMMPS data file with more or fewer atoms than it says: ase drops the others."""
-    told = [row.partition("#")[0].split() for row in rows]
-    said = next((words for words in told[1:] if words[1:] == ["atoms"]), ["none"])
-    start = next((k for k, words in enumerate(told) if words == ["Atoms"]), None)
-    if start is None or not said[0].isdecimal():
-        raise FileFormatError(
-            f"{name}: the number of atoms and a section Atoms were needed, but one of them is "
-            "missing. Is the file complete?"
-        )
-    # Rows of atoms begin with a number, other sections with a word.
-    after = (k for k, words in enumerate(told) if k > start and words and words[0][0].isalpha())
-    count = sum(bool(words) for words in told[start + 1 : next(after, len(told))])
-    if count != int(said[0]):
-        raise FileFormatError(
-            f"{name}: line {start + 1}: {said[0]} atoms were said to come, but {count:,} rows "
-            "follow. Correct the number, or export the file again."
-        )
 
 
 def check_count_of_gro(name: str, rows: list[str]) -> None:

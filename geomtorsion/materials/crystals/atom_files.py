@@ -1,15 +1,13 @@
-"""Atom files: positions, cell and species of a file, read by ase from formats of plain numbers."""
+"""Atom files: positions, cell and species; XYZ and LAMMPS here, other formats by ase."""
 
 from __future__ import annotations
 
 import io
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import contextmanager
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from stat import S_ISREG
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +15,17 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import LARGEST_ARRAYS, cut, file_name, shown
 from geomtorsion.errors import FileFormatError, MissingExtraError
-from geomtorsion.files import finite_number, read_text
-from geomtorsion.materials.crystals.atom_counts import (
-    check_columns,
-    check_count_of_data,
-    check_count_of_gro,
-    check_declared,
+from geomtorsion.files import ending, finite_number, opened, read_text
+from geomtorsion.materials.crystals.atom_counts import check_count_of_gro, check_declared
+from geomtorsion.materials.crystals.atom_rows import AtomData, check_number, completed, is_number
+from geomtorsion.materials.crystals.lammps import (
+    data_frame,
+    dump_blocks,
+    dump_frame,
+    seems_data,
+    seems_dump,
 )
+from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -47,7 +49,13 @@ FORMATS = {
     "xsf": "XSF",
 }
 # Those that are tables of numbers below a title, which are looked at before ase reads them.
-TABLES = frozenset(("lammps-data", "vasp", "vasp-xdatcar", "cfg", "dlp4", "eon", "gromacs", "xsf"))
+TABLES = frozenset(("vasp", "vasp-xdatcar", "cfg", "dlp4", "eon", "gromacs", "xsf"))
+# Formats of one frame after another that are read here: what tells frames apart, and reads one.
+FRAMES = {
+    "extxyz": (xyz_blocks, xyz_frame),
+    "xyz": (xyz_blocks, xyz_frame),
+    "lammps-dump-text": (dump_blocks, dump_frame),
+}
 # Ends of names that ase knows under other names, or not at all.
 ENDS = {
     ".xyz": "extxyz",
@@ -55,6 +63,8 @@ ENDS = {
     ".poscar": "vasp",
     ".vasp": "vasp",
     ".lmp": "lammps-data",
+    ".lammps": "lammps-data",
+    ".lammps-data": "lammps-data",
     ".lammpstrj": "lammps-dump-text",
     ".dump": "lammps-dump-text",
     ".cfg": "cfg",
@@ -63,21 +73,8 @@ ENDS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class AtomData:
-    """Atoms of one frame of a file.
-
-    positions: shape (atoms, 3), in the unit of the file (ase: angstrom).
-    cell: edges as rows, shape (3, 3), or None if there is none.
-    periodic: along which edges it repeats. species: chemical symbols, None where the file has none.
-    where: the file and frame.
-    """
-
-    positions: np.ndarray
-    cell: np.ndarray | None
-    periodic: tuple[bool, bool, bool]
-    species: tuple[str, ...] | None
-    where: str
+# Bytes at the beginning of a file that tell its format.
+BEGINNING = 100_000
 
 
 def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[AtomData]:
@@ -96,24 +93,13 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
         ase is not installed.
     """
     file = file_name(path)
-    _regular(file)
     kind = _form_of(file, form)
     count = 0
-    for atoms, where in _read(file, kind):
-        yield _data(atoms, f"{file.name}{where}" if where else file.name)
+    for found in _frames(file, kind):
+        yield found
         count += 1
     if not count:
         raise FileFormatError(f"{file.name}: it holds no atoms. Is the file complete?")
-
-
-def _regular(file: Path) -> None:
-    """Refuse what is no file: a pipe or a device would never end."""
-    try:
-        if not S_ISREG(file.stat().st_mode):
-            raise OSError(0, "this is no regular file")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "this is no name of a file"
-        raise FileFormatError(f"{shown(str(file))}: the file cannot be read: {reason}.") from None
 
 
 def _ase(name: str) -> Any:
@@ -128,119 +114,133 @@ def _ase(name: str) -> Any:
 
 
 def _form_of(file: Path, form: str | None) -> str:
-    """The format of a file, one of FORMATS."""
+    """The format of a file, one of FORMATS: by its beginning where that leaves no doubt."""
+    with opened(file) as stream:
+        start = stream.read(BEGINNING).decode("utf-8-sig", errors="replace")
     if form is not None:
         return checks.choice(form, tuple(FORMATS), "form", FileFormatError)
-    formats = _ase("ase.io.formats")
+    if seems_dump(start):
+        return "lammps-dump-text"
+    if seems_data(start):
+        return "lammps-data"
     known = ", ".join(FORMATS)
-    if file.suffix.lower() in ENDS:
-        return ENDS[file.suffix.lower()]
-    if file.suffix.lower() in (".gz", ".bz2", ".xz"):
-        raise FileFormatError(f"{file.name}: it is compressed. Unpack it, then read that.")
+    if "nodalData" in start or "dataFileVersion" in start:
+        raise FileFormatError(
+            f"{file.name}: expected atoms, got a network of dislocation lines (ParaDiS). Read it "
+            "by DislocationNetwork.read, or show it by `geomtorsion network`."
+        )
+    if ending(file) in ENDS:
+        return ENDS[ending(file)]
+    if _seems_xyz(start):
+        return "extxyz"
+    formats = _ase("ase.io.formats")
     try:
         found = formats.filetype(str(file), read=True, guess=False)
     except Exception:  # noqa: BLE001
         # What ase makes of damaged beginnings is not its own class of errors alone.
         raise FileFormatError(
-            f"{file.name}: its format is not known by its name or beginning. Name it: "
-            f"form = one of {known}."
+            f"{file.name}: its format is not known by its name or beginning. Name it by form=... "
+            f"(--read-as), one of {known}."
         ) from None
     if found not in FORMATS:
         raise FileFormatError(
-            f"{file.name}: one of the formats {known} was needed, but it looks like {found!r}, "
-            "which is not read: such files may hold more than numbers. Export it as extended XYZ."
+            f"{file.name}: expected one of the formats {known}, got what looks like {found!r}, "
+            "which is not read: such files may hold more than numbers. Name the format by form=... "
+            "(--read-as) if it is one of these, or export the file as extended XYZ."
         )
     return found
 
 
-def _read(file: Path, kind: str) -> Iterator[tuple[Atoms, str]]:
-    """Frames as ase has them, with their places in the file."""
-    if kind in ("extxyz", "xyz", "lammps-dump-text"):
-        blocks = _xyz_blocks if kind != "lammps-dump-text" else _dump_blocks
-        with file.open(encoding="utf-8-sig", errors="replace") as stream:
-            for number, (line, rows) in enumerate(blocks(file.name, stream)):
-                where = f": frame {number}"
-                # The second row of XYZ is a comment.
-                skipped = 2 if blocks is _xyz_blocks else 0
-                _check_numbers(file.name, line + skipped, rows[skipped:])
-                if kind == "extxyz":
-                    check_columns(file.name, line, rows)
-                yield _one(file.name, kind, line, rows), where
-        return
-    ase_io = _ase("ase.io")
-    length = _length_of_cfg(file) if kind == "cfg" else 1.0
-    if kind in TABLES:
-        rows = read_text(file, LARGEST_ARRAYS, otherwise="latin-1").rstrip().split("\n")
-        # The first row is a title.
-        _check_numbers(file.name, 2, rows[1:])
-        check_declared(file.name, kind, rows)
-        if kind == "gromacs":
-            check_count_of_gro(file.name, rows)
-        elif kind == "lammps-data":
-            check_count_of_data(file.name, rows)
+def _seems_xyz(start: str) -> bool:
+    """Whether a number of atoms and a comment go before rows of a species and three numbers."""
+    rows = start.split("\n", 3)
+    words = rows[2].split() if len(rows) > 2 else []
+    return rows[0].strip().isdecimal() and len(words) > 3 and all(map(is_number, words[1:4]))
+
+
+def _frames(file: Path, kind: str) -> Iterator[AtomData]:
+    """Frames of a file, each with its number in the file."""
+    name = file.name
+    if kind in FRAMES:
+        blocks, frame = FRAMES[kind]
+        with _text_of(file) as stream:
+            for number, (line, rows) in enumerate(blocks(name, stream)):
+                yield frame(name, line, rows, f"{name}: frame {number}")
+    elif kind == "lammps-data":
+        yield data_frame(name, read_text(file, LARGEST_ARRAYS, otherwise="latin-1"))
+    else:
+        for number, atoms in enumerate(_by_ase(file, kind)):
+            yield _data(atoms, f"{name}: frame {number}" if number else name)
+
+
+@contextmanager
+def _text_of(file: Path) -> Iterator[io.TextIOBase]:
+    """A file as text, line by line."""
+    with opened(file) as stream:
+        yield io.TextIOWrapper(stream, encoding="utf-8-sig", errors="replace")
+
+
+def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
+    """Frames as ase has them."""
+    ase_io, formats = _ase("ase.io"), _ase("ase.io.formats")
+    source: Any = str(file)
+    length = 1.0
+    if kind == "netcdftrajectory":
+        if file.suffix.lower() != ".nc":
+            raise FileFormatError(
+                f"{file.name}: expected the name of an AMBER NetCDF file to end in .nc, got "
+                f"{shown(file.suffix)}. Unpack or rename it."
+            )
+    else:
+        text = read_text(file, LARGEST_ARRAYS, otherwise="latin-1")
+        if kind == "cfg":
+            length = _length_of_cfg(file.name, text)
+        if kind in TABLES:
+            rows = text.rstrip().split("\n")
+            # The first row is a title.
+            _check_numbers(file.name, 2, rows[1:])
+            check_declared(file.name, kind, rows)
+            if kind == "gromacs":
+                check_count_of_gro(file.name, rows)
+        binary = formats.ioformats[kind].isbinary
+        source = io.BytesIO(text.encode()) if binary else io.StringIO(text)
     try:
-        frames = ase_io.iread(str(file), index=":", format=kind)
-        for number, atoms in enumerate(frames):
+        for atoms in ase_io.iread(source, index=":", format=kind):
             if length != 1:
                 atoms.set_cell(length * atoms.cell, scale_atoms=True)
-            yield atoms, f": frame {number}" if number else ""
+            yield atoms
     except Exception as error:  # noqa: BLE001
         # Readers of many formats, each with errors of its own.
         raise _unreadable(file.name, kind, error) from None
 
 
-def _length_of_cfg(file: Path) -> float:
+def _length_of_cfg(name: str, text: str) -> float:
     """The length in which a CFG file gives its cell: ase takes it for 1."""
-    with file.open(encoding="utf-8-sig", errors="replace") as stream:
-        for number, row in enumerate(stream, 1):
-            key, equals, said = row.partition("=")
-            if not equals and row.strip() and not row.lstrip().startswith(("#", ".")):
-                # Here the atoms begin.
-                break
-            if key.strip() == "A":
-                words = said.split()
-                found = finite_number(words[0]) if words else None
-                if found is None or found <= 0:
-                    raise FileFormatError(
-                        f"{file.name}: line {number}: A: a length above 0 was needed, but "
-                        f"{shown(said.strip())} came."
-                    )
-                return found
+    for number, row in enumerate(text.split("\n"), 1):
+        key, equals, said = row.partition("=")
+        if not equals and row.strip() and not row.lstrip().startswith(("#", ".")):
+            # Here the atoms begin.
+            break
+        if key.strip() == "A":
+            words = said.split()
+            found = finite_number(words[0]) if words else None
+            if found is None or found <= 0:
+                raise FileFormatError(
+                    f"{name}: line {number}: A: expected a length above 0, got "
+                    f"{shown(said.strip())}. Correct it."
+                )
+            return found
     return 1.0
 
 
 def _check_numbers(name: str, line: int, rows: list[str]) -> None:
-    """Refuse what Python takes for a number and nobody else: 1_8 is 18 to it.
-
-    line: the number of the first row in the file.
-    """
+    """Refuse what Python alone takes for a number; line: the number of the first row."""
     text = "".join(rows)
     if text.isascii() and "_" not in text:
         return
     for number, row in enumerate(rows, line):
         for word in row.partition("#")[0].split():
-            if (not word.isascii() or "_" in word) and _is_number(word):
-                raise FileFormatError(
-                    f"{name}: line {number}: {shown(word)} is no number as programs write it, but "
-                    f"would be read as {float(word):g}. Correct it, or export the file again."
-                )
-
-
-def _one(name: str, kind: str, line: int, rows: list[str]) -> Atoms:
-    """One frame from its rows, of which the first has a number in the file."""
-    ase_io = _ase("ase.io")
-    try:
-        found = ase_io.read(io.StringIO("".join(rows)), format=kind, index=0)
-    except Exception as error:  # noqa: BLE001
-        # Here, too, ase fails with errors of many classes.
-        odd = _odd_row(rows)
-        if odd is not None:
-            raise FileFormatError(
-                f"{name}: line {line + odd}: a row like the others of its frame was needed, but "
-                f"{shown(rows[odd].strip())} came."
-            ) from None
-        raise _unreadable(f"{name}: line {line}", kind, error) from None
-    return found
+            check_number(name, number, word)
 
 
 def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | MissingExtraError:
@@ -252,116 +252,9 @@ def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | Mi
         )
     reason = cut(str(error).strip().split("\n")[0]) or type(error).__name__
     return FileFormatError(
-        f"{where}: {FORMATS[kind]} was needed, but ase cannot read it ({reason}). Is the file "
-        "complete, and of this format?"
+        f"{where}: expected {FORMATS[kind]}, got a file that ase cannot read so ({reason}). Is it "
+        "complete, and of this format? Name another by form=... (--read-as)."
     )
-
-
-def _odd_row(rows: list[str]) -> int | None:
-    """The first row of numbers that differs from most in how many words and numbers it has."""
-    shapes = [tuple(_is_number(word) for word in row.split()) for row in rows]
-    # Headers are few: rows of atoms are what most rows look like.
-    usual, count = Counter(shapes).most_common(1)[0]
-    first = shapes.index(usual)
-    odd = (k for k in range(first, len(rows)) if shapes[k] != usual)
-    found = next(odd, None)
-    # Of few rows nothing can be said.
-    return found if count > len(rows) / 2 else None
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
-def _xyz_blocks(name: str, stream: io.TextIOBase) -> Iterator[tuple[int, list[str]]]:
-    """Frames of an XYZ file as rows, with the numbers of their first lines.
-
-    What follows a frame is looked at before it is given: an atom too many is no other frame.
-    """
-    line, head = _next_head(name, stream, 0)
-    while head:
-        rows = [head]
-        for _ in range(int(head) + 1):
-            row = stream.readline()
-            if row == "":
-                raise FileFormatError(
-                    f"{name}: line {line + len(rows) - 1}: the file ends after "
-                    f"{max(len(rows) - 2, 0):,} of {int(head):,} atoms. Is it complete?"
-                )
-            rows.append(row)
-        first = line
-        line, head = _next_head(name, stream, line + len(rows) - 1)
-        yield first, rows
-
-
-def _next_head(name: str, stream: io.TextIOBase, line: int) -> tuple[int, str]:
-    """The row with the number of atoms of the next frame, and its number; empty at the end."""
-    while (head := stream.readline()) != "":
-        line += 1
-        if not head.strip():
-            continue
-        if not head.strip().isdecimal() or len(head) > 20:
-            raise FileFormatError(
-                f"{name}: line {line}: the number of atoms of a frame was needed, but "
-                f"{shown(head.strip())} came."
-            )
-        return line, head
-    return line, ""
-
-
-def _dump_blocks(name: str, stream: io.TextIOBase) -> Iterator[tuple[int, list[str]]]:
-    """Frames of a LAMMPS dump as rows, with the numbers of their first lines."""
-    first, rows = 1, []
-    for number, row in enumerate(stream, 1):
-        if row.startswith("ITEM: TIMESTEP") and rows:
-            yield first, _whole_dump(name, first, rows)
-            first, rows = number, []
-        elif not rows and not row.startswith("ITEM: TIMESTEP"):
-            if not row.strip() or row.startswith("ITEM: UNITS"):
-                continue
-            raise FileFormatError(
-                f"{name}: line {number}: ITEM: TIMESTEP was needed, but {shown(row.strip())} came."
-            )
-        rows.append(row)
-    if rows:
-        yield first, _whole_dump(name, first, rows)
-
-
-def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
-    """The rows of a frame, as many as it says itself."""
-    marks = {
-        row.strip()[6:].split(" ")[0]: k for k, row in enumerate(rows) if row.startswith("ITEM: ")
-    }
-    for key in ("NUMBER", "BOX", "ATOMS"):
-        if key not in marks:
-            raise FileFormatError(
-                f"{name}: line {first}: ITEM: {key} ... was needed in this frame, but there is "
-                "none. Is the file complete?"
-            )
-    said = rows[marks["NUMBER"] + 1].strip() if marks["NUMBER"] + 1 < len(rows) else ""
-    if not said.isdecimal() or len(said) > 18:
-        raise FileFormatError(
-            f"{name}: line {first + marks['NUMBER'] + 1}: the number of atoms was needed, but "
-            f"{shown(said)} came."
-        )
-    while not rows[-1].strip():
-        rows.pop()
-    body = len(rows) - 1 - marks["ATOMS"]
-    if body > int(said):
-        raise FileFormatError(
-            f"{name}: line {first + marks['NUMBER'] + 1}: {said} atoms are said to follow, but "
-            f"{body:,} rows do. Correct the number, or export the file again."
-        )
-    if body < int(said):
-        raise FileFormatError(
-            f"{name}: line {first + len(rows) - 1}: the frame ends after {body:,} of "
-            f"{int(said):,} atoms. Is the file complete?"
-        )
-    return rows
 
 
 def _data(atoms: Atoms, where: str) -> AtomData:
@@ -375,7 +268,7 @@ def _data(atoms: Atoms, where: str) -> AtomData:
             "gives no such edge. Give the cell (Lattice in extended XYZ), or pbc F there."
         )
     # Edges along which nothing repeats may be missing; they are put across the others.
-    cell = np.array(atoms.cell.complete(), dtype=float) if edges.any() else None
+    cell = completed(edges)
     return AtomData(
         positions=np.array(atoms.positions, dtype=float),
         cell=cell,
@@ -393,11 +286,10 @@ def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
     FileFormatError
         The file is missing, or its frames are not whole.
     """
-    file = Path(path)
-    _regular(file)
+    file = file_name(path)
     kind = _form_of(file, form)
-    if kind not in ("extxyz", "xyz", "lammps-dump-text"):
+    if kind not in FRAMES:
         return 1
-    blocks = _xyz_blocks if kind != "lammps-dump-text" else _dump_blocks
-    with file.open(encoding="utf-8-sig", errors="replace") as stream:
+    blocks, _ = FRAMES[kind]
+    with _text_of(file) as stream:
         return sum(1 for _ in blocks(file.name, stream))

@@ -135,6 +135,24 @@ class Crystal(InFrame):
         many = seems_many(self._specimen, atoms, fit.whole)
         return self.grains.grains[0].frame if many else found
 
+    @cached_property
+    def overlapping(self) -> np.ndarray:
+        """Pairs of atoms at nearly one position, by number, shape (pairs, 2).
+
+        They are ten times as near to each other as most neighbours. Circuits and lines count the
+        step between them as none.
+
+        Examples
+        --------
+        >>> from itertools import product
+        >>> sites = np.array(list(product(range(8), repeat=3)))
+        >>> places = sites[sites.sum(axis=1) % 2 == 0] * 1.8
+        >>> crystal = Crystal(np.append(places, places[:1] + 0.1, axis=0), cell=[14.4] * 3)
+        >>> crystal.overlapping.tolist(), crystal.dislocations().lines
+        ([[0, 256]], ())
+        """
+        return self._places.within(self._places.reach).overlapping
+
     @property
     def share(self) -> float:
         """Share of the atoms whose neighbours are all where the lattice of their grain has them."""

@@ -20,7 +20,7 @@ from geomtorsion.materials.crystals.local_frames import (
 )
 from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.triangulation import by_rows
-from geomtorsion.rigid.attitude import quaternion_from_matrix
+from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
 
 # Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
 NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
@@ -273,15 +273,16 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     ideal = lattice.ideal[0]
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
-    unit = r / np.linalg.norm(r, axis=1)[:, None]
+    unit = r / np.maximum(np.linalg.norm(r, axis=1), 1e-300)[:, None]
     other = int(np.abs(unit @ unit[0]).argmin())
     directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
     angle = unit[0] @ unit[other]
     # Any pair of neighbour vectors with about this angle may be these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
-    if not len(first):
-        # All neighbours lie on a line, or seem so from very far: any turn is as good.
+    if not len(first) or not unit[0].any():
+        # All neighbours lie on a line, or seem so from very far, or one overlaps with the atom: any
+        # turn is as good.
         return Frame(lattice, np.eye(3), float(scale))
     here = triads(unit[:1], unit[other : other + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
@@ -333,6 +334,20 @@ def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
     return made.deformed(vectors, fitted(made, vectors))[0]
 
 
+def upright(frame: Frame) -> Frame:
+    """The same frame in the variant of its symmetry that is nearest to the axes of the specimen.
+
+    Of variants that are equally near to a thousandth, the one with the largest first entries: which
+    atom suggested the frame does not matter.
+    """
+    group = symmetry_of(frame.lattice.name)
+    turns = product(quaternion_from_matrix(frame.orient.T), group.quaternions)
+    every = np.swapaxes(matrix_from_quaternion(turns), 1, 2)
+    keys = np.column_stack([np.abs(turns[:, 0]), every.reshape(len(every), 9)]).round(3) + 0.0
+    best = max(range(len(every)), key=lambda k: tuple(keys[k].tolist()))
+    return replace(frame, orient=every[best])
+
+
 def single_frame(
     lattice: Lattice,
     vectors: np.ndarray,
@@ -351,7 +366,7 @@ def single_frame(
         chosen = vectors[spread.astype(int)]
         every = [refined(_seeded(lattice, one), one[None]) for one in chosen]
         scores = [float(np.minimum(fitted(frame, chosen).misfit, 0.5).mean()) for frame in every]
-        best = every[int(np.argmin(scores))]
+        best = upright(every[int(np.argmin(scores))])
     if constant is not None:
         best = refined(best, vectors, orient is not None)
         if abs(best.constant / constant - 1) > METHOD.strain:

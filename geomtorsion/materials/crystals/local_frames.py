@@ -79,7 +79,7 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     sizes = np.sqrt(squared(vectors))
     scale = sizes.mean(axis=1) / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale[:, None, None]
-    unit = vectors / sizes[:, :, None]
+    unit = vectors / np.maximum(sizes, 1e-300)[:, :, None]
     cosines = np.abs(np.einsum("ni,nki->nk", unit[:, 0], unit))
     other = cosines.argmin(axis=1)
     here = triads(unit[:, 0], unit[np.arange(count), other])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from os import PathLike
 
@@ -10,9 +10,27 @@ from numpy.typing import ArrayLike
 
 from geomtorsion import checks
 from geomtorsion.errors import CrystalError, FileFormatError
-from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames
+from geomtorsion.materials.crystals.atom_files import atom_frames
+from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains
+
+# Symbols of elements or numbers of types; None for all atoms.
+Species = str | int | Sequence[str | int] | None
+
+
+def species_of(given: Species) -> tuple[str, ...] | None:
+    """The names of species, as files have them."""
+    if given is None:
+        return None
+    each = (given,) if isinstance(given, str) or checks.whole(given) is not None else given
+    names = checks.entries(each, "species", FileFormatError)
+    if not names or not all(isinstance(x, str) or checks.whole(x) is not None for x in names):
+        raise FileFormatError(
+            f"species: expected symbols of elements or numbers of types, got "
+            f"{checks.shown(given)}. Give such as 'U', 1 or ('U', 'Pu')."
+        )
+    return tuple(map(str, names))
 
 
 def read(
@@ -23,8 +41,11 @@ def read(
     orient: ArrayLike | None = None,
     constant: float | None = None,
     form: str | None = None,
+    species: Species = None,
 ) -> Crystal:
     """A crystal from a file of atoms: extended XYZ, LAMMPS dump or data, POSCAR, CIF, and more.
+
+    Files packed by gzip or bzip2 are unpacked while they are read.
 
     Parameters
     ----------
@@ -34,16 +55,19 @@ def read(
         As for `Crystal`; found from the atoms if not given.
     form
         The format, one of `atom_files.FORMATS`; found from name and content if not given.
+    species
+        Atoms to keep, by chemical symbol or number of type: "U" of UO2, or several, ("U", "Pu"). A
+        sublattice is a crystal where all atoms together are none.
 
     Raises
     ------
     FileFormatError
         The file is missing, damaged (the message names the line where there is one), has no such
-        frame, or is of a format that may hold more than numbers.
+        frame or species, or is of a format that may hold more than numbers.
     CrystalError
         The atoms are no crystal.
     MissingExtraError
-        ase is not installed: the extra `crystals`.
+        ase is not installed, which reads all formats but XYZ and LAMMPS: the extra `crystals`.
 
     Examples
     --------
@@ -62,7 +86,7 @@ def read(
     found = next(islice(atom_frames(path, form), number, None), None)
     if found is None:
         raise FileFormatError(f"{path}: it has no frame {number}; they are counted from 0.")
-    return crystal_of(found, lattice, orient, constant)
+    return crystal_of(found.chosen(species_of(species)), lattice, orient, constant)
 
 
 def read_all(
@@ -72,6 +96,7 @@ def read_all(
     orient: ArrayLike | None = None,
     constant: float | None = None,
     form: str | None = None,
+    species: Species = None,
 ) -> Iterator[Crystal]:
     """The crystals of all frames of a trajectory, one after another, in one frame of axes.
 
@@ -80,9 +105,9 @@ def read_all(
     polycrystal that of each grain, which keeps its number (`Crystal.following`). Parameters and
     errors as for `read`.
     """
-    known = None
+    known, names = None, species_of(species)
     for data in atom_frames(path, form):
-        crystal = crystal_of(data, lattice, orient, constant, known)
+        crystal = crystal_of(data.chosen(names), lattice, orient, constant, known)
         known = KnownGrains.of(crystal.grains)
         yield crystal
 

@@ -32,8 +32,9 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     Returns
     -------
     atoms, lattice, constant, orient, deformation, share, cell, periodic: of the crystal; of a
-    hexagonal one also ratio, its c/a. length, junctions, nye: of all lines. lines: of each burgers
-    (coordinates of the file, deformed as the crystal is), burgers_lattice (crystal axes, fractions
+    hexagonal one also ratio, its c/a; overlapping: pairs of atoms at nearly one position, if any.
+    length, junctions, nye: of all lines. lines: of each burgers (coordinates of the file, deformed
+    as the crystal is), burgers_lattice (crystal axes, fractions
     as text, in lattice constants), family, length, kind, path, and of closed ones `inserted`, how
     many atoms their half plane has: less than none for vacancies.
 
@@ -57,6 +58,7 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
         "orient": crystal.orient.tolist(),
         "deformation": crystal.deformation.tolist(),
         "share": crystal.share,
+        **({"overlapping": pairs.tolist()} if len(pairs := crystal.overlapping) else {}),
         **_polycrystal(crystal),
         "cell": None if cell is None else cell.tolist(),
         "periodic": crystal.periodic.tolist(),

@@ -13,7 +13,7 @@ import numpy as np
 import scipy  # loads its parts when they are asked for
 
 from geomtorsion.errors import CrystalError
-from geomtorsion.materials.crystals.frames import Frame, best_frame
+from geomtorsion.materials.crystals.frames import Frame, best_frame, upright
 from geomtorsion.materials.crystals.grains import (
     Grain,
     Grains,
@@ -177,6 +177,8 @@ def _in_order(
             frame = in_variant(frame, main).along(replace(frame, orient=main.orient))
         elif k == 0 and near:
             frame = in_variant(frame, main)
+        else:
+            frame = upright(frame)
         found.append((frame, part))
     return found
 

@@ -32,23 +32,29 @@ class Surroundings:
         return scipy.spatial.cKDTree(self.points, balanced_tree=False, compact_nodes=False)
 
     @cached_property
+    def overlapping(self) -> np.ndarray:
+        """Pairs of atoms ten times as near to each other as most are, shape (pairs, 2)."""
+        some = self.points[sampled(len(self.points))]
+        closest = float(np.median(self.tree.query(some, k=2)[0][:, 1]))
+        pairs = self.numbers[self.tree.query_pairs(closest / 10, output_type="ndarray")]
+        return np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0)
+
+    @cached_property
     def apart(self) -> Surroundings:
-        """The same, unless atoms lie upon each other: those of a crystal are about equally far
-        apart.
+        """The same, unless most atoms overlap: those of a crystal are about equally far apart.
 
         Raises
         ------
         CrystalError
-            Some are ten times as near to each other as most are.
+            More than half of the atoms overlap with another.
         """
-        some = self.points[sampled(len(self.points))]
-        closest = float(np.median(self.tree.query(some, k=2)[0][:, 1]))
-        pairs = self.tree.query_pairs(closest / 10, output_type="ndarray")
-        if len(pairs):
-            one, other = sorted(self.numbers[pairs[0]].tolist())
+        pairs = self.overlapping
+        if 2 * len(np.unique(pairs)) > len(np.unique(self.numbers)):
+            one, other = pairs[0].tolist()
             raise CrystalError(
-                f"positions: atoms {one} and {other} lie upon each other, and {len(pairs) - 1:,} "
-                "more pairs. Drop one of each, and see whether the cell is as large as the crystal."
+                f"positions: expected atoms apart from each other, got atoms {one} and {other} at "
+                f"one position, and {len(pairs) - 1:,} more such pairs. Give a cell as large as "
+                "the crystal, and each atom once."
             )
         return self
 
@@ -86,7 +92,7 @@ class Places:
         Raises
         ------
         CrystalError
-            Atoms lie upon each other, or have not so many neighbours.
+            Most atoms overlap, or have not so many neighbours.
         """
         reach, centres = self.reach, self.places[atoms]
         found = np.empty((len(centres), count), dtype=np.int64)

@@ -14,7 +14,8 @@ from geomtorsion.checks import LARGEST_ARRAYS
 from geomtorsion.errors import CheckpointError, GeomtorsionError
 from geomtorsion.files import digest_of, read_json_text, read_text, write_text, written
 from geomtorsion.materials.crystals.atom_arrays import is_atom_array, read_atom_array
-from geomtorsion.materials.crystals.atom_files import AtomData, atom_frames, frame_count
+from geomtorsion.materials.crystals.atom_files import atom_frames, frame_count
+from geomtorsion.materials.crystals.atom_rows import AtomData
 from geomtorsion.materials.crystals.crystal import Crystal
 from geomtorsion.materials.crystals.known_grains import KnownGrains
 from geomtorsion.materials.crystals.reading import crystal_of
@@ -29,7 +30,8 @@ class Wanted:
     """What is asked of every frame.
 
     lattice, orient (rows), constant, form: as for `read`. partials: as for `dislocations`.
-    convention: of the sign of b. cell, periodic: of arrays, as for `read_atom_array`.
+    convention: of the sign of b. cell, periodic: of arrays, as for `read_atom_array`. species: of
+    the atoms that are kept; all if None.
     """
 
     lattice: str | None = None
@@ -40,13 +42,14 @@ class Wanted:
     convention: str = "SF/RH"
     cell: tuple[tuple[float, ...], ...] | None = None
     periodic: tuple[bool, bool, bool] | None = None
+    species: tuple[str, ...] | None = None
 
 
 def reports(
     path: Path,
     wanted: Wanted,
     folder: Path | None = None,
-    seen: Callable[[int, int], object] = lambda done, total: None,
+    seen: Callable[[float, int, str], object] = lambda done, total, what: None,
 ) -> Iterator[tuple[Json, Callable[[], DislocationNetwork]]]:
     """The report of each frame, and a function that gives its lines.
 
@@ -56,7 +59,8 @@ def reports(
         Where reports are kept, one file a frame. What lies there is taken as it is, so that a run
         that was killed gives the same bits.
     seen
-        Called with the frames that are done and how many there are.
+        Called with the frames that are done (also in halves), how many there are, and what is
+        looked for next: lattice or lines.
 
     Raises
     ------
@@ -69,13 +73,15 @@ def reports(
     known = None
     frames = iter([_atoms(path, wanted)]) if is_array else atom_frames(path, wanted.form)
     for number, data in enumerate(frames):
-        seen(number, total)
-        frame = _Frame(data, wanted, known)
+        frame = _Frame(data.chosen(wanted.species), wanted, known)
         kept = None if folder is None else folder / f"{number:06}.json"
         if kept is not None and kept.exists():
             report = read_json_text(read_text(kept, LARGEST_ARRAYS), kept.name)
             known = known_of(report, _owner(kept, report))
         else:
+            seen(number, total, "lattice")
+            _ = frame.crystal
+            seen(number + 0.5, total, "lines")
             report = {"frame": number, **frame.report()}
             known = KnownGrains.of(frame.crystal.grains)
             if kept is not None:
@@ -87,8 +93,8 @@ def reports(
                         np.save(stream, known.owner)
                 # What stands in it comes last: where it is, all is.
                 write_text(kept, json.dumps(report))
+        seen(number + 1, total, "lines")
         yield report, frame.lines
-    seen(total, total)
 
 
 def _atoms(path: Path, wanted: Wanted) -> AtomData:

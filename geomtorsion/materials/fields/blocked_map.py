@@ -23,7 +23,6 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CheckpointError, FileFormatError, GridError, LimitError
 from geomtorsion.files import read_json_text, read_text, written
-from geomtorsion.materials.burgers import independent_significances
 from geomtorsion.materials.fields.cells import circuits, torsion
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.contents import guarded, module
@@ -41,6 +40,7 @@ from geomtorsion.materials.fields.large_arrays import (
     opened,
 )
 from geomtorsion.materials.fields.noise import Noise
+from geomtorsion.materials.survey import Errors
 from geomtorsion.progress import PATIENCE, bar
 
 # Tasks of one graph of dask, which takes some kilobytes for each.
@@ -54,12 +54,12 @@ class Parts:
     """What a map in blocks keeps of each circuit (or node).
 
     vectors: b^i (or torsion); sigmas: its standard deviation by noise; shape (rows, places...).
-    interpolation: the error of the grid, of the largest component, shape (places...).
+    systematic: the error of the grid, of the largest component, shape (places...).
     """
 
     vectors: np.ndarray
     sigmas: np.ndarray
-    interpolation: np.ndarray
+    systematic: np.ndarray
 
     @classmethod
     def of(cls, values: np.ndarray) -> Parts:
@@ -68,14 +68,14 @@ class Parts:
         return cls(values[:rows], values[rows:-1], values[-1])
 
     @property
-    def errors(self) -> np.ndarray:
-        """Noise (one standard deviation) and grid together, of the largest component."""
-        return np.hypot(self.interpolation, self.sigmas.max(axis=0))
+    def errors(self) -> Errors:
+        """Noise and the error of the grid."""
+        return Errors({(i, i): row**2 for i, row in enumerate(self.sigmas)}, self.systematic)
 
     @property
-    def significance(self) -> np.ndarray:
-        """|b| in units of its errors, as for `Plaquettes`."""
-        return independent_significances(self.vectors, self.sigmas, self.interpolation)
+    def error(self) -> np.ndarray:
+        """Noise and the error of the grid together, as `Burgers.error`, shape (places...)."""
+        return np.hypot(np.linalg.norm(self.sigmas, axis=0), self.systematic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,8 +217,15 @@ class BlockMap:
         if self.size == (0, 0):
             curl, difference, sigmas = torsion(field, self.plane)
             return np.concatenate([curl, sigmas, difference.max(axis=0)[None]])
-        found = circuits(field, self.plane, self.size)
-        return np.concatenate([found.vectors, found.sigmas, found.interpolation[None]])
+        vectors, estimate = circuits(field, self.plane, self.size)
+        errors = estimate()
+        sigmas = np.zeros(vectors.shape)
+        for i, row in enumerate(sigmas):
+            row += np.sqrt(np.maximum(errors.covariance.get((i, i), 0.0), 0.0))
+        unknown = np.isnan(vectors).any(axis=0)
+        sigmas[:, unknown] = np.nan
+        systematic = np.where(unknown, np.nan, errors.systematic)
+        return np.concatenate([vectors, sigmas, systematic[None]])
 
     def read(self) -> np.ndarray:
         """The whole map, shape (rows + 1, places...): b^i (or torsion), and last the error.
@@ -230,7 +237,7 @@ class BlockMap:
         """
         values = np.empty((self.source.shape[0] + 1, *self.places))
         for number, parts in self:
-            values[self._region(number)] = np.concatenate([parts.vectors, parts.errors[None]])
+            values[self._region(number)] = np.concatenate([parts.vectors, parts.error[None]])
         return values
 
     def __iter__(self) -> Iterator[tuple[tuple[int, ...], Parts]]:

@@ -2,100 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.burgers import independent_significances, significances
 from geomtorsion.materials.fields.circuits import Field, unexplained
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import Noise, along
-from geomtorsion.materials.fields.sides import Spread, on_grid, sides
+from geomtorsion.materials.fields.sides import Sides, Spread, on_grid
+from geomtorsion.materials.fields.stencils import Rule
+from geomtorsion.materials.survey import Errors
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Plaquettes:
-    """Burgers vectors of rectangular circuits at every place of a grid, in one coordinate plane.
-
-    vectors: b^i, shape (rows, places..., nodes of other axes...), axes in the order of the grid;
-        each circuit runs from the first axis of the plane to the second, in the sense in which the
-        coordinates increase, whichever way the axes are listed. NaN where a side touches a hole.
-    errors: of the largest component, without the first axis: distance from a rule of another order
-        (without what noise explains of it), and noise as one standard deviation.
-    sigmas: standard deviation by noise, shape of the vectors; zero where no sigma is known.
-    interpolation: the errors without the noise.
-    known: where no side touches a hole, shape of the errors.
-    area: of one circuit, positive; plane: the two axes, turned from the first to the second.
-    size: edges along both axes of the plane; units: of length and of b.
-    shared: covariance by noise of two components i < j, {(i, j): shape of the errors}; those that
-        are not there are zero.
-    """
-
-    vectors: np.ndarray
-    errors: np.ndarray
-    area: float
-    plane: tuple[int, int]
-    sigmas: np.ndarray
-    interpolation: np.ndarray
-    known: np.ndarray
-    size: tuple[int, int] = (1, 1)
-    units: tuple[str, str] = ("", "")
-    shared: Mapping[tuple[int, int], np.ndarray] = field(default_factory=dict)
-
-    @property
-    def density(self) -> np.ndarray:
-        """b^i per area: the torsion 2 S_ab^i averaged over each circuit."""
-        return self.vectors / self.area
-
-    @property
-    def noise_floor(self) -> np.ndarray:
-        """Standard deviation of the density by noise, shape of the vectors."""
-        return self.sigmas / self.area
-
-    @property
-    def significance(self) -> np.ndarray:
-        """|b| against its errors, sqrt(b C^-1 b): pure noise gives sqrt(rows) or so.
-
-        NaN where nothing is known; infinite where b has no error.
-        """
-        if self.shared:
-            return self._joint_significance
-        return independent_significances(self.vectors, self.sigmas, self.interpolation)
-
-    @property
-    def _joint_significance(self) -> np.ndarray:
-        """The same where components have noise in common."""
-        rows = len(self.vectors)
-        table = np.zeros((*self.known.shape, rows, rows))
-        for i in range(rows):
-            table[..., i, i] = self.sigmas[i] ** 2
-        for (i, j), c in self.shared.items():
-            table[..., i, j] = table[..., j, i] = np.broadcast_to(c, self.known.shape)
-        found = np.full(self.known.shape, np.nan)
-        known = self.known
-        vectors = np.moveaxis(self.vectors, 0, -1)[known]
-        found[known] = significances(vectors, table[known], self.interpolation[known])
-        return found
-
-    def gnd_density(self, burgers: float) -> np.ndarray:
-        """Density of geometrically necessary dislocations of a Burgers vector: |b| / (area b)."""
-        return np.sqrt((self.vectors**2).sum(axis=0)) / (self.area * burgers)
-
-    def __repr__(self) -> str:
-        places = " x ".join(map(str, self.known.shape))
-        sides = " x ".join(map(str, self.size))
-        missing = int((~self.known).sum())
-        holes = f", {missing} touch holes" if missing else ""
-        length, b = self.units
-        units = f", in {b}, lengths in {length}" if length or b else ""
-        return f"Plaquettes({places} circuits of {sides} cells{holes}{units})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,62 +59,61 @@ class Rectangles:
 
 
 def circuits(
-    sampled: Field,
-    plane: tuple[int, int],
-    size: tuple[int, int],
-    units: tuple[str, str] = ("", ""),
-) -> Plaquettes:
-    """All circuits of a size; the cost grows with its logarithm."""
-    grid = sampled.grid
-    side_a, side_b = (sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
-    lines = Rectangles(grid, plane, size)
-    four, rounds, sums = lines.four, lines.rounds, lines.sums
+    sampled: Field, plane: tuple[int, int], size: tuple[int, int]
+) -> tuple[np.ndarray, Callable[[], Errors]]:
+    """b of all circuits of a size, shape (rows, places...), and what makes their errors.
 
-    def spread(one: Spread, two: Spread) -> dict[tuple[int, int], np.ndarray]:
-        found = {}
-        for pair in {**one.covariance, **two.covariance}:
-            none = np.zeros((1,) * grid.dimension)
-            found[pair] = sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
-        if sampled.noise is None or not sampled.noise.joins_columns:
-            return found
-        # Two sides that meet have the noise of one node in common.
-        starts, ends = four(one.starts, two.starts), four(one.ends, two.ends)
-        for (i, j), c in _both_ways(sampled.noise, plane).items():
-            at = [
-                _corner(c, grid, dict(zip(plane, zip(shift, size, strict=True), strict=True)))
-                for shift in product((0, size[0]), (0, size[1]))
-            ]
-            here = (
-                -starts[0] * starts[2] * at[0] + starts[1] * ends[2] * at[1]
-                + ends[0] * starts[3] * at[2] - ends[1] * ends[3] * at[3]
-            )  # fmt: skip
-            found[i, j] = found.get((i, j), 0.0) + here
+    NaN where a side touches a hole. The cost grows with the logarithm of the size.
+    """
+    one, two = (Sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
+    lines = Rectangles(sampled.grid, plane, size)
+    vectors = lines.rounds(one.values, two.values)
+    if sampled.grid.has_holes:
+        vectors[:, lines.sums(one.touched, two.touched) > 0] = np.nan
+    return vectors, partial(_errors, sampled, lines, one, two)
+
+
+def _errors(sampled: Field, lines: Rectangles, one: Sides, two: Sides) -> Errors:
+    """Errors of all circuits: noise, and the distance from a rule of another order."""
+    grid, size = sampled.grid, lines.size
+    difference = np.abs(lines.rounds(one.difference, two.difference))
+    covariance: dict[tuple[int, int], np.ndarray] = {}
+    if sampled.noise is not None:
+        every, less = (
+            _spread(sampled.noise, lines, one.spread(other), two.spread(other))
+            for other in (False, True)
+        )
+        covariance = {(i, j): c for (i, j), c in every.items() if i <= j}
+        for i, row in enumerate(difference):
+            row[:] = unexplained(row, less.get((i, i), np.zeros(1)))
+    longest = max(abs(grid.steps[k]) * m for k, m in zip(lines.plane, size, strict=True))
+    return Errors(covariance, difference.max(axis=0) + ROUNDING * sampled.size * longest)
+
+
+def _spread(
+    noise: Noise, lines: Rectangles, one: Spread, two: Spread
+) -> dict[tuple[int, int], np.ndarray]:
+    """Covariances of circuits by noise, from those of their sides."""
+    grid, plane, size = lines.grid, lines.plane, lines.size
+    found = {}
+    for pair in {**one.covariance, **two.covariance}:
+        none = np.zeros((1,) * grid.dimension)
+        found[pair] = lines.sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
+    if not noise.joins_columns:
         return found
-
-    vectors = rounds(side_a.values, side_b.values)
-    known = np.ones(vectors.shape[1:], dtype=bool)
-    if grid.has_holes:
-        known = sums((~side_a.known).astype(np.int8), (~side_b.known).astype(np.int8)) == 0
-    difference = np.abs(rounds(side_a.difference, side_b.difference))
-    sigmas, shared = np.zeros(vectors.shape), {}
-    if side_a.noise is not None and side_b.noise is not None:
-        here, less = (spread(*both) for both in zip(side_a.noise, side_b.noise, strict=True))
-        for i in range(len(vectors)):
-            # Rounding may leave less than nothing where noise cancels.
-            sigmas[i] += np.sqrt(np.maximum(here.get((i, i), 0.0), 0.0))
-            difference[i] = unexplained(difference[i], less.get((i, i), np.zeros(1)))
-        shared = {(i, j): c for (i, j), c in here.items() if i < j}
-    interpolation = difference.max(axis=0)
-    longest = max(abs(grid.steps[k]) * m for k, m in zip(plane, size, strict=True))
-    interpolation = interpolation + ROUNDING * sampled.size * longest
-    if grid.has_holes:
-        vectors[:, ~known], sigmas[:, ~known], interpolation[~known] = np.nan, np.nan, np.nan
-    errors = interpolation.copy()
-    if side_a.noise is not None:
-        errors = np.hypot(interpolation, sigmas.max(axis=0))
-    return Plaquettes(
-        vectors, errors, abs(lines.area), plane, sigmas, interpolation, known, size, units, shared
-    )
+    # Two sides that meet have the noise of one node in common.
+    starts, ends = lines.four(one.starts, two.starts), lines.four(one.ends, two.ends)
+    for (i, j), c in _both_ways(noise, plane).items():
+        at = [
+            _corner(c, grid, dict(zip(plane, zip(shift, size, strict=True), strict=True)))
+            for shift in product((0, size[0]), (0, size[1]))
+        ]
+        here = (
+            -starts[0] * starts[2] * at[0] + starts[1] * ends[2] * at[1]
+            + ends[0] * starts[3] * at[2] - ends[1] * ends[3] * at[3]
+        )  # fmt: skip
+        found[i, j] = found.get((i, j), 0.0) + here
+    return found
 
 
 def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
@@ -226,33 +149,48 @@ def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np
     return near, values[tuple(index)]
 
 
-def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """d_a e_b - d_b e_a at the nodes, its distance from another order, and its sigma.
+def curl(sampled: Field, plane: tuple[int, int]) -> np.ndarray:
+    """d_a e_b - d_b e_a at the nodes, shape (rows, grid...).
 
-    Shape (rows, grid...) each; NaN where there are not enough known nodes in a row.
+    NaN where there are not enough known nodes in a row.
     """
-    grid, noise = sampled.grid, sampled.noise
-    found, weights = [], []
-    for k, m in (plane, plane[::-1]):
-        rule = grid.rule(sampled.order, k, slopes=True)
-        other = rule.other
-        values = sampled.values[:, m]
-        here, there = (r(values, 1 + k) / grid.steps[k] for r in (rule, other))
+    return _curl(sampled, plane, _slopes(sampled, plane))
+
+
+def _slopes(sampled: Field, plane: tuple[int, int]) -> tuple[Rule, Rule]:
+    """The rules for derivatives along both axes of a plane."""
+    one, two = (sampled.grid.rule(sampled.order, k, slopes=True) for k in plane)
+    return one, two
+
+
+def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> np.ndarray:
+    parts = []
+    for rule, k, m in zip(rules, plane, plane[::-1], strict=True):
+        part = rule(sampled.values[:, m], 1 + k)
+        part /= sampled.grid.steps[k]
         if not rule.known.all():
-            here[:, ~on_grid(rule.known, grid.shape, k)] = np.nan
-        found.append((here, here - there))
-        if noise is not None:
-            weights.append([t / grid.steps[k] for t in (rule.matrix, rule.matrix - other.matrix)])
-    curl, difference = (one - two for one, two in zip(*found, strict=True))
-    difference, sigmas = np.abs(difference), np.zeros_like(curl)
+            part[:, ~on_grid(rule.known, sampled.grid.shape, k)] = np.nan
+        parts.append(part)
+    one, two = parts
+    one -= two
+    return one
+
+
+def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`curl`, its distance from that of another order, and its sigma."""
+    grid, noise, rules = sampled.grid, sampled.noise, _slopes(sampled, plane)
+    found = _curl(sampled, plane, rules)
+    one, two = rules
+    difference = np.abs(found - _curl(sampled, plane, (one.other, two.other)))
+    sigmas = np.zeros_like(found)
     if noise is not None:
+        steps = [grid.steps[k] for k in plane]
+        tables = [r.matrix / step for r, step in zip(rules, steps, strict=True)]
+        less = [(r.matrix - r.other.matrix) / step for r, step in zip(rules, steps, strict=True)]
         for i in range(sampled.rows):
-            variance, less = (
-                _variance(noise, i, grid, plane, pair) for pair in zip(*weights, strict=True)
-            )
-            sigmas[i] = np.sqrt(variance)
-            difference[i] = unexplained(difference[i], less)
-    return curl, difference, np.where(np.isnan(curl), np.nan, sigmas)
+            sigmas[i] = np.sqrt(_variance(noise, i, grid, plane, tables))
+            difference[i] = unexplained(difference[i], _variance(noise, i, grid, plane, less))
+    return found, difference, np.where(np.isnan(found), np.nan, sigmas)
 
 
 def _variance(

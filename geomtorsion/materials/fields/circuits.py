@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
-from geomtorsion.errors import GridError
 from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.burgers import Burgers
 from geomtorsion.materials.fields.grid import ORDERS, Grid
 from geomtorsion.materials.fields.noise import Noise, along
 from geomtorsion.materials.fields.stencils import SLACK, Blocks
@@ -75,14 +73,13 @@ class _Weights:
         return found.reshape(-1, *self.grid.shape)
 
 
-def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> Burgers:
+# A Burgers vector, its covariance by noise, and its systematic errors by name.
+Measured = tuple[np.ndarray, np.ndarray, dict[str, float]]
+
+
+def sampled_burgers(field: Field, loop: Loop) -> Measured:
     """The integral of the interpolated coframe along a loop; see SampledFrame.burgers."""
     grid = field.grid
-    if loop.dimension != grid.dimension:
-        raise GridError(
-            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
-            "loop in the coordinates of the grid."
-        )
     found = np.zeros((3, field.rows))
     weights, differences = _Weights(grid), _Weights(grid)
     gap = np.zeros(grid.dimension)
@@ -108,12 +105,8 @@ def sampled_burgers(field: Field, loop: Loop, unit: str = "") -> Burgers:
         covariance = field.noise.of_sum(weights.total)
         difference = unexplained(difference, np.diag(field.noise.of_sum(differences.total)))
     quadrature = float(np.abs(fine - coarse).max()) + ROUNDING * field.size * loop.size
-    return Burgers(
-        fine,
-        unit,
-        covariance,
-        {"interpolation": safety * float(difference.max()), "quadrature": quadrature},
-    )
+    interpolation = safety * float(difference.max())
+    return fine, covariance, {"interpolation": interpolation, "quadrature": quadrature}
 
 
 def unexplained(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:

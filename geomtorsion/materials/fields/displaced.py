@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
-from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.burgers import Burgers
-from geomtorsion.materials.fields.cells import Plaquettes, Rectangles
-from geomtorsion.materials.fields.circuits import Field, sampled_edges
+from geomtorsion.materials.fields.cells import Rectangles
+from geomtorsion.materials.fields.circuits import Field, Measured, sampled_edges
 from geomtorsion.materials.fields.displacement import Displacement, differences
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.sides import on_grid, window_sums
+from geomtorsion.materials.survey import Errors
 from geomtorsion.precision import CALCULATED
 
 # A path is followed in steps of at most so much of a cell: none passes over a cell.
 LONGEST = 1 / 2
 
 
-def displaced_burgers(
-    grid: Grid, displacement: Displacement, loop: Loop, unit: str = ""
-) -> Burgers:
+def displaced_burgers(grid: Grid, displacement: Displacement, loop: Loop) -> Measured:
     """Burgers vector of a loop: the jumps of the edges of the grid that it can be moved to."""
-    if loop.dimension != grid.dimension:
-        raise GridError(
-            f"the loop has {loop.dimension} coordinates, the grid {grid.dimension} axes: give a "
-            "loop in the coordinates of the grid."
-        )
     jumps = displacement.jumps
     times, chances, gap = np.zeros(len(jumps.vectors)), np.zeros(len(jumps.vectors)), 0.0
     for part in loop.parts:
@@ -46,12 +41,8 @@ def displaced_burgers(
         grid.check_periods(np.asarray(gap))
         vector = vector + np.eye(len(vector), grid.dimension) @ gap
     rounding = ROUNDING * float(np.abs(vector).max())
-    return Burgers(
-        vector,
-        unit,
-        jumps.covariance(times, chances),
-        {"lattice": float(jumps.errors(times)), "rounding": rounding},
-    )
+    systematic = {"lattice": float(jumps.errors(times)), "rounding": rounding}
+    return vector, jumps.covariance(times, chances), systematic
 
 
 def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
@@ -106,40 +97,33 @@ def _along(
 
 
 def displaced_circuits(
-    grid: Grid,
-    displacement: Displacement,
-    plane: tuple[int, int],
-    size: tuple[int, int],
-    units: tuple[str, str] = ("", ""),
-) -> Plaquettes:
-    """All circuits of a size, as `cells.circuits`."""
-    lines, jumps = Rectangles(grid, plane, size), displacement.jumps
-
-    def sides(tables: tuple[np.ndarray, ...]) -> list[np.ndarray]:
-        return [
-            window_sums(tables[k], m, 1 + k, grid.periodic[k])
-            for k, m in zip(plane, size, strict=True)
-        ]
-
-    times = lines.rounds(*sides(displacement.times))
+    grid: Grid, displacement: Displacement, plane: tuple[int, int], size: tuple[int, int]
+) -> tuple[np.ndarray, Callable[[], Errors]]:
+    """b of all circuits of a size and what makes their errors, as `cells.circuits`."""
+    lines = Rectangles(grid, plane, size)
+    times = lines.rounds(*_along_sides(lines, displacement.times))
     touched = tuple(_touched(grid, k)[None] for k in range(grid.dimension))
-    known = lines.sums(*sides(touched))[0] == 0
-    covariance = jumps.covariance(times, lines.sums(*sides(displacement.chances)))
-    vectors = np.where(known, 0.0 - jumps.sums(times), np.nan)
-    rows = len(vectors)
-    sigmas = np.sqrt(np.moveaxis(np.diagonal(covariance, axis1=-2, axis2=-1), -1, 0))
-    sigmas = np.where(known, sigmas, np.nan)
-    interpolation = jumps.errors(times) + ROUNDING * np.abs(vectors).max(axis=0)
-    shared = {
-        (i, j): covariance[..., i, j]
-        for i in range(rows)
-        for j in range(i + 1, rows)
-        if covariance[..., i, j].any()
-    }
-    errors = np.hypot(interpolation, sigmas.max(axis=0))
-    return Plaquettes(
-        vectors, errors, abs(lines.area), plane, sigmas, interpolation, known, size, units, shared
-    )
+    known = lines.sums(*_along_sides(lines, touched))[0] == 0
+    vectors = np.where(known, 0.0 - displacement.jumps.sums(times), np.nan)
+    return vectors, partial(_errors, lines, displacement, times, vectors)
+
+
+def _along_sides(lines: Rectangles, tables: tuple[np.ndarray, ...]) -> list[np.ndarray]:
+    """Sums of tables of edges, one for each axis, along the sides of circuits."""
+    return [
+        window_sums(tables[k], m, 1 + k, lines.grid.periodic[k])
+        for k, m in zip(lines.plane, lines.size, strict=True)
+    ]
+
+
+def _errors(
+    lines: Rectangles, displacement: Displacement, times: np.ndarray, vectors: np.ndarray
+) -> Errors:
+    """Errors of all circuits, from how often each jumps."""
+    jumps, chances = displacement.jumps, lines.sums(*_along_sides(lines, displacement.chances))
+    table, rows = jumps.covariance(times, chances), range(len(vectors))
+    covariance = {(i, j): table[..., i, j] for i in rows for j in rows[i:]}
+    return Errors(covariance, jumps.errors(times) + ROUNDING * np.abs(vectors).max(axis=0))
 
 
 def _touched(grid: Grid, axis: int) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,8 @@ import scipy  # loads its parts when they are asked for
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown, unmasked
 from geomtorsion.errors import FileFormatError, GridError, MissingExtraError
-from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.files import ending
+from geomtorsion.hdf5 import HDF5, check_hdf5
 from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import (
     TEXTS,
@@ -44,7 +46,6 @@ FORMS = {
     "vector_unit": ArrayForm((), "U", optional=True),
     "source": ArrayForm((), "U", optional=True),
 }
-HDF5 = b"\x89HDF"
 # What may say how the values scatter.
 NOISE = ("sigma", "covariance")
 # What says where nothing is known, beside NaN.
@@ -76,13 +77,13 @@ def read_grid(path: Path) -> Contents:
     """
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
-    kind = path.suffix.lower()
+    kind = ending(path)
     if kind not in FORMATS:
         raise FileFormatError(
             f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
             f"{path.suffix!r}. For arrays in memory use SampledFrame(axes, coframe)."
         )
-    return FORMATS[kind][0](path)
+    return FORMATS[kind].read(path)
 
 
 def save_grid(path: Path, contents: Contents) -> None:
@@ -101,7 +102,7 @@ def save_grid(path: Path, contents: Contents) -> None:
             f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
             f"{path.suffix!r}."
         )
-    FORMATS[kind][1](path, contents)
+    FORMATS[kind].write(path, contents)
 
 
 def holds_covariance(path: Path) -> bool:
@@ -381,12 +382,27 @@ def write_hdf5(path: Path, contents: Contents) -> None:
             file.attrs[name] = text
 
 
-# How each format is read and written.
-FORMATS: dict[str, tuple[Callable[[Path], Contents], Callable[[Path, Contents], None]]] = {
-    ".npz": (_npz, _write_npz),
-    **dict.fromkeys((".nc", ".cdf", ".netcdf"), (read_netcdf, write_netcdf)),
-    **dict.fromkeys((".h5", ".hdf5"), (read_hdf5, write_hdf5)),
-    ".csv": (tables.read_csv, tables.write_csv),
-    **dict.fromkeys((".vtk", ".vtu"), (tables.read_vtk, tables.write_vtk)),
-}
+@dataclass(frozen=True)
+class GridFormat:
+    """A format of sampled frames.
+
+    read, write: take a path (and contents). begins: first bytes of its files; none for text.
+    """
+
+    read: Callable[[Path], Contents]
+    write: Callable[[Path, Contents], None]
+    begins: tuple[bytes, ...] = ()
+
+
+_NETCDF = GridFormat(read_netcdf, write_netcdf, (b"CDF\x01", b"CDF\x02", HDF5))
+# Ending of a name -> the format. A new format is a line here.
+FORMATS: dict[str, GridFormat] = {
+    ".npz": GridFormat(_npz, _write_npz, (b"PK\x03\x04",)),
+    ".nc": _NETCDF, ".cdf": _NETCDF, ".netcdf": _NETCDF,
+    ".h5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
+    ".hdf5": GridFormat(read_hdf5, write_hdf5, (HDF5,)),
+    ".csv": GridFormat(tables.read_csv, tables.write_csv),
+    ".vtk": GridFormat(tables.read_vtk, tables.write_vtk, (b"# vtk DataFile",)),
+    ".vtu": GridFormat(tables.read_vtk, tables.write_vtk),
+}  # fmt: skip
 OTHERS = [end for end in FORMATS if end not in (".npz", ".nc", ".cdf", ".netcdf")]

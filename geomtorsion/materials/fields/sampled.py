@@ -11,9 +11,8 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, EdgeIntegrals, Loop
-from geomtorsion.materials.burgers import Burgers
+from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.fields import cells, holes
-from geomtorsion.materials.fields.cells import Plaquettes
 from geomtorsion.materials.fields.circuits import (
     edge_cochain,
     sampled_burgers,
@@ -28,6 +27,8 @@ from geomtorsion.materials.fields.displaced import (
 )
 from geomtorsion.materials.fields.holes import Hole
 from geomtorsion.materials.fields.samples import Samples
+from geomtorsion.materials.source import Backdrop
+from geomtorsion.materials.survey import Survey, middles
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,9 +120,16 @@ class SampledFrame(Samples):
             at = [checks.count(x, f"at[{k}]", GridError) for k, x in enumerate(rows)]
         return holes.loop_around(self._grid, found, margin, pair, at)
 
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Lines about its size, its noise and its source."""
+        noise = self.sigma_source or "not known: errors are those of the grid alone"
+        source = (f"source: {self.source}",) if self.source else ()
+        return (repr(self), f"noise: {noise}", *source)
+
     # -- closure ----------------------------------------------------------------------------------
 
-    def plaquettes(self, plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+    def plaquettes(self, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vector of every cell in a coordinate plane, by integrals along its four edges.
 
         Neighbouring cells share edges, so that the sum over a region is the loop round it.
@@ -133,7 +141,7 @@ class SampledFrame(Samples):
         """
         return self.burgers_map(1, plane)
 
-    def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Plaquettes:
+    def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of rectangular circuits of one size at every place, with their noise.
 
         A circuit may surround a hole, but not touch one. The cost hardly grows with the size.
@@ -164,11 +172,41 @@ class SampledFrame(Samples):
             raise GridError(f"size: one number or two were needed, but {checks.shown(size)} came.")
         for k, side in zip(pair, sides, strict=True):
             checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
-        units = (self.unit, self.vector_unit)
         whole = int(sides[0]), int(sides[1])
         if self.displacement is not None:
-            return displaced_circuits(self._grid, self.displacement, pair, whole, units)
-        return cells.circuits(self._field, pair, whole, units)
+            vectors, estimate = displaced_circuits(self._grid, self.displacement, pair, whole)
+        else:
+            vectors, estimate = cells.circuits(self._field, pair, whole)
+        cells_along = dict(zip(pair, whole, strict=True))
+        along = [cells_along.get(k, 0) for k in range(self.dimension)]
+        starts, counts = [float(axis[0]) for axis in self.axes], vectors.shape[1:]
+        steps = self._grid.steps
+        return Survey(
+            vectors,
+            middles(starts, steps, counts, along),
+            float(np.prod([abs(steps[k]) * m for k, m in cells_along.items()])),
+            whole,
+            estimate,
+            tuple(self.names),
+            pair,
+            unit=self.unit,
+            vector_unit=self.vector_unit,
+        )
+
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """|b| per area of every cell, in the layer next to the section; holes stay blank."""
+        found = self.burgers_map(1, section.plane)
+        others = [k for k in range(self.dimension) if k not in section.plane]
+        middle = [float(np.mean(self.axes[k])) for k in others]
+        at = [
+            int(np.abs(np.asarray(self.axes[k]) - x).argmin())
+            for k, x in zip(others, section.at or middle, strict=True)
+        ]
+        layer = int(np.ravel_multi_index(at, [len(self.axes[k]) for k in others])) if at else 0
+        unit = f" ({found.density_unit})" if found.density_unit else ""
+        where = f", {found.layers[layer]}" if at else ""
+        title = f"|b| per area of each cell{unit}{where}"
+        return Backdrop(found.lines, found.laid(found.per_area)[..., layer], "sizes", title)
 
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
@@ -187,7 +225,9 @@ class SampledFrame(Samples):
         b^i of a small area with normal n_k is alpha^{ik} n_k A. On a plane grid (two axes) only
         k = 2 is known, and the shape is (rows, 1, N_1, N_2).
         """
-        return np.stack([self.torsion(pair)[0] for pair in self._nye_planes], axis=1)
+        if self.displacement is not None:
+            return np.stack([self._torsion(pair)[0] for pair in self._nye_planes], axis=1)
+        return np.stack([cells.curl(self._field, pair) for pair in self._nye_planes], axis=1)
 
     @cached_property
     def nye_noise(self) -> np.ndarray:
@@ -284,9 +324,31 @@ class SampledFrame(Samples):
             the point and the nodes.
         """
         checks.instance(loop, Loop, "loop")
+        if loop.dimension != self.dimension:
+            raise GridError(
+                f"the loop has {loop.dimension} coordinates, the grid {self.dimension} axes: give "
+                "a loop in the coordinates of the grid."
+            )
         if self.displacement is not None:
-            return displaced_burgers(self._grid, self.displacement, loop, self.vector_unit)
-        return sampled_burgers(self._field, loop, self.vector_unit)
+            found = displaced_burgers(self._grid, self.displacement, loop)
+        else:
+            found = sampled_burgers(self._field, loop)
+        vector, covariance, systematic = found
+        points, area = loop.points(), loop.area
+        section = Section.of(points, area)
+        plane = list(section.plane)
+        return Burgers(
+            vector,
+            self.vector_unit,
+            covariance,
+            systematic,
+            name=loop.name or "loop",
+            path=np.concatenate([points, points[:, :1]], axis=1)[plane],
+            area=float(area[section.plane]),
+            arrow=vector[plane] if self.rows > max(plane) else None,
+            section=section,
+            length_unit=self.unit,
+        )
 
     def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
         """Two different axes."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -11,18 +12,27 @@ import scipy  # loads its parts when they are asked for
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
-from geomtorsion.errors import LONGEST_SHOWN, GridError
+from geomtorsion.errors import GridError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.loops.quadrature import ROUNDING
-from geomtorsion.materials.burgers import Burgers
+from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
-from geomtorsion.materials.fields.grid import Grid, mask_of, numbers
-from geomtorsion.materials.fields.noise import noise_of, robust_covariance, spread
+from geomtorsion.materials.fields.grid import numbers
+from geomtorsion.materials.fields.noise import noise_of
 from geomtorsion.materials.fields.samples import strain_and_rotation
-from geomtorsion.materials.fields.scattered_map import ScatteredMap
-from geomtorsion.materials.fields.triangulation import Triangulation, checked_polygons
+from geomtorsion.materials.fields.scattered_values import (
+    check_finite,
+    checked_points,
+    edge_rules,
+    estimated_noise,
+    mesh_of,
+    row_of_points,
+)
+from geomtorsion.materials.fields.triangulation import Triangulation
+from geomtorsion.materials.source import Backdrop
+from geomtorsion.materials.survey import Errors, Survey
 
 # A circuit along edges: {number of the edge: how often it is run through}.
 Chain = Mapping[int, int]
@@ -105,7 +115,7 @@ class ScatteredFrame:
         GridError
             Shapes do not fit, points lie on a line or coincide, nothing is left, or noise is none.
         """
-        places, values = _points(points), numbers(coframe, "coframe")
+        places, values = checked_points(points), numbers(coframe, "coframe")
         count, d = places.shape
         columns = (d, 3) if d == 2 else (d,)
         if values.ndim != 3 or values.shape[1] not in columns or values.shape[2] != count:
@@ -116,10 +126,10 @@ class ScatteredFrame:
         if order not in (2, 4):
             raise GridError(f"order: 2 or 4 was needed, but {checks.shown(order)} came.")
         values = values[:, :d]
-        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
-        _check_finite(values, "coframe", mesh)
+        mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
+        check_finite(values, "coframe", mesh)
         mean, steps = values[:, :, mesh.inner].mean(axis=-1), mesh.steps
-        base = _rules(mesh)
+        base = edge_rules(mesh)
         bent = np.where(np.isnan(values), 0.0, values - mean[:, :, None])
         chosen, other = base if order == 2 else base[::-1]
 
@@ -128,9 +138,9 @@ class ScatteredFrame:
             return np.einsum("em,eim->ei", steps, found)
 
         fine, less = along(chosen), along((chosen - other).tocsr())
-        grid = _as_grid(~np.isin(np.arange(count), mesh.inner))
+        grid = row_of_points(~np.isin(np.arange(count), mesh.inner))
         if "estimate" in (str(sigma), str(covariance)):
-            sigma, covariance, said = _estimated(mesh, values, sigma, covariance)
+            sigma, covariance, said = estimated_noise(mesh, values, sigma, covariance)
             noise = noise_of(sigma, covariance, values, grid)[2]
         else:
             *_, noise, said = noise_of(sigma, covariance, values, grid)
@@ -198,13 +208,13 @@ class ScatteredFrame:
         >>> b.vector.round(12).tolist(), b.unit, b.error < 1e-12
         ([0.286], 'nm', True)
         """
-        places, values = _points(points), numbers(displacement, "displacement")
+        places, values = checked_points(points), numbers(displacement, "displacement")
         if values.ndim != 2 or values.shape[1] != len(places):
             raise GridError(
                 f"displacement: shape (rows, {len(places)}) was needed, but {values.shape} came."
             )
-        mesh, texts = _mesh(places, np.asarray(np.isnan(values).any(axis=0)), options)
-        _check_finite(values[:, None], "displacement", mesh)
+        mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=0)), options)
+        check_finite(values[:, None], "displacement", mesh)
         a, b = mesh.complex.pairs.T
         steps = (values[:, b] - values[:, a]).T
         rows, d = len(values), mesh.dimension
@@ -216,11 +226,11 @@ class ScatteredFrame:
             rest = steps @ inverse - times
             steps = steps - times @ vectors
             if sigma is not None:
-                grid = _as_grid(~np.isin(np.arange(len(places)), mesh.inner))
+                grid = row_of_points(~np.isin(np.arange(len(places)), mesh.inner))
                 how = ""
                 if isinstance(sigma, str) and sigma == "estimate":
                     # Points beside a cut are far from any plane, but few: medians pass over them.
-                    sigma, _, how = _estimated(mesh, values[:, None], sigma, None)
+                    sigma, _, how = estimated_noise(mesh, values[:, None], sigma, None)
                 *_, found, said = noise_of(sigma, None, values[:, None], grid)
                 said = how or said
                 assert found is not None
@@ -243,6 +253,18 @@ class ScatteredFrame:
     def rows(self) -> int:
         """Number of frame indices."""
         return self.cochain.values.shape[1]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return tuple("xyz"[: self.mesh.dimension])
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Lines about its size, its noise and its source."""
+        noise = self.sigma_source or "not known: errors are those of the interpolation alone"
+        source = (f"source: {self.source}",) if self.source else ()
+        return (repr(self), f"noise: {noise}", *source)
 
     @cached_property
     def holes(self) -> tuple[np.ndarray, ...]:
@@ -318,20 +340,43 @@ class ScatteredFrame:
             edges, senses = self.mesh.complex.steps(at[at != ends], ends[at != ends])
             table = np.zeros((1, len(self.difference)), dtype=np.int64)
             np.add.at(table[0], edges, senses)
-        one = self._along(scipy.sparse.csr_array(table))
+        chains = scipy.sparse.csr_array(table)
+        vectors, errors = chains @ self.cochain.values, self._errors(chains)
         rounding = ROUNDING * float((np.abs(table) @ np.abs(self.cochain.values)).max())
+        covariance = np.zeros((self.rows, self.rows))
+        for (i, j), c in errors.covariance.items():
+            covariance[i, j] = covariance[j, i] = np.ravel(c)[0]
+        ends = self.points[self.mesh.complex.pairs[table[0] != 0]]
+        times = table[0, table[0] != 0]
+        moments = np.einsum("k,km,kn->mn", times, ends[:, 0], ends[:, 1])
+        section = Section.of(ends.reshape(-1, self.mesh.dimension).T, moments - moments.T)
+        plane = list(section.plane)
+        gaps = np.full((len(ends), 1, 2), np.nan)
         return Burgers(
-            one.vectors[:, 0],
+            vectors[0],
             self.vector_unit or self.unit,
-            one.covariance[0],
-            {"interpolation": float(one.interpolation[0]), "rounding": rounding},
+            covariance,
+            {"interpolation": float(errors.systematic[0]), "rounding": rounding},
+            name=(circuit.name if isinstance(circuit, Loop) else "") or "circuit",
+            path=np.concatenate([ends[:, :, plane], gaps], axis=1).reshape(-1, 2).T,
+            area=float((moments - moments.T)[section.plane] / 2),
+            arrow=vectors[0, plane] if self.rows > max(plane) else None,
+            section=section,
+            length_unit=self.unit,
         )
 
-    def burgers_map(self, rings: int = 0) -> ScatteredMap:
+    def burgers_map(self, rings: int = 0, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of all triangles, or of so many rings of them round every point.
 
         In space triangles are the faces of the tetrahedra; each turns about the normal that its
         corners have in `mesh.complex`.
+
+        Parameters
+        ----------
+        rings
+            0 for triangles.
+        plane
+            Two axes, of pictures and tables.
 
         Raises
         ------
@@ -345,36 +390,60 @@ class ScatteredFrame:
         >>> twist = np.array([[-points[:, 1], points[:, 0]]]) / 2
         >>> found = ScatteredFrame.from_coframe(points, twist).burgers_map(rings=2)
         >>> found, found.density.round(9).max()
-        (ScatteredMap(300 circuits), np.float64(1.0))
+        (Survey(300 circuits of 2 rings of triangles), np.float64(1.0))
         """
+        axes = set(range(self.mesh.dimension))
+        if len(set(plane)) != 2 or not set(plane) <= axes:
+            raise GridError(
+                f"plane: expected two different axes from 0 to {len(axes) - 1}, got {plane!r}. "
+                "Leave the option out for the first two."
+            )
         faces = self.mesh.complex.boundary(1)
         if checks.count(rings, "rings", GridError) == 0:
-            found = self._along(faces)
-            places = self.points[self.mesh.corners].mean(axis=1)
+            chains, places = faces, self.points[self.mesh.corners].mean(axis=1)
             areas = self.mesh.areas
         else:
             self._plane("a ring")
             stars = self.mesh.stars(rings)
-            found = self._along((stars @ faces).tocsr())
-            places, areas = self.points[self.mesh.inner], stars @ self.mesh.areas
-        units = (self.unit, self.vector_unit or self.unit)
-        return ScatteredMap(
-            found.vectors, places.T, found.covariance, found.interpolation, areas, units
+            chains, places = (stars @ faces).tocsr(), self.points[self.mesh.inner]
+            areas = stars @ self.mesh.areas
+        return Survey(
+            (chains @ self.cochain.values).T,
+            tuple(places.T),
+            areas,
+            (rings,),
+            partial(self._errors, chains),
+            self.names,
+            (plane[0], plane[1]),
+            unit=self.unit,
+            vector_unit=self.vector_unit or self.unit,
         )
 
-    def _along(self, chains: scipy.sparse.csr_array) -> ScatteredMap:
-        """Sums along chains, shape (k, edges), with their errors; without places."""
-        vectors, less = chains @ self.cochain.values, np.abs(chains @ self.difference)
-        covariance = np.zeros((len(vectors), self.rows, self.rows))
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """|b| per area of each triangle; in space of those within an edge of the section."""
+        found = self.burgers_map(0, section.plane)
+        places = np.array(found.centres)
+        others = [k for k in range(self.mesh.dimension) if k not in section.plane]
+        at = np.array(section.at or [float(self.points[:, k].mean()) for k in others])
+        length = float(np.median(np.linalg.norm(self.mesh.steps, axis=1)))
+        near = (np.abs(places[others] - at.reshape(-1, 1)) <= length).all(axis=0)
+        one, two = (line[near] for line in found.lines)
+        unit = f" ({found.density_unit})" if found.density_unit else ""
+        return Backdrop((one, two), found.per_area[near], "points", f"|b| per area{unit}")
+
+    def _errors(self, chains: scipy.sparse.csr_array) -> Errors:
+        """Errors of sums along chains, shape (k, edges)."""
+        less = np.abs(chains @ self.difference)
+        covariance = {}
         if self.noise is not None:
-            covariance = self.noise.covariance(chains)
+            table, rows = self.noise.covariance(chains), range(self.rows)
+            covariance = {(i, j): table[:, i, j] for i in rows for j in rows[i:]}
             less = unexplained(less, self.noise.difference(chains))
         # Edges lie anyhow: that their errors cancel in a sum is luck, which the error leaves out.
         alone = np.maximum(chains.power(2) @ self._squares, 0.0)
         less = np.sqrt(np.maximum(less**2, alone))
         safety = 4 / 3 if self.order == 2 else 1.0
-        none = np.zeros(0)
-        return ScatteredMap(vectors.T, none, covariance, safety * less.max(axis=1), none)
+        return Errors(covariance, safety * less.max(axis=1))
 
     @cached_property
     def _squares(self) -> np.ndarray:
@@ -412,78 +481,3 @@ class ScatteredFrame:
             other = self.vector_unit or self.unit
             parts.append(f"in {self.unit}" + (f", b in {other}" if other != self.unit else ""))
         return f"ScatteredFrame({', '.join(parts)})"
-
-
-def _points(given: object) -> np.ndarray:
-    """Coordinates of points, in the plane or in space."""
-    found = checks.array(given, "points", GridError, shape=(None, None))
-    if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
-        raise GridError(
-            f"points: shape (N, 2) or (N, 3), one point in each row, was needed, but {found.shape} "
-            "came."
-        )
-    return found
-
-
-def _mesh(
-    places: np.ndarray, unknown: np.ndarray, options: dict[str, Any]
-) -> tuple[Triangulation, dict[str, str]]:
-    """The triangulation and the texts, from the options that all makers have in common."""
-    known = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
-    for name in options:
-        checks.known_name(name, sorted(known), "option", GridError)
-    texts = {k: options[k] for k in ("unit", "vector_unit", "source") if k in options}
-    for key, text in texts.items():
-        checks.text(text, key, GridError, longest=LONGEST_SHOWN)
-    longest = options.get("longest")
-    if longest is not None:
-        longest = checks.positive(longest, "longest", GridError)
-    boundary = checked_polygons(options.get("boundary"))
-    if boundary and places.shape[1] != 2:
-        raise GridError("boundary: polygons bound points of a plane, but these are in space.")
-    mask = mask_of(options.get("mask"), (len(places),)) | unknown
-    return Triangulation.of(places, mask, longest, boundary), texts
-
-
-def _check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
-    """Refuse infinite values at points that count."""
-    bad = np.argwhere(np.isinf(values[..., mesh.inner]))
-    if len(bad):
-        raise GridError(
-            f"{name}: finite values were needed, but one is infinite at point "
-            f"{mesh.inner[bad[0, -1]]}. Mask it (NaN is a hole)."
-        )
-
-
-def _rules(mesh: Triangulation) -> tuple[Any, Any]:
-    """Values at points to their means along edges, (edges, points): by trapezoids, and corrected.
-
-    The integral of f(t) from 0 to 1 is (f(0) + f(1)) / 2 - (f'(1) - f'(0)) / 12 + ...
-    """
-    a, b = mesh.complex.pairs.T
-    edges, shape = np.arange(len(a)), (len(a), len(mesh.points))
-    one, two = (scipy.sparse.csr_array((np.ones(len(a)), (edges, k)), shape=shape) for k in (a, b))
-    plain = (one + two) / 2
-    bend = sum(
-        scipy.sparse.diags_array(step) @ ((two - one) @ slope)
-        for step, slope in zip(mesh.steps.T, mesh.slopes, strict=True)
-    )
-    return plain.tocsr(), (plain - bend / 12).tocsr()
-
-
-def _as_grid(holes: np.ndarray) -> Grid:
-    """Points in a row, so that noise is given and checked as on grids."""
-    return Grid((np.arange(float(len(holes))),), ("point",), (False,), holes)
-
-
-def _estimated(
-    mesh: Triangulation, values: np.ndarray, sigma: Any, covariance: Any
-) -> tuple[np.ndarray | None, np.ndarray | None, str]:
-    """Standard deviations, or covariances, from what departs from planes through neighbours."""
-    table, inside = mesh.departures
-    flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
-    rows = list((table @ flat.T).T)
-    said = f"the median of departures from planes through the neighbours of {len(inside)} points"
-    if covariance is None:
-        return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
-    return sigma, robust_covariance(rows), said

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy  # loads its parts when they are asked for
 
+from geomtorsion.caching import cached_property
 from geomtorsion.materials.fields.circuits import Field
 from geomtorsion.materials.fields.grid import Grid
 from geomtorsion.materials.fields.noise import Noise
@@ -33,41 +34,58 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Integrals along sides of so many edges, one from every node where there is room.
+    """Integrals along sides of so many edges along an axis, one from every node with room.
 
-    values, difference (from another order): shape (rows, sides...); known: where no edge touches
-    a hole, shape (sides...), with axes of length 1 where there are no holes; noise: of the values,
-    and of the difference, or None.
+    Errors are computed when they are first needed.
     """
 
-    values: np.ndarray
-    difference: np.ndarray
-    known: np.ndarray
-    noise: tuple[Spread, Spread] | None
+    field: Field
+    axis: int
+    edges: int
 
+    @cached_property
+    def _rule(self) -> Rule:
+        return self.field.grid.rule(self.field.order, self.axis)
 
-def sides(field: Field, axis: int, edges: int) -> Sides:
-    """Sides of so many edges along an axis."""
-    grid = field.grid
-    step, periodic = grid.steps[axis], grid.periodic[axis]
-    fine = grid.rule(field.order, axis)
-    other = fine.other
-    values = field.values[:, axis]
-    here, there = (step * rule(values, 1 + axis) for rule in (fine, other))
-    known = np.ones((1,) * grid.dimension, dtype=bool)
-    if grid.has_holes:
-        touched = (~on_grid(fine.known, grid.shape, axis)).astype(np.int32)
-        known = window_sums(touched, edges, axis, periodic) == 0
-    noise = None
-    if field.noise is not None:
-        rules = _Rules(grid, axis, edges, fine, other, field.order, field.noise)
-        noise = rules.spread(less_other=False), rules.spread(less_other=True)
-    return Sides(
-        window_sums(here, edges, 1 + axis, periodic),
-        window_sums(here - there, edges, 1 + axis, periodic),
-        known,
-        noise,
-    )
+    @property
+    def _periodic(self) -> bool:
+        return self.field.grid.periodic[self.axis]
+
+    @cached_property
+    def _single(self) -> np.ndarray:
+        """Integrals along single edges, shape (rows, edges...)."""
+        return self._by(self._rule)
+
+    def _by(self, rule: Rule) -> np.ndarray:
+        step = self.field.grid.steps[self.axis]
+        return step * rule(self.field.values[:, self.axis], 1 + self.axis)
+
+    @property
+    def values(self) -> np.ndarray:
+        """Integrals, shape (rows, sides...)."""
+        return window_sums(self._single, self.edges, 1 + self.axis, self._periodic)
+
+    @property
+    def difference(self) -> np.ndarray:
+        """Differences from integrals of another order, shape (rows, sides...)."""
+        less = self._single - self._by(self._rule.other)
+        return window_sums(less, self.edges, 1 + self.axis, self._periodic)
+
+    @property
+    def touched(self) -> np.ndarray:
+        """Number of edges that touch a hole, shape (sides...)."""
+        bad = ~on_grid(self._rule.known, self.field.grid.shape, self.axis)
+        return window_sums(bad.astype(np.int32), self.edges, self.axis, self._periodic)
+
+    def spread(self, less_other: bool) -> Spread:
+        """What noise makes of the integrals, or of their differences from another order."""
+        field = self.field
+        assert field.noise is not None
+        rules = _Rules(
+            field.grid, self.axis, self.edges, self._rule, self._rule.other, field.order,
+            field.noise,
+        )  # fmt: skip
+        return rules.spread(less_other)
 
 
 def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from geomtorsion.materials.images.circuits import LatticeBurgers
 from geomtorsion.materials.images.lattice_image import LatticeImage
-from geomtorsion.materials.images.phases import LatticeCircuits, LatticePhases
+from geomtorsion.materials.images.phases import LatticePhases
 from geomtorsion.materials.images.spots import Spots
 
-__all__ = ["LatticeBurgers", "LatticeCircuits", "LatticeImage", "LatticePhases", "Spots"]
+__all__ = ["LatticeBurgers", "LatticeImage", "LatticePhases", "Spots"]

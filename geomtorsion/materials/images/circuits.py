@@ -19,11 +19,11 @@ class LatticeBurgers(Burgers):
 
     vector: along x and y. chance: at most the risk that was accepted. The systematic error is that
     of the lattice vectors, since spots are known to a third of a pixel.
-    path: pixels of the circuit in order, path[k] = (x, y), first and last the same.
+    pixels: of the circuit in order, pixels[k] = (x, y), first and last the same.
     weakest: where the amplitude is smallest in terms of noise, (x, y) in units.
     """
 
-    path: np.ndarray
+    pixels: np.ndarray
     weakest: tuple[float, float]
 
     def __repr__(self) -> str:

@@ -1,9 +1,10 @@
-"""Image files: pixels from TIFF, PNG, NPY and hyperspy signals; nothing is ever evaluated."""
+"""Image files: pixels from TIFF, PNG, NPY, files of microscopes and hyperspy signals."""
 
 from __future__ import annotations
 
 import lzma
 import math
+import struct
 import zlib
 from importlib import import_module
 from pathlib import Path
@@ -12,12 +13,21 @@ from typing import Any
 import numpy as np
 
 from geomtorsion import checks
+from geomtorsion.checks import cut
 from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingExtraError
+from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.npz import unpacked_size
 
 # How TIFF numbers ways to pack -> what unpacks in portions. Libraries bound all the others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
-KINDS = {".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy"}
+# End of a name -> the module that reads such files.
+KINDS = {
+    ".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy",
+    ".dm3": "rsciio.digitalmicrograph", ".dm4": "rsciio.digitalmicrograph", ".mrc": "rsciio.mrc",
+    ".ser": "rsciio.tia", ".emd": "rsciio.emd", ".hspy": "rsciio.hspy",
+}  # fmt: skip
+# Of these the ones that are HDF5.
+_HDF5 = (".emd", ".hspy")
 
 
 def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarray:
@@ -37,8 +47,8 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
     checks.count(page, "page", ImageError)
     if path.suffix.lower() not in KINDS:
         raise FileFormatError(
-            f"{path}: .tif, .tiff, .png or .npy was needed, but the name ends in {path.suffix!r}. "
-            "Give arrays in memory to LatticeImage(array)."
+            f"{path}: expected an image ending in {', '.join(KINDS)}, got {path.suffix!r}. Export "
+            "it as .tif, or give an array in memory to LatticeImage(array)."
         )
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file.")
@@ -46,11 +56,13 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
     try:
         library = import_module(name)
     except ImportError:
+        is_microscope = name.startswith("rsciio")
+        package = "rosettasciio" if is_microscope else name.partition(".")[0]
         raise MissingExtraError(
-            f"{path}: reading it needs {name.partition('.')[0]}, which is not installed. "
-            "Run `pip install 'geomtorsion[images]'`; arrays need nothing."
+            f"{path}: reading it needs {package}, which is not installed. Run `pip install "
+            f"'geomtorsion[{'files' if is_microscope else 'images'}]'`; arrays need nothing."
         ) from None
-    load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}[name]
+    load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}.get(name, _microscope)
     try:
         found = load(library, path, page, most)
     except (FileFormatError, LimitError):
@@ -144,6 +156,71 @@ def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
         )
     check_size(path, stack[page].shape, most)
     return np.asarray(stack[page])
+
+
+def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
+    """One image of a file that rosettasciio reads: pages are counted through all its signals.
+
+    Sizes are compared with the file before a pixel is read.
+    """
+    length, end = path.stat().st_size, path.suffix.lower()
+    if end in _HDF5:
+        check_hdf5(path, import_module("h5py"))
+    # Their readers take memory, or a part, for each pixel that the header says.
+    declared = {".mrc": _pixels_of_mrc, ".ser": _pixels_of_ser}.get(end, lambda _: 0)(path)
+    if declared > length:
+        raise LimitError(
+            f"{path}: expected at most {length:,} pixels, as many as the file has bytes, got "
+            f"{declared:,} in its header. Is the file complete?"
+        )
+    stacks = []
+    # Lazy: an array says its size and reads nothing.
+    for signal in library.file_reader(str(path), lazy=True):
+        data = signal["data"]
+        if data.ndim < 2 or data.dtype.kind not in "biuf":
+            continue
+        if data.nbytes > length and end not in _HDF5:
+            raise LimitError(
+                f"{path}: expected at most {length:,} bytes of pixels, as many as the file has, "
+                f"got {cut(str(data.shape))} of {data.dtype}. Is the file complete?"
+            )
+        names = [str(axis.get("name", "")).lower() for axis in signal["axes"]]
+        if names[-2:] == ["x", "y"]:
+            # Stored by columns: as rows it would be a mirror image.
+            data = data.swapaxes(-1, -2)
+        stacks.append(data.reshape(-1, *data.shape[-2:]))
+    count = sum(len(stack) for stack in stacks)
+    if page >= count:
+        raise FileFormatError(
+            f"{path}: expected an image number {page}, counted from 0, got a file of {count}. "
+            "Choose another page."
+        )
+    for stack in stacks:
+        if page < len(stack):
+            check_size(path, stack.shape[1:], most)
+            return np.asarray(stack[page].compute(scheduler="synchronous"))
+        page -= len(stack)
+    raise FileFormatError(f"{path}: it holds no image.")
+
+
+def _pixels_of_mrc(path: Path) -> int:
+    """Pixels of all images, as the header says."""
+    with path.open("rb") as file:
+        return math.prod(map(abs, struct.unpack("<3i", file.read(12))))
+
+
+def _pixels_of_ser(path: Path) -> int:
+    """Pixels of all images, as the header and the first image say."""
+    with path.open("rb") as file:
+        head = file.read(34)
+        version, count = struct.unpack_from("<H", head, 4)[0], struct.unpack_from("<I", head, 18)[0]
+        # Of the newer version offsets have eight bytes.
+        kind = "<I" if version <= 528 else "<Q"
+        if count > path.stat().st_size:
+            return count
+        file.seek(struct.unpack_from(kind, head, 22)[0])
+        file.seek(struct.unpack(kind, file.read(struct.calcsize(kind)))[0] + 42)
+        return count * math.prod(struct.unpack("<2I", file.read(8)))
 
 
 def check_size(subject: object, shape: tuple[int, ...], most: int | None = None) -> None:

@@ -13,6 +13,7 @@ from geomtorsion.caching import cached_property
 from geomtorsion.errors import ImageError
 from geomtorsion.materials.images.image_files import check_size, pixels_of_signal, read_pixels
 from geomtorsion.materials.images.phases import LatticePhases, lattice_phases
+from geomtorsion.materials.images.regions import Region
 from geomtorsion.materials.images.spots import Spectrum, Spots, find_spots, measured
 
 if TYPE_CHECKING:
@@ -99,21 +100,24 @@ class LatticeImage:
     def read(
         cls, path: str | Path, step: float = 1.0, unit: str = "px", *, page: int = 0
     ) -> LatticeImage:
-        """From a TIFF, PNG or NPY file; colours become grey.
+        """From a TIFF, PNG or NPY file, or .dm3, .dm4, .emd, .mrc, .ser, .hspy by rosettasciio.
+
+        Colours become grey. The first row of the data is on top; programs that write .mrc with the
+        first row at the bottom give a mirror image, in which b has the opposite sign.
 
         Parameters
         ----------
         step, unit
             Size of a pixel: what microscopes write into files differs too much to be trusted.
         page
-            Which one, of a TIFF with several or an array of shape (pages, rows, columns).
+            Which one, of a file with several images or an array of shape (pages, rows, columns).
 
         Raises
         ------
         FileFormatError
             The file is missing, damaged, too large, or of another kind.
         MissingExtraError
-            The libraries of the extra "images" are not installed.
+            The library is not installed: of the extra "images", or "files" for microscopes.
         """
         path = checks.file_name(path, error=ImageError)
         values = read_pixels(path, page)
@@ -165,6 +169,7 @@ class LatticeImage:
         self,
         spots: Sequence[Sequence[float]] | np.ndarray | None = None,
         resolution: float | None = None,
+        reference: Region | None = None,
     ) -> LatticePhases:
         """Geometric phases of two Bragg spots: how far each place is along the lattice.
 
@@ -176,15 +181,20 @@ class LatticeImage:
         resolution
             Standard deviation of the Gaussian over which the phases are averaged, in units. If
             not given: one lattice spacing, more where the noise asks for it.
+        reference
+            A region of unstrained lattice, see `LatticePhases.relative_to`; strain is counted from
+            the mean lattice of the image if not given.
 
         Raises
         ------
         ImageError
-            The image shows no lattice, a spot lies beyond the pixels, or both are collinear.
+            The image shows no lattice, a spot lies beyond the pixels, or both are collinear; the
+            region lies outside the image.
         """
         found = self.spots if spots is None else self._given(spots)
         blur = None if resolution is None else self._resolution(resolution)
-        return lattice_phases(self.field, self.step, self.unit, found, blur)
+        phases = lattice_phases(self.field, self.step, self.unit, found, blur)
+        return phases if reference is None else phases.relative_to(reference)
 
     def _given(self, spots: object) -> Spots:
         """Spots from a user, with the amplitude and the noise that the image has there."""

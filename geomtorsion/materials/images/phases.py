@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import scipy  # loads its parts when they are asked for
@@ -11,10 +12,17 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GridError, ImageError
 from geomtorsion.loops import Cochain, Complex, Loop
+from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.images.circuits import LatticeBurgers, expected_clicks, pixel_path, wound
+from geomtorsion.materials.images.regions import Region, pixels_of
 from geomtorsion.materials.images.spots import Spots
+from geomtorsion.materials.images.squares import squares_of
+from geomtorsion.materials.source import Backdrop
+from geomtorsion.materials.survey import Errors, Survey, middles
 
+# Names of components of b along the axes of the image.
+COMPONENTS = ("bx", "by")
 # What is divided by is at least this: a power may vanish.
 TINY = float(np.finfo(float).tiny)
 
@@ -35,7 +43,10 @@ class LatticePhases:
     blur: standard deviation of the Gaussian over which they were averaged, in pixels.
     waves: H_i of each spot, complex, waves[i, x, y].
     borders: share of the Gaussian that lies within the image, by x and by y.
+    picture: grey values of the image, picture[x, y].
     low: share of the median amplitude below which a place is a hole: a core, a void.
+    reference: e^i_mu of the lattice from which strain is counted, shape (2, 2), lattice vectors per
+        unit; that of the spots, the mean of the image, if None.
     """
 
     step: float
@@ -44,7 +55,9 @@ class LatticePhases:
     blur: float
     waves: np.ndarray
     borders: tuple[np.ndarray, np.ndarray]
+    picture: np.ndarray
     low: float = 0.2
+    reference: np.ndarray | None = None
 
     # -- the lattice ------------------------------------------------------------------------------
 
@@ -55,8 +68,43 @@ class LatticePhases:
 
     @property
     def lattice(self) -> np.ndarray:
-        """Lattice vectors a_1 and a_2 in units, rows, shape (2, 2): a_i g_j = delta_ij."""
-        return np.linalg.inv(self.spots).T
+        """Lattice vectors a_1 and a_2 of the reference in units, rows, shape (2, 2)."""
+        return np.linalg.inv(self.spots if self.reference is None else self.reference).T
+
+    def relative_to(self, region: Region) -> LatticePhases:
+        """The same phases with distortion, strain and lattice vectors counted from a region.
+
+        Parameters
+        ----------
+        region
+            Unstrained lattice: a rectangle ((x0, x1), (y0, y1)) in units, or truth values by pixel,
+            region[x, y]. Its mean coframe, without holes, is the reference.
+
+        Raises
+        ------
+        ImageError
+            The region lies outside of the image, is narrower than the resolution, or is all holes.
+
+        Examples
+        --------
+        Fringes whose spacing grows by 2 % in the right half, and strain from the left:
+
+        >>> from geomtorsion.materials.images import LatticeImage
+        >>> y, x = np.mgrid[127:-1:-1, 0:256]
+        >>> place = np.where(x < 128, x, 128 + (x - 128) / 1.02)
+        >>> image = LatticeImage(np.cos(2 * np.pi * place / 8) + np.cos(2 * np.pi * y / 8))
+        >>> phases = image.phases(reference=((20, 100), (20, 107)))
+        >>> phases.strain[0, 0, [60, 200], 64].round(4) + 0.0
+        array([0.    , 0.0196])
+        """
+        chosen = pixels_of(region, self.waves.shape[1:], self.step, self.unit, self.resolution)
+        chosen &= ~self.holes
+        if not chosen.any():
+            raise ImageError(
+                "reference: expected a region in which the lattice is seen, got only holes. Choose "
+                "another."
+            )
+        return replace(self, reference=self.coframe[:, :, chosen].mean(axis=2))
 
     @property
     def resolution(self) -> float:
@@ -143,7 +191,7 @@ class LatticePhases:
 
     @cached_property
     def distortion(self) -> np.ndarray:
-        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the mean lattice.
+        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the reference.
 
         NaN in holes. `strain` is its symmetric part, `rotation` the rest.
         """
@@ -245,33 +293,97 @@ class LatticePhases:
             )
         error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
         low = (self.step * weakest).tolist()
+        vector, (x, y) = whole @ self.lattice, self.step * path.T
         return LatticeBurgers(
-            vector=whole @ self.lattice,
+            vector=vector,
             unit=self.unit,
             systematic={"lattice vectors": error},
             whole=whole,
             lattice=self.lattice,
             chance=chance,
-            path=path,
+            name=loop.name or "loop",
+            path=np.stack([x, y]),
+            area=float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() / 2),
+            arrow=vector,
+            components=COMPONENTS,
+            length_unit=self.unit,
+            pixels=path,
             weakest=(low[0], low[1]),
         )
 
-    def burgers_map(self, size: int, risk: float = 0.05) -> LatticeCircuits:
+    def burgers_map(
+        self, size: int, plane: tuple[int, int] = (0, 1), *, risk: float = 0.05
+    ) -> Survey:
         """Burgers vectors of the square circuits of size x size pixels at every place.
 
-        Whole numbers, the same as `burgers` gives for each of them. The cost does not grow with
-        the size. risk: as for `burgers`; where the chance of a wrong number is larger, nothing is
-        known.
+        Whole numbers, the same as `burgers` gives for each of them, and their lengths along x and
+        y. The cost does not grow with the size. risk: as for `burgers`; where the chance of a wrong
+        number is larger, or the circuit touches a hole, b is not known.
 
         Raises
         ------
         ImageError
-            The size is not from 2 to what the image holds.
+            The size is not from 2 to what the image holds, or the plane is another than x and y.
         """
+        if tuple(plane) != (0, 1):
+            raise ImageError("plane: an image has one plane, x and y. Leave the option out.")
         n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
         limit = checks.positive(risk, "risk", ImageError)
-        found = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
-        return LatticeCircuits(n, *found, limit, self.lattice, self.step, self.unit)
+        whole, clear, chances = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
+        chance = np.minimum(chances.sum(axis=0), 1.0)
+        vectors = np.einsum("ia,ixy->axy", self.lattice, whole)
+        vectors[:, ~(clear & (chance <= limit))] = np.nan
+        steps = (self.step, self.step)
+        return Survey(
+            vectors,
+            middles((0.0, 0.0), steps, clear.shape, (n, n)),
+            (n * self.step) ** 2,
+            (n, n),
+            partial(self._errors, whole, chances),
+            self.names,
+            components=COMPONENTS,
+            unit=self.unit,
+            vector_unit=self.unit,
+            missing="touch a hole, or noise may change their numbers",
+            whole=whole,
+        )
+
+    def _errors(self, whole: np.ndarray, chances: np.ndarray) -> Errors:
+        """Errors of whole numbers, each with the chance that noise changed it, shape (2, x, y)."""
+        # A number that noise changes adds a lattice vector; spots are known to a third of a pixel
+        # of the transform, and with them the lattice.
+        table = np.einsum("ia,ib,ixy->abxy", self.lattice, self.lattice, chances)
+        covariance = {(a, b): table[a, b] for a, b in ((0, 0), (0, 1), (1, 1))}
+        lengths = np.hypot(*self.lattice.T)
+        doubt = self.doubt * np.einsum("i,ixy->xy", lengths, np.abs(whole))
+        return Errors(covariance, doubt, np.minimum(chances.sum(axis=0), 1.0))
+
+    # -- as a source ------------------------------------------------------------------------------
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return ("x", "y")
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Lines about the image, its lattice, and where it cannot be seen."""
+        columns, rows = self.picture.shape
+        vectors = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in self.lattice.tolist())
+        strength = self.levels / np.median(self.noise, axis=(1, 2))
+        return (
+            f"LatticeImage({columns} x {rows} pixels of {self.step:.6g} {self.unit})",
+            f"lattice vectors {vectors} {self.unit}, averaged over {self.resolution:.3g}",
+            (
+                f"amplitudes {strength[0]:.3g} and {strength[1]:.3g} times their noise; holes: "
+                f"{float(self.holes.mean()):.1%} of the pixels"
+            ),
+        )
+
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """The picture itself, which has one plane."""
+        x, y = (self.step * np.arange(n) for n in self.picture.shape)
+        return Backdrop((x, y), self.picture, "image", "image and circuits")
 
     def _place(self, pixel: np.ndarray) -> str:
         """A pixel as a place in messages."""
@@ -334,7 +446,7 @@ def lattice_phases(
         raise ImageError(
             "the image has no power at a spot that was given. Give the spots of its lattice."
         )
-    return LatticePhases(step, unit, spots, blur, waves, (borders[0], borders[1]))
+    return LatticePhases(step, unit, spots, blur, waves, (borders[0], borders[1]), field)
 
 
 def _reach(blur: float, deviations: float = 4.0) -> float:
@@ -365,90 +477,3 @@ def _resolution(spots: Spots, size: int, clear: float = 5.0, coarsest: float = 1
     ratio = float((spots.noise / np.maximum(weakest, TINY)).max())
     needed = clear * ratio / np.sqrt(4 * np.pi)
     return min(max(spacing, needed), max(spacing, size * coarsest))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class LatticeCircuits:
-    """Burgers vectors of all square circuits of one size in a lattice image.
-
-    size: pixels along a side. whole: in lattice vectors, whole numbers, whole[i, x, y] for the
-        circuit whose lower left corner is pixel (x, y), run anticlockwise.
-    clear: whether the circuit touches no hole, clear[x, y].
-    chances: that noise has changed each number, chances[i, x, y]. risk: the largest accepted.
-    lattice: the lattice vectors, rows, shape (2, 2), in `unit`. step: size of a pixel.
-    """
-
-    size: int
-    whole: np.ndarray
-    clear: np.ndarray
-    chances: np.ndarray
-    risk: float
-    lattice: np.ndarray
-    step: float
-    unit: str
-
-    @property
-    def chance(self) -> np.ndarray:
-        """That noise has changed one of the numbers of a circuit, chance[x, y]."""
-        return np.minimum(self.chances.sum(axis=0), 1.0)
-
-    @property
-    def known(self) -> np.ndarray:
-        """Where the numbers are to be trusted, known[x, y]."""
-        return self.clear & (self.chance <= self.risk)
-
-    @property
-    def vectors(self) -> np.ndarray:
-        """b along x and y, in `unit`, vectors[a, x, y]."""
-        return np.einsum("ia,ixy->axy", self.lattice, self.whole)
-
-    @property
-    def area(self) -> float:
-        """Of each circuit, unit squared."""
-        return (self.size * self.step) ** 2
-
-    def __repr__(self) -> str:
-        return (
-            f"LatticeCircuits({int(self.clear.sum())} of {self.clear.size} circuits of {self.size} "
-            f"x {self.size} pixels touch no hole)"
-        )
-
-
-def squares_of(
-    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, size: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Windings of phases round all squares, which touch no hole, and expected clicks of noise.
-
-    phase, ratio: phase[i, x, y], and the amplitude in units of its noise. Sums from the first pixel
-    of each line make any size as cheap as a pixel.
-    """
-    sides = [_along(phase, ratio, holes, blur, axis, size) for axis in (1, 2)]
-    (whole, clicks, crossed), (up, more, met) = sides
-    n = size
-    # Right along the lower side, up the right one, back along the upper one, down the left one.
-    wound = whole[:, :, :-n] + up[:, n:] - whole[:, :, n:] - up[:, :-n]
-    total = clicks[:, :, :-n] + more[:, n:] + clicks[:, :, n:] + more[:, :-n]
-    touched = crossed[:, :-n] + met[n:] + crossed[:, n:] + met[:-n]
-    return wound, touched == 0, np.minimum(total, 1.0)
-
-
-def _along(
-    phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, axis: int, size: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Along all sides of one direction: whole turns, expected clicks, pixels in holes."""
-    steps = np.diff(phase, axis=axis)
-    turns = np.rint(steps / (2 * np.pi)).astype(np.int64)
-    clicks = expected_clicks(ratio, steps - 2 * np.pi * turns, blur, axis)
-    spoilt = np.cumsum(np.insert(holes.astype(np.int64), 0, 0, axis - 1), axis=axis - 1)
-    n, last = size, holes.shape[axis - 1]
-    held = np.take(spoilt, range(n + 1, last + 1), axis - 1) - np.take(
-        spoilt, range(last - n), axis - 1
-    )
-    return _runs(-turns, axis, n), _runs(clicks, axis, n), held
-
-
-def _runs(steps: np.ndarray, axis: int, size: int) -> np.ndarray:
-    """Sums over so many steps that follow each other."""
-    sums = np.cumsum(np.insert(steps, 0, 0, axis), axis=axis)
-    count = sums.shape[axis]
-    return np.take(sums, range(size, count), axis) - np.take(sums, range(count - size), axis)

@@ -176,7 +176,11 @@ def _significant(
     places = np.argwhere(peak & half & (np.hypot(kx, ky) > least))
     ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * candidates]
     limit = _threshold(power.size, spectrum.smoothing, false_alarm)
-    radii = np.hypot(kx, ky)
+    radii = np.hypot(kx, ky).ravel()
+    # Places by rings of one pixel, so that each spot looks at the rings next to it alone.
+    rings = (radii / spectrum.pixel).astype(np.min_scalar_type(max(power.shape)))
+    order = np.argsort(rings, kind="stable")
+    ends = np.concatenate([[0, 0], np.cumsum(np.bincount(rings)), [len(radii)]])
     found, strengths = [], []
     for i, j in ranked.tolist():
         place = np.array([spectrum.x[i], spectrum.y[j]])
@@ -184,8 +188,11 @@ def _significant(
         distance = np.hypot(dx, dy) / spectrum.pixel
         ring = (distance > 2 * reach) & (distance < 4 * reach)
         # A glass scatters equally in all directions, and its rings consist of speckle.
-        same = np.abs(radii - np.hypot(*place)) < spectrum.pixel
-        noise = max(float(np.median(x)) for x in (block[ring], spectrum.power[same])) / np.log(2)
+        radius = float(np.hypot(*place))
+        number = int(radius / spectrum.pixel)
+        near = order[ends[number] : ends[number + 3]]
+        same = spectrum.power.ravel()[near[np.abs(radii[near] - radius) < spectrum.pixel]]
+        noise = max(float(np.median(x)) for x in (block[ring], same)) / np.log(2)
         if power[i, j] > limit * noise:
             found.append(place)
             strengths.append(power[i, j] - noise)

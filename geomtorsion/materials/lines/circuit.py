@@ -341,15 +341,17 @@ def circuit_burgers(
             f"which give {written(one)} and {written(two)}. Mend the nodes that .node_rule() "
             "names, or lead the circuit elsewhere."
         )
-    vector = np.array([float(x) for x in one])
+    vector, name = np.array([float(x) for x in one]), loop.name
     if lattice is None:
-        return LineBurgers(vector=vector, exact=one, crossings=first)
+        return LineBurgers(vector=vector, exact=one, crossings=first, name=name)
     cell = lattice_vectors(lattice, lines.burgers.shape[1])
     coordinates = lattice_coordinates(lines.burgers, cell, tolerance)
     whole = np.zeros(coordinates.shape[1], dtype=np.int64)
     for crossing in first:
         whole += crossing.count * coordinates[crossing.line]
-    return LineBurgers(vector=vector, whole=whole, lattice=cell, exact=one, crossings=first)
+    return LineBurgers(
+        vector=vector, whole=whole, lattice=cell, exact=one, crossings=first, name=name
+    )
 
 
 def _sum(vectors: Sequence[Vector], found: Sequence[Crossing]) -> Vector:

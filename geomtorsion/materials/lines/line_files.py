@@ -15,7 +15,7 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.checks import file_name
 from geomtorsion.errors import FileFormatError, GeomtorsionError, NetworkError
-from geomtorsion.files import conforming, read_json_text, read_text
+from geomtorsion.files import conforming, ending, read_json_text, read_text
 from geomtorsion.loops import Number
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.crystal_analysis import (
@@ -32,21 +32,12 @@ FORMAT = {"format": "geomtorsion dislocation lines", "version": 1}
 _FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")
 
 
-def suffix_of(path: str | PathLike[str]) -> str:
-    """What the name of a file ends in, in small letters.
-
-    Raises
-    ------
-    ArgumentError
-        It is no name of a file.
-    """
-    return file_name(path).suffix.lower()
-
-
 def read_lines(
     path: str | PathLike[str], periodic: bool = True
 ) -> tuple[LineArrays, list[tuple[Number, ...]] | None]:
     """Lines from a ParaDiS file, or from .ca and .json, whose boxes say where they repeat.
+
+    Files packed by gzip or bzip2 (.data.gz, .ca.gz) are unpacked while they are read.
 
     Returns
     -------
@@ -57,7 +48,7 @@ def read_lines(
     FileFormatError
         The file is missing, truncated or malformed; the message names the line where there is one.
     """
-    kind = suffix_of(path)
+    kind = ending(path)
     if kind == ".vtk":
         raise FileFormatError(
             f"{Path(path).name}: a network with its box was needed, but VTK files of lines hold "
@@ -91,7 +82,12 @@ def lines_text(
     NetworkError
         The format cannot hold the network; the message says why.
     """
-    kind = suffix_of(path)
+    kind = ending(path)
+    if kind != file_name(path).suffix.lower():
+        raise NetworkError(
+            f"{file_name(path).name}: expected the name of a plain file, such as lines.data, got "
+            "one of a packed file. Save it without the last ending, then pack it by gzip."
+        )
     if kind == ".vtk":
         return vtk_text(curves)
     if kind == ".ca":

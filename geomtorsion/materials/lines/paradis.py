@@ -80,6 +80,8 @@ class _Reader:
 def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
     """Read a dislocation network from a ParaDiS .data file; each line is kept once.
 
+    A file of no nodes is an empty network.
+
     Parameters
     ----------
     periodic
@@ -97,9 +99,9 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
     header = _header(reader)
     if "numFileSegments" in header and (parts := _single(reader, header, "numFileSegments")) != 1:
         reader.fail(f"the network stands in {parts} files. Write it into one, then read that.")
-    count = _single(reader, header, "nodeCount")
+    count = _single(reader, header, "nodeCount", least=0)
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
-    found = _all_at_once(text, count)
+    found = _all_at_once(text, count) if count else None
     if found is None:
         # Something is odd: read line by line, it is understood, or the line is named.
         tags, positions, constraints, arms = _nodes(reader, count)
@@ -223,12 +225,12 @@ def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) ->
     return words
 
 
-def _single(reader: _Reader, header: Mapping[str, Row], key: str) -> int:
+def _single(reader: _Reader, header: Mapping[str, Row], key: str, least: int = 1) -> int:
     """The whole number of a key."""
     (word,) = _values(reader, header, key, 1)
     value = reader.whole(word, key)
-    if value < 1:
-        reader.fail(f"{key}: one or more was needed, but {value} came.")
+    if value < least:
+        reader.fail(f"{key}: expected {least} or more, got {value}. Is the file complete?")
     return value
 
 

@@ -9,6 +9,9 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
+from geomtorsion.loops import Loop
+from geomtorsion.loops.quadrature import PIECE
+from geomtorsion.materials.fields.stencils import SLACK
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -203,6 +206,42 @@ def _pixel(pixel: object) -> tuple[int, int]:
         raise OrientationError(f"pixel: a row and a column were needed, but {pixel!r} came.")
     row, column = (checks.count(x, "pixel", OrientationError) for x in numbers)
     return row, column
+
+
+def circuit_of(
+    loop: Loop, shape: tuple[int, int], steps: tuple[float, float], shift: float, unit: str
+) -> Circuit:
+    """The circuit around the cells whose middles a loop surrounds; see OrientationMap.circuit.
+
+    shape: rows and columns of pixels. steps, shift: of the map. unit: of lengths, for messages.
+    """
+    checks.instance(loop, Loop, "loop")
+    if loop.dimension != 2:
+        raise OrientationError(
+            f"loop: two coordinates were needed, x and y of the map, but {loop.dimension} came."
+        )
+    rows, columns = shape
+    begin = np.array([steps[0] * min(shift, 0.0), 0.0])
+    end = np.array([steps[0] * (columns - 1 + max(shift, 0.0)), steps[1] * (rows - 1)])
+    # Four points for each pixel that it passes, as far as memory goes.
+    count = int(min(4 * loop.length / min(steps), PIECE))
+    points = loop.points(max(count, 400))
+    points = np.concatenate([points, points[:, :1]], axis=1)
+    off = np.maximum(begin - points.T, points.T - end)
+    if (off > SLACK * end).any():
+        raise OrientationError(
+            f"{loop!r} leaves the map, which runs from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
+            f"{end[1]:.6g}) {unit}. Choose a smaller loop, or another place."
+        )
+    xs = steps[0] * (np.arange(columns - 1) + (1 + shift) / 2)
+    ys = steps[1] * (np.arange(rows - 1) + 0.5)
+    cells = windings(points, xs, ys)
+    if not cells.any():
+        raise OrientationError(
+            f"{loop!r} surrounds the middle of no cell; steps are {steps[0]:g} and "
+            f"{steps[1]:g} {unit}. Choose a larger loop."
+        )
+    return Circuit.of_cells(cells, name=loop.name or "loop")
 
 
 def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from geomtorsion.materials.maps.symmetry import LaueGroup, angle_of, conjugated
 from geomtorsion.rigid.attitude import product
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class GrainMap:
     """Grains, and orientations in variants that agree within each.
 
@@ -36,6 +36,14 @@ class GrainMap:
     def count(self) -> int:
         """Number of grains."""
         return int(self.grain.max(initial=-1)) + 1
+
+    def __repr__(self) -> str:
+        known = self.grain[self.grain >= 0]
+        largest = int(np.bincount(known).max()) if len(known) else 0
+        return (
+            f"GrainMap({self.count:,} grains in {len(known):,} of {self.grain.size:,} pixels, the "
+            f"largest of {largest:,})"
+        )
 
 
 def grains_of(

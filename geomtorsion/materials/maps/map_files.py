@@ -1,61 +1,36 @@
-"""Map files: orientation maps in .ctf (Oxford, HKL), .ang (EDAX, TSL) and, through orix, HDF5."""
+"""Map files: orientation maps in .ctf (Oxford, HKL) and .ang (EDAX, TSL, ASTAR)."""
 
 from __future__ import annotations
 
 import io
 import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
-from geomtorsion.errors import (
-    FileFormatError,
-    GeomtorsionError,
-    MissingExtraError,
-    OrientationError,
+from geomtorsion.checks import LARGEST_ARRAYS
+from geomtorsion.errors import FileFormatError
+from geomtorsion.files import BOUNDS, ending, finite_number, read_text
+from geomtorsion.materials.maps.map_phases import (
+    LAUE_NUMBERS,
+    check_laue,
+    described,
+    whole_phases,
 )
-from geomtorsion.files import BOUNDS, finite_number, read_text
-from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.materials.maps.results import UNITS
 
 # EDAX writes 4 pi for each angle of a point that was not indexed.
 NOT_INDEXED = 4 * np.pi - 1e-3
 SIZES = ("XCells", "YCells")
-CTF_LAUE: dict[float, str] = dict(
-    enumerate(
-        "-1 2/m mmm 4/m 4/mmm -3 -3m 6/m 6/mmm m-3 m-3m".split(),
-        start=1,
-    )
-)
 ANG_LAUE = {
     "1": "-1", "2": "2/m", "20": "2/m", "22": "mmm", "4": "4/m", "42": "4/mmm", "3": "-3",
     "32": "-3m", "6": "6/m", "62": "6/mmm", "23": "m-3", "43": "m-3m",
 }  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class MapFile:
-    """What a file of an orientation map holds.
-
-    euler: Bunge's angles phi1, Phi, phi2 in radians, shape (rows, columns, 3).
-    phase: number of the phase of each pixel, 0 where nothing was indexed, shape (rows, columns).
-    phases: number -> phase. steps: of x and y. shift: of every second row, as a share of the step
-        of x: 0 for square grids, 1/2 (or -1/2) for hexagonal ones.
-    """
-
-    euler: np.ndarray
-    phase: np.ndarray
-    phases: Mapping[int, Phase]
-    steps: tuple[float, float]
-    shift: float = 0.0
 
 
 # How a .ctf file begins.
@@ -63,34 +38,25 @@ CTF = "Channel Text File"
 
 
 def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
-    """A map from a .ctf or .ang file."""
+    """A map from a .ctf or .ang file; where its header and its points disagree, x and y decide."""
     groups = checks.table(laue, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     # Names may hold letters at which `splitlines` breaks, such as the three dots of Windows.
     lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
-    source = _Source(path.name, lines, groups)
-    found = source.ctf() if path.suffix.lower() == ".ctf" else source.ang()
-    _check_laue(path.name, groups, found.phases)
-    return found
-
-
-def _check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) -> None:
-    """Refuse groups of phases that are not in the file."""
-    for number in laue:
-        if number not in (0, *phases):
-            raise FileFormatError(
-                f"{name}: laue: number {shown(number)} is that of no phase. Those of the file are "
-                f"{', '.join(map(str, phases))}."
-            )
+    source = _Source(path.name, lines, groups, len(text))
+    found = source.ctf() if ending(path) == ".ctf" else source.ang()
+    check_laue(path.name, groups, found.phases)
+    return gridded(found)
 
 
 @dataclass(frozen=True, eq=False)
 class _Source:
-    """The lines of a file, and what a user says about its phases."""
+    """The lines of a file, what a user says about its phases, and its length."""
 
     name: str
     lines: list[str]
     laue: dict[int, str]
+    size: int
 
     def fail(self, line: int, message: str) -> NoReturn:
         """Refuse the file at a line, counted from 0."""
@@ -116,32 +82,9 @@ class _Source:
             )
         return int(found)
 
-    def phase(
-        self,
-        line: int,
-        number: int,
-        name: str,
-        laue: str | None,
-        lattice: tuple[list[float], list[float]],
-        horizontal: str,
-    ) -> Phase:
-        """A phase, with the Laue group that the user gives or the file."""
-        group = self.laue.get(number, self.laue.get(0, laue))
-        if group is None:
-            self.fail(
-                line,
-                f"phase {number} ({name}): its symmetry is not known. Give it, "
-                f'such as laue={{{number}: "m-3m"}}.',
-            )
-        lengths, angles = ((x[0], x[1], x[2]) for x in lattice)
-        try:
-            return Phase(name, group, lengths, angles, horizontal)
-        except OrientationError as error:
-            self.fail(line, str(error))
-
     # -- .ctf -------------------------------------------------------------------------------------
 
-    def ctf(self) -> MapFile:
+    def ctf(self) -> MapPoints:
         """A map of Oxford Instruments; angles in degrees."""
         if not self.lines or not self.lines[0].startswith(CTF):
             self.fail(0, "'Channel Text File' was needed. Is this a .ctf file?")
@@ -160,13 +103,18 @@ class _Source:
                 "export it again.",
             )
 
-        def asked(key: str) -> float:
-            if key not in header:
-                self.fail(start, f"{key} is missing above it. Export the map as a grid.")
-            return self.number(header[key][0], header[key][1], key)
-
-        columns, rows = (self.whole(*header.get(key, (start, "")), key) for key in SIZES)
-        steps = asked("XStep"), asked("YStep")
+        if header.get("JobMode", (0, ""))[1].strip().lower() == "interactive":
+            count = sum(bool(row.strip()) for row in self.lines[start + 1 :])
+            self.fail(
+                header["JobMode"][0],
+                f"expected a map on a grid (JobMode Grid), got {count:,} points, no grid (JobMode "
+                "Interactive). Circuits need neighbouring pixels: export the map of a grid.",
+            )
+        declared = None
+        if all(key in header for key in (*SIZES, "XStep", "YStep")):
+            columns, rows = (self.whole(*header[key], key) for key in SIZES)
+            steps = [self.number(*header[key], key) for key in ("XStep", "YStep")]
+            declared = Declared(np.full(rows, columns), (steps[0], steps[1]))
         first = header.get("Phases", (start, ""))[0]
         count = self.whole(*header.get("Phases", (start, "")), "Phases")
         phases = {}
@@ -182,27 +130,31 @@ class _Source:
             if [len(part) for part in lattice] != [3, 3]:
                 self.fail(k, f"phase {number}: three lengths and three angles were needed.")
             # Groups that are not listed, and what is no whole number, are not known.
-            laue = CTF_LAUE.get(self.number(k, parts[3], f"Laue group of phase {number}"))
-            phases[number] = self.phase(
-                k, number, parts[2].strip(), laue, (lattice[0], lattice[1]), "y"
-            )
+            laue = LAUE_NUMBERS.get(self.number(k, parts[3], f"Laue group of phase {number}"))
+            phases[number] = described(
+                f"{self.name}: line {k + 1}", number, parts[2].strip(), laue, self.laue,
+                (lattice[0], lattice[1]), "y",
+            )  # fmt: skip
         names = [name.strip() for name in self.lines[start].split("\t")]
         wanted = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
         for name in wanted:
             if name not in names:
                 self.fail(start, f"column {name} is missing. Export it with the map.")
-        table = self.table(start + 1, len(names), rows * columns, f"{columns} x {rows} points")
+        table = self.table(start + 1, len(names))
         phase, x, y, *angles = (table[:, names.index(name)] for name in wanted)
-        self.check_grid(start + 1, x, y, np.full(rows, columns), steps, 0.0)
-        found = self.check_phases(start + 1, phase, phases)
         self.check_angles(start + 1, np.stack(angles, axis=1), 720, "degrees")
-        euler = np.radians(np.stack(angles, axis=1)).reshape(rows, columns, 3)
-        return MapFile(euler, found.reshape(rows, columns), phases, steps)
+        return MapPoints(
+            self.name, self.size, x, y, np.radians(np.stack(angles, axis=1)),
+            whole_phases(self.name, phase, phases, start + 2), phases, declared, start + 2,
+        )  # fmt: skip
 
     # -- .ang -------------------------------------------------------------------------------------
 
-    def ang(self) -> MapFile:
-        """A map of EDAX; angles in radians; square or hexagonal grid."""
+    def ang(self) -> MapPoints:
+        """A map of EDAX, or of ASTAR in nm; angles in radians; square or hexagonal grid.
+
+        Columns are angles, x, y, quality, confidence and phase; those of ASTAR may have no phase.
+        """
         start = next((k for k, row in enumerate(self.lines) if not row.startswith("#")), None)
         if start is None or start == 0:
             self.fail(
@@ -216,128 +168,118 @@ class _Source:
             if not words:
                 continue
             key, value = words[0], words[1].strip() if len(words) > 1 else ""
-            about = {} if key == "Phase" else about
+            if key == "Phase" or (key == "MaterialName" and "LatticeConstants" in about):
+                about = {}
             about[key] = header[key] = (k, value)
             if key == "LatticeConstants":
                 if len(phases) >= BOUNDS.phases:
                     self.fail(k, f"expected at most {BOUNDS.phases} phases, got more. Remove some.")
-                number, phase = self.ang_phase(about)
+                number, phase = self.ang_phase(about, len(phases) + 1)
                 phases[number] = phase
-        for key in ("GRID", "XSTEP", "YSTEP", "NCOLS_ODD", "NCOLS_EVEN", "NROWS"):
-            if key not in header:
-                self.fail(start, f"{key} is missing above it. Export the map with its full header.")
         if not phases:
             self.fail(start, "no phase is described above it. Export the map with its full header.")
-        odd, even, rows = (
-            self.whole(*header[key], key) for key in ("NCOLS_ODD", "NCOLS_EVEN", "NROWS")
-        )
-        dx, dy = (self.number(*header[key], key) for key in ("XSTEP", "YSTEP"))
-        is_hexagonal = header["GRID"][1].lower().startswith("hex")
-        counts = np.where(np.arange(rows) % 2, even, odd)
+        declared = self.ang_grid(header)
         width = len(self.lines[start].split())
-        if width < 8:
-            self.fail(start, f"8 columns or more were needed, but {width} came. Export it again.")
-        table = self.table(start, width, int(counts.sum()), f"{rows} rows of pixels")
-        # A longer second row begins half a step before the first one.
-        shift = (0.5 if odd >= even else -0.5) if is_hexagonal else 0.0
-        self.check_grid(start, table[:, 3], table[:, 4], counts, (dx, dy), shift)
+        if width < 5:
+            self.fail(
+                start,
+                f"expected three angles, x and y in five columns or more, got {width} columns. "
+                "Export it again.",
+            )
+        table = self.table(start, width)
         self.check_angles(start, table[:, :3], 4 * np.pi + 1e-3, "radians")
-        phase = table[:, 7]
-        if list(phases) == [1] and not (phase == 1).any():
-            # With one phase alone the column may hold zeros.
-            phase = np.where(phase == 0, 1.0, phase)
-        known = (table[:, :3] < NOT_INDEXED).all(axis=1) & (table[:, 6] >= 0)
-        found = np.where(known, self.check_phases(start, np.where(known, phase, 0), phases), 0)
-        columns = int(counts.max())
-        row = np.repeat(np.arange(len(counts)), counts)
-        column = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-        euler = np.zeros((len(counts), columns, 3))
-        whole = np.zeros((len(counts), columns), dtype=np.int64)
-        euler[row, column], whole[row, column] = table[:, :3], found
-        return MapFile(euler, whole, phases, (dx, dy), shift)
+        is_astar = any("ACOM" in row for row in self.lines[:start])
+        phase = self.ang_phases(start, table, phases, is_astar)
+        known = (table[:, :3] < NOT_INDEXED).all(axis=1)
+        if width > 6 and not is_astar:
+            # A confidence of -1.
+            known &= table[:, 6] >= 0
+        found = whole_phases(self.name, np.where(known, phase, 0), phases, start + 1)
+        unit = 1e-3 if is_astar else 1.0
+        if declared is not None:
+            dx, dy = declared.steps
+            declared = Declared(declared.counts, (unit * dx, unit * dy), declared.shift)
+        return MapPoints(
+            self.name, self.size, unit * table[:, 3], unit * table[:, 4], table[:, :3], found,
+            phases, declared, start + 1,
+        )  # fmt: skip
 
-    def ang_phase(self, about: Mapping[str, tuple[int, str]]) -> tuple[int, Phase]:
-        """A phase from the lines that describe it."""
+    def ang_grid(self, header: Mapping[str, tuple[int, str]]) -> Declared | None:
+        """The grid of a header, where it has one."""
+        keys = ("NCOLS_ODD", "NCOLS_EVEN", "NROWS")
+        if not all(key in header for key in ("GRID", "XSTEP", "YSTEP", *keys)):
+            return None
+        odd, even, rows = (self.whole(*header[key], key) for key in keys)
+        dx, dy = (self.number(*header[key], key) for key in ("XSTEP", "YSTEP"))
+        # A longer second row begins half a step before the first one.
+        is_hexagonal = header["GRID"][1].lower().startswith("hex")
+        shift = (0.5 if odd >= even else -0.5) if is_hexagonal else 0.0
+        return Declared(np.where(np.arange(rows) % 2, even, odd), (dx, dy), shift)
+
+    def ang_phases(
+        self, start: int, table: np.ndarray, phases: Mapping[int, Phase], is_astar: bool
+    ) -> np.ndarray:
+        """The phase of each point: the eighth column, or that of the only phase without one."""
+        found = table[:, 7] if table.shape[1] > 7 else None
+        if found is not None and is_astar and not np.isin(found, [0, *phases]).all():
+            # A reliability, in files of one phase.
+            found = None
+        if found is None:
+            if len(phases) > 1:
+                self.fail(
+                    start,
+                    f"expected the phase of each point, of {len(phases)} in the header, as column "
+                    f"8, got {table.shape[1]} columns without it. Export it with the map.",
+                )
+            return np.full(len(table), next(iter(phases)))
+        if list(phases) == [1] and not (found == 1).any():
+            # With one phase alone the column may hold zeros.
+            return np.where(found == 0, 1.0, found)
+        if is_astar and (found == 0).any() and found.max() < len(phases):
+            # Phases without a number in the header are counted from 0.
+            return found + 1
+        return found
+
+    def ang_phase(self, about: Mapping[str, tuple[int, str]], following: int) -> tuple[int, Phase]:
+        """A phase from the lines that describe it; the following number where it has none."""
         line, text = about["LatticeConstants"]
-        for key in ("Phase", "Symmetry"):
-            if key not in about:
-                self.fail(line, f"{key} is missing above it. Export the map with its full header.")
-        number = self.whole(*about["Phase"], "Phase")
+        if "Symmetry" not in about:
+            self.fail(line, "Symmetry is missing above it. Export the map with its full header.")
+        number = self.whole(*about["Phase"], "Phase") if "Phase" in about else following
         numbers = [self.number(line, x, "lattice constant") for x in text.split()]
         if len(numbers) != 6:
             self.fail(line, f"three lengths and three angles were needed, but {text!r} came.")
         name = about.get("MaterialName", (line, f"phase {number}"))[1]
         laue = ANG_LAUE.get(about["Symmetry"][1])
         lattice = (numbers[:3], numbers[3:])
-        return number, self.phase(about["Symmetry"][0], number, name, laue, lattice, "x")
+        where = f"{self.name}: line {about['Symmetry'][0] + 1}"
+        return number, described(where, number, name, laue, self.laue, lattice)
 
     # -- both -------------------------------------------------------------------------------------
 
-    def table(self, start: int, width: int, wanted: int, what: str) -> np.ndarray:
+    def table(self, start: int, width: int) -> np.ndarray:
         """The rows of numbers from a line on; shape (points, width)."""
         rows = self.lines[start:]
         while rows and not rows[-1].strip():
             rows.pop()
-        if len(rows) < wanted:
-            self.fail(
-                start + len(rows) - 1,
-                f"the header says {what}, that is {wanted:,} rows, but the file ends after "
-                f"{len(rows):,}. It is truncated: export it again.",
-            )
-        if len(rows) > wanted:
-            self.fail(
-                start + wanted,
-                f"the header says {what}, that is {wanted:,} rows, but {len(rows):,} follow. "
-                "Correct the header, or export the map again.",
-            )
         text = "\n".join(rows)
         # Some countries write decimals with a comma; a point without an orientation may have none.
         text = text.replace(",", ".")
+        if not rows:
+            self.fail(start - 1, "the file ends before the first point. Is it complete?")
         try:
             found = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
-            if found.shape == (wanted, width) and np.isfinite(found).all():
+            if found.shape == (len(rows), width) and np.isfinite(found).all():
                 return found
         except ValueError:
             pass
         for k, row in enumerate(rows, start):
             parts = re.split(r"\s+", row.strip())
             if len(parts) != width:
-                self.fail(k, f"{width} columns were needed, but {len(parts)} came.")
+                self.fail(k, f"expected {width} columns, got {len(parts)}. Is the file complete?")
             for part in parts:
                 self.number(k, part, "entry")
-        self.fail(start, f"{width} columns of numbers were needed. Export the map again.")
-
-    def check_grid(
-        self,
-        start: int,
-        x: np.ndarray,
-        y: np.ndarray,
-        counts: np.ndarray,
-        steps: tuple[float, float],
-        shift: float,
-    ) -> None:
-        """Refuse points that do not lie where a grid of these steps has them."""
-        if min(steps) <= 0:
-            raise FileFormatError(
-                f"{self.name}: positive steps were needed, but {steps[0]:g} and {steps[1]:g} came. "
-                "Export the map as a grid of points, not as a line or a list."
-            )
-        row = np.repeat(np.arange(len(counts)), counts)
-        column = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-        for name, found, place, step in (
-            ("X", x, column + shift * (row % 2), steps[0]),
-            ("Y", y, row, steps[1]),
-        ):
-            # Coordinates are written with few digits, but each is nearest to its own place.
-            off = np.rint((found - found[0]) / step - place) != 0
-            if off.any():
-                k = int(np.argmax(off))
-                expected = found[0] + step * place[k]
-                self.fail(
-                    start + k,
-                    f"{name} = {found[k]:g}, where steps of {step:g} make {expected:g} of it. "
-                    "Steps are mixed, or points are missing: export the map on its full grid.",
-                )
+        self.fail(start, f"expected {width} columns of numbers. Export the map again.")
 
     def check_angles(self, start: int, angles: np.ndarray, most: float, unit: str) -> None:
         """Refuse angles of more than two turns, which are those of another unit."""
@@ -350,124 +292,3 @@ class _Source:
                 f"Euler angles in {unit} were needed, but {came} came. Convert them, or export the "
                 "map again.",
             )
-
-    def check_phases(
-        self, start: int, phase: np.ndarray, phases: Mapping[int, Phase]
-    ) -> np.ndarray:
-        """Numbers of phases as whole numbers; one that the header does not know is refused."""
-        unknown = ~np.isin(phase, [0, *phases])
-        if unknown.any():
-            k = int(np.argmax(unknown))
-            known = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
-            self.fail(
-                start + k,
-                f"phase {phase[k]:g} is not described in the header. Known are {known}; 0 is a "
-                "pixel without an orientation.",
-            )
-        return phase.astype(np.int64)
-
-
-def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
-    """Refuse points of orix that do not stand row by row."""
-    rows, columns = found.shape
-    row, column = np.divmod(np.arange(rows * columns), columns)
-    for axis, values, place, step in (
-        ("x", found.x, column, steps[0]),
-        ("y", found.y, row, steps[1]),
-    ):
-        off = np.rint((values - values[0]) / step) != place
-        if off.any():
-            k = int(np.argmax(off))
-            raise FileFormatError(
-                f"{name}: point {k + 1}: {axis} = {values[k]:g}, where steps of {step:g} make "
-                f"{values[0] + step * place[k]:g} of it. Sort the points by rows, or export the "
-                "map as .ctf or .ang."
-            )
-
-
-def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
-    """A square grid of an HDF5 file that orix knows (its own, kikuchipy's, EMsoft's, Bruker's).
-
-    Numbers of phases are those of orix and one more: its phases begin with 0. Steps are in um.
-
-    given: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
-    file says.
-
-    Raises
-    ------
-    MissingExtraError
-        orix is not installed.
-    FileFormatError
-        orix cannot read the file, or it holds no whole square grid.
-    """
-    laue = checks.table(given, "laue", FileFormatError)
-    try:
-        # GPL: imported where it is installed, and never needed for anything else.
-        io, h5py = import_module("orix.io"), import_module("h5py")
-    except ImportError:
-        raise MissingExtraError(
-            f"{path.name}: HDF5 files need orix, which is not installed. Run `pip install "
-            "'geomtorsion[ebsd]'`, or export the map as .ctf or .ang."
-        ) from None
-    names = check_hdf5(path, h5py)
-    try:
-        with warnings.catch_warnings():
-            # Angles in degrees that stand for radians: orix reads them and says so.
-            warnings.filterwarnings("error", "Angles are quite high")
-            found = io.load(str(path))
-        rows, columns = found.shape
-        euler = found.rotations.to_euler()
-        number = np.where(found.is_indexed, found.phase_id + 1, 0)
-        steps = float(found.dx), float(found.dy)
-    except Exception as error:  # noqa: BLE001
-        # Readers of several formats, each with errors of its own.
-        reason = cut(str(error)) or type(error).__name__
-        raise FileFormatError(
-            f"{path.name}: orix cannot read a map of rows and columns from it ({reason}); it "
-            f"begins with {cut(', '.join(names)) or 'nothing'}. Export it as .ctf or .ang."
-        ) from None
-    euler = np.reshape(euler, (-1, *np.shape(euler)[-1:]))
-    if len(euler) != rows * columns or min(steps) <= 0:
-        raise FileFormatError(
-            f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
-            f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
-        )
-    # Of Bruker's files orix puts the points in order, but not their places.
-    if "XSAMPLE" not in found.prop:
-        _check_places(path.name, found, steps)
-    # orix writes px where nobody said how large a step is.
-    said = str(found.scan_unit)
-    if said not in UNITS:
-        raise FileFormatError(
-            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(said)}. "
-            "Set steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
-        )
-    unit = UNITS[said] / UNITS["um"]
-    phases = {}
-    for key, phase in found.phases:
-        if key < 0:
-            continue
-        group = None if phase.point_group is None else phase.point_group.laue.name
-        lattice = phase.structure.lattice
-        known = laue.get(key + 1, laue.get(0, group))
-        if known is None:
-            raise FileFormatError(
-                f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "
-                f'such as laue={{{key + 1}: "m-3m"}}.'
-            )
-        try:
-            phases[int(key) + 1] = Phase(
-                str(phase.name),
-                known,
-                (float(lattice.a), float(lattice.b), float(lattice.c)),
-                (float(lattice.alpha), float(lattice.beta), float(lattice.gamma)),
-            )
-        except GeomtorsionError as error:
-            raise FileFormatError(f"{path.name}: {error}") from None
-    _check_laue(path.name, laue, phases)
-    return MapFile(
-        np.asarray(euler, dtype=float).reshape(rows, columns, 3),
-        np.asarray(number).reshape(rows, columns),
-        phases,
-        (steps[0] * unit, steps[1] * unit),
-    )

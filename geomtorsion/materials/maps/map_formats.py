@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geomtorsion.errors import FileFormatError
-from geomtorsion.materials.maps.map_files import CTF, MapFile, read_orix, read_text_map
+from geomtorsion.files import ending
+from geomtorsion.hdf5 import HDF5
+from geomtorsion.materials.maps.channel5 import read_channel5
+from geomtorsion.materials.maps.map_files import CTF, read_text_map
+from geomtorsion.materials.maps.map_hdf5 import read_h5oina, read_orix
+from geomtorsion.materials.maps.map_points import MapFile
+from geomtorsion.materials.maps.map_tables import read_map_table, seems_table
 
 
 @dataclass(frozen=True)
@@ -15,11 +21,13 @@ class MapFormat:
     """A format of orientation maps.
 
     read: takes a path and Laue groups of phases, and gives the map. seems: whether bytes are the
-    content of such a file; None where it is no text, which the page does not take.
+    content of such a file; None where it is no text, which the page does not take. begins: first
+    bytes of its files, none where text may begin with anything.
     """
 
     read: Callable[[Path, Mapping[int, str] | None], MapFile]
     seems: Callable[[bytes], bool] | None = None
+    begins: tuple[bytes, ...] = ()
 
 
 def _seems_ctf(content: bytes) -> bool:
@@ -36,10 +44,15 @@ def _seems_ang(content: bytes) -> bool:
 
 # Ending of a name -> the format. A new format is a line here.
 FORMATS: dict[str, MapFormat] = {
-    ".ctf": MapFormat(read_text_map, _seems_ctf),
+    ".ctf": MapFormat(read_text_map, _seems_ctf, (CTF.encode(),)),
     ".ang": MapFormat(read_text_map, _seems_ang),
-    ".h5": MapFormat(read_orix),
-    ".hdf5": MapFormat(read_orix),
+    ".h5": MapFormat(read_orix, begins=(HDF5,)),
+    ".hdf5": MapFormat(read_orix, begins=(HDF5,)),
+    ".h5oina": MapFormat(read_h5oina, begins=(HDF5,)),
+    ".cpr": MapFormat(read_channel5),
+    ".crc": MapFormat(read_channel5),
+    ".txt": MapFormat(read_map_table, seems_table),
+    ".csv": MapFormat(read_map_table, seems_table),
 }
 
 
@@ -56,7 +69,7 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
         the message names file, line and remedy.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
+    suffix = ending(path)
     if suffix not in FORMATS:
         raise FileFormatError(
             f"{path.name}: expected a map ending in {' or '.join(FORMATS)}, got "

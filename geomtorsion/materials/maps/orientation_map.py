@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,11 @@ from geomtorsion.errors import (
     OrientationError,
 )
 from geomtorsion.loops import Cochain, Loop
-from geomtorsion.loops.quadrature import PIECE
-from geomtorsion.materials.burgers import significances
+from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
 from geomtorsion.materials.fields.circuits import unexplained
-from geomtorsion.materials.fields.stencils import SLACK
-from geomtorsion.materials.maps.circuits import Circuit, windings
+from geomtorsion.materials.maps.circuits import Circuit, circuit_of
+from geomtorsion.materials.maps.curvature import Curvature, curvature_of
 from geomtorsion.materials.maps.lattice_edges import (
     GrainMap,
     estimated_covariance,
@@ -29,16 +29,15 @@ from geomtorsion.materials.maps.lattice_edges import (
     grains_of,
     spread_of,
 )
-from geomtorsion.materials.maps.map_files import MapFile
 from geomtorsion.materials.maps.map_formats import read_map_file
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.materials.maps.results import (
-    CircuitMap,
-    MapBurgers,
-    angstrom_in,
-)
-from geomtorsion.materials.maps.step_grid import StepGrid
+from geomtorsion.materials.maps.results import MapBurgers, angstrom_in
+from geomtorsion.materials.maps.slip import FAMILIES as SLIP
+from geomtorsion.materials.maps.squares import COMPONENTS, survey_of_squares
+from geomtorsion.materials.maps.step_grid import StepGrid, two_steps
 from geomtorsion.materials.maps.symmetry import conjugated
+from geomtorsion.materials.source import Backdrop
+from geomtorsion.materials.survey import Survey
 from geomtorsion.rigid.attitude import (
     checked_matrix,
     matrix_from_quaternion,
@@ -71,6 +70,8 @@ class OrientationMap:
     sigma: standard deviation of the noise of an orientation about each of the map axes, degrees;
         one number or three; None: estimated from sixth differences, for each phase.
     unit: of lengths.
+    slip: the structure (such as "fcc") whose slip systems make up b in `MapBurgers.facts`; empty
+        for none.
 
     Raises
     ------
@@ -97,6 +98,7 @@ class OrientationMap:
     threshold: float = 5.0
     sigma: float | Sequence[float] | None = None
     unit: str = "um"
+    slip: str = ""
 
     def __post_init__(self) -> None:
         """Check shapes and numbers once."""
@@ -134,7 +136,7 @@ class OrientationMap:
         unit[0] = 1.0
         with np.errstate(invalid="ignore", divide="ignore"):
             q = np.where(known[..., None], q / length[..., None], unit)
-        steps = _two_steps(self.steps)
+        steps = two_steps(self.steps)
         shift = checks.number(self.shift, "shift", OrientationError)
         if abs(shift) not in (0, 0.5):
             raise OrientationError(
@@ -143,6 +145,8 @@ class OrientationMap:
             )
         threshold = checks.positive(self.threshold, "threshold", OrientationError)
         angstrom_in(self.unit)
+        if self.slip:
+            checks.known_name(self.slip, SLIP, "slip", OrientationError)
         if self.sigma is not None:
             given_covariance(self.sigma)
         for key, value in (
@@ -162,8 +166,13 @@ class OrientationMap:
         axes: Sequence[Sequence[float]] | np.ndarray | None = None,
         threshold: float = 5.0,
         sigma: float | Sequence[float] | None = None,
+        slip: str = "",
     ) -> OrientationMap:
-        """From a .ctf or .ang file, or HDF5 where orix is installed; lengths in um.
+        """From a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
+
+        A .cpr file lies beside its .crc; .h5oina needs h5py. A table (.txt, .csv) has a row of the
+        names phi1, Phi, phi2, x, y and perhaps phase, angles in degrees unless a name says (rad);
+        it needs `laue`. Where a header and the places of the points disagree, the places decide.
 
         Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
         Small ones in the other unit look like grains that hardly turn: if a map of your own program
@@ -179,7 +188,7 @@ class OrientationMap:
             Rotation from the axes of the map (x along rows, y along columns) to those to which the
             Euler angles refer, shape (3, 3); the same axes if not given. Instruments differ here:
             it turns b in specimen axes and decides which steps are which in the crystal.
-        threshold, sigma
+        threshold, sigma, slip
             As for the class.
 
         Raises
@@ -195,16 +204,6 @@ class OrientationMap:
                 f"{path.name}: no pixel is indexed: the phase of each is 0, so that nothing "
                 "is known. Export a map with orientations."
             )
-        return cls._from_file(file, axes, threshold, sigma)
-
-    @classmethod
-    def _from_file(
-        cls,
-        file: MapFile,
-        axes: Sequence[Sequence[float]] | np.ndarray | None,
-        threshold: float,
-        sigma: float | Sequence[float] | None,
-    ) -> OrientationMap:
         q = quaternion_from_euler(file.euler, "ZXZ")
         if axes is not None:
             try:
@@ -213,8 +212,9 @@ class OrientationMap:
                 raise OrientationError(f"axes: {error}") from None
             q = product(conjugated(turn), q)
         return cls(
-            q, file.phase, file.phases, file.steps, file.shift, threshold=threshold, sigma=sigma
-        )
+            q, file.phase, file.phases, file.steps, file.shift, threshold=threshold, sigma=sigma,
+            slip=slip,
+        )  # fmt: skip
 
     @classmethod
     def from_euler(
@@ -243,7 +243,7 @@ class OrientationMap:
         one = phase if isinstance(phase, Phase) else Phase("crystal", phase)
         q = quaternion_from_euler(np.radians(np.where(known[..., None], found, 0.0)), "ZXZ")
         return cls(
-            q, known.astype(int), {1: one}, _two_steps(steps), threshold=threshold, sigma=sigma,
+            q, known.astype(int), {1: one}, two_steps(steps), threshold=threshold, sigma=sigma,
             unit=unit,
         )  # fmt: skip
 
@@ -293,8 +293,27 @@ class OrientationMap:
                     found[number] = estimated_covariance(self.grains, self.phase > 0)
         return found
 
+    @cached_property
+    def curvature(self) -> Curvature:
+        """Lattice curvature within grains, and five components of the Nye tensor from it."""
+        q, most = self.grains.quaternions, np.radians(self.threshold)
+        return curvature_of(q, self.grain, self.steps, self.shift, most, self.unit)
+
+    def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
+        """Density of geometrically necessary dislocations from the curvature, and its noise floor.
+
+        See `Curvature.gnd_density`; lines per square of `unit`, shape (rows, columns) each.
+
+        burgers: length of the Burgers vector, in `unit`: 0.25e-3 um for 0.25 nm.
+        """
+        density = self.curvature.gnd_density(burgers)
+        return density, self.curvature.floor(burgers, self.phase, self.noise)
+
     def frame(self, grain: int, order: int = 2) -> SampledFrame:
         """The coframe of one grain as a sampled frame, for curved loops and the Nye tensor.
+
+        In a plane its Nye tensor has the three components of lines across the map alone: those of
+        a bend about an axis in the plane are in `curvature`.
 
         Axes are x and y: node [column, row]; pixels of other grains are holes. Its rows are crystal
         axes; its sigma is the mean over the axes of the noise of its phase, taken as independent
@@ -369,35 +388,7 @@ class OrientationMap:
         OrientationError
             The loop leaves the map, or surrounds no cell.
         """
-        checks.instance(loop, Loop, "loop")
-        if loop.dimension != 2:
-            raise OrientationError(
-                f"loop: two coordinates were needed, x and y of the map, but {loop.dimension} came."
-            )
-        rows, columns = self.shape
-        begin = np.array([self.steps[0] * min(self.shift, 0.0), 0.0])
-        end = np.array(
-            [self.steps[0] * (columns - 1 + max(self.shift, 0.0)), self.steps[1] * (rows - 1)]
-        )
-        # Four points for each pixel that it passes, as far as memory goes.
-        count = int(min(4 * loop.length / min(self.steps), PIECE))
-        points = loop.points(max(count, 400))
-        points = np.concatenate([points, points[:, :1]], axis=1)
-        off = np.maximum(begin - points.T, points.T - end)
-        if (off > SLACK * end).any():
-            raise OrientationError(
-                f"{loop!r} leaves the map, which runs from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
-                f"{end[1]:.6g}) {self.unit}. Choose a smaller loop, or another place."
-            )
-        xs = self.steps[0] * (np.arange(columns - 1) + (1 + self.shift) / 2)
-        ys = self.steps[1] * (np.arange(rows - 1) + 0.5)
-        cells = windings(points, xs, ys)
-        if not cells.any():
-            raise OrientationError(
-                f"{loop!r} surrounds the middle of no cell; steps are {self.steps[0]:g} and "
-                f"{self.steps[1]:g} {self.unit}. Choose a larger loop."
-            )
-        return Circuit.of_cells(cells, name=loop.name or "loop")
+        return circuit_of(loop, self.shape, self.steps, self.shift, self.unit)
 
     def burgers(self, circuit: Circuit | Loop) -> MapBurgers:
         """Burgers vector of a circuit within a grain.
@@ -424,70 +415,84 @@ class OrientationMap:
         spread = np.trace(spread_of(grid.bent_moments(chain), self.noise[number]))
         bend = unexplained(np.asarray(np.linalg.norm(grid.bend(chain))), spread)
         rotation = matrix_from_quaternion(self.grains.quaternions[first])
+        ends = np.stack([grid.places(circuit.starts), grid.places(circuit.ends)], axis=1)
+        gaps = np.full((len(ends), 1, 2), np.nan)
         return MapBurgers(
             vector=vector,
             unit=self.unit,
             covariance=rotation.T @ covariance @ rotation,
             systematic={"interpolation": float(bend)},
+            name=circuit.name or "loop",
+            path=np.concatenate([ends, gaps], axis=1).reshape(-1, 2).T,
+            area=grid.area(chain),
+            arrow=(rotation @ vector)[:2],
+            components=COMPONENTS,
+            length_unit=self.unit,
             circuit=circuit,
             rotation=rotation,
-            area=grid.area(chain),
             grain=int(self.grain[first]),
             phase=self.phases[number],
+            structure=self.slip,
         )
 
-    def burgers_map(self, size: int) -> CircuitMap:
+    def burgers_map(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
         """Burgers vectors of the square circuits of size x size cells at every place.
 
-        Sums along rows and columns make a circuit of any size as cheap as a cell.
+        Sums along rows and columns make a circuit of any size as cheap as a cell. Components are
+        those in crystal axes, arrows those in specimen axes; places are numbered along x, then y.
 
         Raises
         ------
         OrientationError
-            The size is not from 1 to what the map holds.
+            The size is not from 1 to what the map holds, or the plane is another than x and y.
         """
+        if tuple(plane) != (0, 1):
+            raise OrientationError(
+                "plane: an orientation map has one plane, x and y. Leave the option out."
+            )
         most = min(self.shape) - 1
         n = checks.count(size, "size", OrientationError, 1, most)
-        grid = self._grid
-        vectors, bends, clean = grid.squares(n)
-        clean &= self.phase[:-n, :-n] > 0
-        vectors[~clean] = np.nan
-        corners = self.grains.quaternions[:-n, :-n]
-        specimen = np.einsum("...ij,...j->...i", matrix_from_quaternion(corners), vectors)
-        sigma, significance = np.full(clean.shape, np.nan), np.full(clean.shape, np.nan)
-        interpolation = np.full(clean.shape, np.nan)
-        # Circuits from odd rows of hexagonal grids have other places than those from even ones.
-        odd = (np.arange(len(clean)) % 2 == 1) & bool(self.shift)
-        for row, rows in ((0, ~odd), (1, odd)):
-            if not rows.any():
-                continue
-            chain = grid.ascending(Circuit.square((row, 0), n))
-            moments, bent = grid.moments(chain), grid.bent_moments(chain)
-            for number in self.phases:
-                mine = clean & (self.phase[:-n, :-n] == number) & rows[:, None]
-                if mine.any():
-                    covariance = spread_of(moments, self.noise[number])
-                    spread = np.trace(spread_of(bent, self.noise[number]))
-                    sigma[mine] = np.sqrt(np.trace(covariance))
-                    far = unexplained(np.linalg.norm(bends[mine], axis=-1), spread)
-                    interpolation[mine] = far
-                    significance[mine] = significances(specimen[mine], covariance, far)
-        area = n**2 * self.steps[0] * self.steps[1]
-        return CircuitMap(
-            n, vectors, specimen, clean, area, sigma, significance, self.unit, interpolation
+        return survey_of_squares(
+            self._grid, self.phase, partial(getattr, self, "noise"), n, self.unit
         )
+
+    # -- as a source ------------------------------------------------------------------------------
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the axes."""
+        return ("x", "y")
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """Lines about its size, its grains and its noise."""
+        grains = self.grains.count
+        origin = "estimated from sixth differences" if self.sigma is None else "given"
+        noise = []
+        for number, covariance in self.noise.items():
+            # Noise about one axis, in the mean over the three.
+            degrees = np.degrees(np.sqrt(np.trace(covariance) / 3))
+            noise.append(f"{degrees:.3g} degrees in {self.phases[number].name}")
+        return (
+            repr(self),
+            (
+                f"{grains} grain{'s' * (grains != 1)} at {self.threshold:g} degrees, "
+                f"{float((self.phase == 0).mean()):.1%} of the pixels not indexed"
+            ),
+            f"noise: {', '.join(noise)} ({origin})",
+        )
+
+    def backdrop(self, section: Section = PLANE) -> Backdrop:
+        """The grains of the map; its one plane is the section."""
+        rows, columns = self.shape
+        # Columns of hexagonal grids are drawn between those of even and of odd rows.
+        x = self.steps[0] * (np.arange(columns) + self.shift / 2)
+        values = np.where(self.grain < 0, np.nan, self.grain).T
+        title = f"grains at {self.threshold:g} degrees"
+        return Backdrop((x, self.steps[1] * np.arange(rows)), values, "grains", title, down=True)
 
     def __repr__(self) -> str:
         rows, columns = self.shape
         names = ", ".join(phase.name for phase in self.phases.values())
         step = f"{self.steps[0]:g} {self.unit}"
         return f"OrientationMap({rows} x {columns} pixels, step {step}, {names})"
-
-
-def _two_steps(steps: object) -> tuple[float, float]:
-    """Steps along x and y, from one number for both or from two."""
-    given = (steps, steps)
-    if checks.real(steps) is None:
-        given = checks.numbers(steps, 2, "steps", OrientationError)
-    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
-    return x, y

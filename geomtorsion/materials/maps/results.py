@@ -1,4 +1,4 @@
-"""Results: Burgers vectors of one circuit in an orientation map, and of many of one size."""
+"""Results: the Burgers vector of a circuit in an orientation map, and lines that make it up."""
 
 from __future__ import annotations
 
@@ -10,10 +10,16 @@ import numpy as np
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
-from geomtorsion.materials.burgers import Burgers
+from geomtorsion.materials.burgers import Burgers, Json
 from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.phases import Phase
-from geomtorsion.materials.maps.slip import SlipDensity, SlipFamily, densities, least_combination
+from geomtorsion.materials.maps.slip import (
+    SlipDensity,
+    SlipFamily,
+    densities,
+    least_combination,
+    slip_families,
+)
 
 # Angstrom in a unit of length.
 UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
@@ -55,19 +61,42 @@ class MapBurgers(Burgers):
         of fourth order along the steps, without the part that noise explains.
     circuit: from pixel to pixel.
     rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
-    area: enclosed, signed, unit squared. grain: its number. phase: of the grain.
+    grain: its number. phase: of the grain.
+    structure: whose slip systems make up b in `facts`; empty for none.
     """
 
     circuit: Circuit
     rotation: np.ndarray
-    area: float
     grain: int
     phase: Phase
+    structure: str = ""
 
     @property
     def specimen(self) -> np.ndarray:
         """b in specimen axes (those of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
+
+    @property
+    def facts(self) -> Json:
+        """Specimen axes, grain, phase, steps; lattice coordinates and slip where they are known."""
+        found: Json = {
+            "specimen": self.specimen.tolist(),
+            "grain": self.grain,
+            "phase": self.phase.name,
+            "steps": len(self.circuit.starts),
+        }
+        if self.phase.has_lattice:
+            found["lattice"] = self.indices.tolist()
+        if self.structure:
+            found["slip"] = [
+                {
+                    "family": one.family.name,
+                    "edge": float(np.abs(one.edge).sum()),
+                    "screw": float(np.abs(one.screw).sum()),
+                }
+                for one in self.slip(*slip_families(self.phase, self.structure))
+            ]
+        return found
 
     @property
     def per_area(self) -> np.ndarray:
@@ -178,51 +207,6 @@ class MapBurgers(Burgers):
         return (
             f"MapBurgers([{shown}] {self.unit} in crystal axes, noise {self.noise:.1e}, "
             f"grain {self.grain}, {self.phase.name})"
-        )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class CircuitMap:
-    """Burgers vectors of all square circuits of one size.
-
-    size: cells along a side. vectors: b^i in crystal axes, shape (rows, columns, 3) for circuits
-        whose first pixel is [row, column], NaN where the circuit crosses a boundary.
-    specimen: the same in specimen axes. clean: whether the circuit stays in one grain.
-    area: of each, unit squared. sigma: root mean square of |b| by noise alone, by phase,
-        shape (rows, columns). interpolation: distance from a rule of fourth order, without what
-        noise explains of it, shape (rows, columns). significance: |b| in units of its errors; noise
-        alone gives sqrt(3).
-    """
-
-    size: int
-    vectors: np.ndarray
-    specimen: np.ndarray
-    clean: np.ndarray
-    area: float
-    sigma: np.ndarray
-    significance: np.ndarray
-    unit: str
-    interpolation: np.ndarray
-
-    @property
-    def errors(self) -> np.ndarray:
-        """Noise, as `sigma`, and interpolation together, shape (rows, columns), in `unit`."""
-        return np.hypot(self.sigma, self.interpolation)
-
-    @property
-    def per_area(self) -> np.ndarray:
-        """|b| per area, shape (rows, columns), one over `unit`."""
-        return np.linalg.norm(self.vectors, axis=-1) / self.area
-
-    @property
-    def floor(self) -> np.ndarray:
-        """What noise alone makes of `per_area`, shape (rows, columns)."""
-        return self.sigma / self.area
-
-    def __repr__(self) -> str:
-        return (
-            f"CircuitMap({int(self.clean.sum())} of {self.clean.size} circuits of {self.size} x "
-            f"{self.size} cells stay in one grain)"
         )
 
 

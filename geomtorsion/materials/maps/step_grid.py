@@ -15,6 +15,15 @@ from geomtorsion.materials.maps.circuits import Circuit
 from geomtorsion.materials.maps.lattice_edges import GrainMap
 
 
+def two_steps(steps: object) -> tuple[float, float]:
+    """Steps along x and y, from one number for both or from two."""
+    given = (steps, steps)
+    if checks.real(steps) is None:
+        given = checks.numbers(steps, 2, "steps", OrientationError)
+    x, y = (checks.positive(step, "steps", OrientationError) for step in given)
+    return x, y
+
+
 @dataclass(frozen=True, eq=False)
 class Chain:
     """Steps to the next pixel in a row or a column, and how often each is made.
@@ -193,12 +202,12 @@ class StepGrid:
         # Cells are whole numbers: where as many are run round in either sense nothing is left.
         if not (chain.times * chain.starts[:, 0])[chain.along].sum():
             return 0.0
-        one, other = self._places(chain.starts), self._places(chain.ends)
+        one, other = self.places(chain.starts), self.places(chain.ends)
         return float(chain.times @ (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])) / 2
 
     def moments(self, chain: Chain) -> np.ndarray:
         """How each pixel enters the sum: half of the steps that touch it, shape (pixels, 3)."""
-        ways = self._places(chain.ends) - self._places(chain.starts)
+        ways = self.places(chain.ends) - self.places(chain.starts)
         keys = np.concatenate([chain.starts, chain.ends]) @ np.array([self.shape[1], 1])
         _, where = np.unique(keys, return_inverse=True)
         found = np.zeros((int(where.max()) + 1, 3))
@@ -207,7 +216,7 @@ class StepGrid:
 
     def bent_moments(self, chain: Chain) -> np.ndarray:
         """How each pixel enters `bend` where grains have no edges, shape (pixels, 3)."""
-        ways = chain.times[:, None] * (self._places(chain.ends) - self._places(chain.starts)) / 24
+        ways = chain.times[:, None] * (self.places(chain.ends) - self.places(chain.starts)) / 24
         one, two = chain.starts, chain.ends
         # Straight on before the first pixel and behind the second.
         every = np.concatenate([one, two, 2 * one - two, 2 * two - one])
@@ -217,7 +226,7 @@ class StepGrid:
         np.add.at(found[:, :2], where, np.concatenate([ways, ways, -ways, -ways]))
         return found
 
-    def _places(self, pixels: np.ndarray) -> np.ndarray:
+    def places(self, pixels: np.ndarray) -> np.ndarray:
         """x and y of pixels from the first one, shape (k, 2)."""
         rows, columns = pixels.T
         x = (columns + self.shift * (rows % 2)) * self.steps[0]
@@ -225,17 +234,19 @@ class StepGrid:
 
     # -- all squares ------------------------------------------------------------------------------
 
-    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Integrals round all squares of n x n cells, their `bend`, and which stay in one grain.
+    def squares(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """Integrals round all squares of n x n cells, and which stay in one grain.
 
         Sums over windows make any size as cheap as a cell.
         """
-        vectors = self._rounds(n, self.right, self.down)
-        bends = self._rounds(n, *self.bends)
         across = window_sums((~self.grains.right).astype(np.int32), n, 1)
         along = window_sums((~self.grains.down).astype(np.int32), n, 0)
         clean = across[:-n] + across[n:] + along[:, n:] + along[:, :-n] == 0
-        return vectors, bends, clean
+        return self._rounds(n, self.right, self.down), clean
+
+    def square_bends(self, n: int) -> np.ndarray:
+        """The `bend` of all squares of n x n cells."""
+        return self._rounds(n, *self.bends)
 
     @staticmethod
     def _rounds(n: int, right: np.ndarray, down: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from geomtorsion.teaching.exercises import tex
 from geomtorsion.teaching.exercises import working as by_hand
 from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Variant, steps
 from geomtorsion.teaching.exercises.question import Mistake, Question, normal, reordered, scaled
 from geomtorsion.teaching.exercises.verdict import CONNECTION, TORSION
@@ -12,6 +13,7 @@ __all__ = [
     "CONNECTION",
     "TORSION",
     "Domain",
+    "Draw",
     "Mistake",
     "Question",
     "Step",

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import sympy
 
 from geomtorsion import errors
-from geomtorsion.checks import close_names
+from geomtorsion.checks import close_names, cut
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.teaching.exercises.answers import completed, components, expression
+from geomtorsion.teaching.exercises.answers import answer_text, completed, components, expression
 from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.entries import split_outside
@@ -100,17 +100,30 @@ def check_question(question: Question, given: object) -> QuestionVerdict:
         return _wrong(question, "empty", "No answer was given.")
     try:
         value = read(question, given)
-        if question.kind == "choice":
-            return _check_choice(question, value)
-        if question.kind == "number":
-            return _check_number(question, value)
-        return _check_exactly(question, value)
+        return replace(_checked(question, value), read_as=preview(question, value))
     except UnitError as error:
         return _wrong(question, "unit", str(error))
     except LimitError as error:
         return _wrong(question, "too large", str(error))
     except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
         return _wrong(question, "unreadable", str(error) or type(error).__name__)
+
+
+def _checked(question: Question, value: Value) -> QuestionVerdict:
+    """The verdict on an answer that was read."""
+    if question.kind == "choice":
+        return _check_choice(question, value)
+    if question.kind == "number":
+        return _check_number(question, value)
+    return _check_exactly(question, value)
+
+
+def preview(question: Question, value: Value) -> str:
+    """A value that was read as a student may write it, cut where it is long."""
+    try:
+        return cut(answer_text(question, value), MOST.preview)
+    except GeomtorsionError:
+        return ""
 
 
 def read(question: Question, given: object) -> Value:

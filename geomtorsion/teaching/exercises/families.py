@@ -2,76 +2,189 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import lru_cache
-from random import Random
-from types import MappingProxyType
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import chain, product, zip_longest
+from typing import TypeVar
 
 import sympy as sp
 
+from geomtorsion.caching import cached_property
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.spaces import load
 
-# Body-fixed frame -> the turns of its attitude from left to right: axis, number of the angle.
-ANGLES: Mapping[str, tuple[tuple[str, int], ...]] = MappingProxyType(
-    {
-        "so3": (("z", 2), ("y", 1), ("z", 0)),
-        "so3_zxz": (("z", 0), ("x", 1), ("z", 2)),
-        "so3_xyz": (("x", 0), ("y", 1), ("z", 2)),
-        "so3_zyx": (("z", 0), ("y", 1), ("x", 2)),
-    }
-)
+Option = TypeVar("Option")
+# Axes of the turns from left to right -> the shipped body-fixed frame; "" where none is shipped.
+SHIPPED = {
+    "zyz": "so3", "zxz": "so3_zxz", "xyz": "so3_xyz", "zyx": "so3_zyx",
+    "xyx": "", "yzy": "", "xzx": "", "yxy": "", "xzy": "", "yzx": "", "yxz": "", "zxy": "",
+}  # fmt: skip
+# A form and the factor by which it is stretched: none first.
+STRETCHES = ((0, 1), *product(range(3), (2, 3)))
 
 
-def turned_plane(draw: Random, seed: int) -> Frame:
-    """Two forms that turn from place to place: dx and dy in polar coordinates for seed 0."""
+@dataclass(frozen=True)
+class Body:
+    """A body whose attitude is a product of three turns; one of its forms may be stretched.
+
+    axes: of the turns from left to right. times: the turn about each axis, in units of its angle.
+    stretch: number of the stretched form, and its factor.
+    """
+
+    axes: str
+    times: tuple[int, int, int] = (1, 1, 1)
+    stretch: tuple[int, int] = (0, 1)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether no form is stretched."""
+        return self.stretch[1] == 1
+
+    @cached_property
+    def turns(self) -> tuple[tuple[str, sp.Symbol, int], ...]:
+        """Axis, angle and its multiple of each turn, from left to right."""
+        name = SHIPPED[self.axes]
+        angles = load(name).frame.coordinates if name else sp.symbols("phi theta psi", real=True)
+        # The paper counts its angles from the right.
+        ordered = angles[::-1] if name == "so3" else angles
+        return tuple(zip(self.axes, ordered, self.times, strict=True))
+
+    @property
+    def angles(self) -> tuple[sp.Symbol, ...]:
+        """The coordinates."""
+        angles = tuple(angle for _, angle, _ in self.turns)
+        return angles[::-1] if SHIPPED[self.axes] == "so3" else angles
+
+    def rotation(self, begin: int = 0, end: int = 3) -> sp.Matrix:
+        """The product of the turns from begin to end; of all of them: from body to space."""
+        whole = sp.eye(3)
+        for axis, angle, times in self.turns[begin:end]:
+            whole = whole * turn(axis, times * angle)
+        return whole
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The body-fixed frame, whose forms are the angular velocity along the body's axes."""
+        if SHIPPED[self.axes] and self.times == (1, 1, 1) and self.rigid:
+            return load(SHIPPED[self.axes]).frame
+        # The later turns carry the axis of a turn along.
+        return self._frame([self.rotation(k + 1).T for k in range(3)], "fixed in a body")
+
+    @cached_property
+    def space_frame(self) -> Frame:
+        """The space-fixed frame, with the same form stretched."""
+        return self._frame([self.rotation(0, k) for k in range(3)], "fixed in space")
+
+    def _frame(self, seen: Sequence[sp.Matrix], name: str) -> Frame:
+        """The frame in which the axis of each turn is seen through a rotation."""
+        columns = {
+            angle: times * matrix[:, "xyz".index(axis)]
+            for (axis, angle, times), matrix in zip(self.turns, seen, strict=True)
+        }
+        rows = sp.Matrix.hstack(*(columns[angle] for angle in self.angles)).tolist()
+        which, factor = self.stretch
+        rows[which] = [factor * x for x in rows[which]]
+        return Frame(self.angles, rows, domain=self._domain(), name=f"{self.axes}, {name}")
+
+    def _domain(self) -> tuple[sp.Basic, ...]:
+        """Full turns of the outer angles; between the poles, the inner one."""
+        first, middle, last = (angle for _, angle, _ in self.turns)
+        end = sp.pi / self.times[1]
+        low, high = (0, end) if self.axes[0] == self.axes[2] else (-end / 2, end / 2)
+        outer = (first > 0, first < 2 * sp.pi, last > 0, last < 2 * sp.pi)
+        return (*outer, middle > low, middle < high)
+
+
+@cache
+def bodies() -> tuple[Body, ...]:
+    """Body-fixed frames: the paper's first, then other axes and stretched forms."""
+    axes = tuple(SHIPPED)
+    # 12 and 7 have no common factor: every pair comes once, and neighbours differ in both.
+    pairs = ((k % len(axes), k % len(STRETCHES)) for k in range(len(axes) * len(STRETCHES)))
+    return tuple(Body(axes[i], stretch=STRETCHES[j]) for i, j in pairs)
+
+
+@cache
+def planes() -> tuple[Frame, ...]:
+    """Two forms that turn, or are boosted, from place to place: dx and dy in polar coordinates
+    first."""
     r, phi = sp.symbols("r phi", real=True)
-    times = 1 if seed == 0 else draw.choice((1, 2, 3))
-    stretch = 1 if seed == 0 else draw.choice((1, 2, 3))
-    angle = times * phi
-    if seed and draw.random() < 0.5:
-        rows = [[sp.cosh(angle), r * sp.sinh(angle)], [sp.sinh(angle), r * sp.cosh(angle)]]
-    else:
-        rows = [[sp.cos(angle), -r * sp.sin(angle)], [sp.sin(angle), r * sp.cos(angle)]]
-    rows[0] = [stretch * x for x in rows[0]]
-    return Frame((r, phi), rows, domain=(r > 0, phi > 0, phi < 2 * sp.pi), name="a turning frame")
+    stretches = ((0, 1), *product((0, 1), (2, 3, 4, 5)))
+    frames = []
+    for (which, stretch), times, boosted in product(stretches, (1, 2, 3, 4), (False, True)):
+        angle = times * phi
+        if boosted:
+            rows = [[sp.cosh(angle), r * sp.sinh(angle)], [sp.sinh(angle), r * sp.cosh(angle)]]
+        else:
+            rows = [[sp.cos(angle), -r * sp.sin(angle)], [sp.sin(angle), r * sp.cos(angle)]]
+        rows[which] = [stretch * x for x in rows[which]]
+        domain = (r > 0, phi > 0, phi < 2 * sp.pi)
+        frames.append(Frame((r, phi), rows, domain=domain, name="a turning frame"))
+    return tuple(frames)
 
 
-def rotations(draw: Random, seed: int) -> Frame:
-    """The body-fixed frame of the paper; other seeds: other angles, one form stretched."""
-    if seed == 0:
-        return load("so3").frame
-    frame = load(draw.choice(sorted(ANGLES))).frame
-    return stretched(frame, draw.randrange(3), draw.choice((2, 3)))
+@cache
+def groups(*, curved: bool = False) -> tuple[Frame, ...]:
+    """Left-invariant forms of three-dimensional groups: Heisenberg's first.
 
-
-def stretched(frame: Frame, which: int, factor: int) -> Frame:
-    """A frame with one of its forms multiplied by a number."""
-    rows = matrix_of(frame.coframe).tolist()
-    rows[which] = [factor * x for x in rows[which]]
-    name = f"{frame.name}, form {which + 1} times {factor}"
-    return Frame(frame.coordinates, rows, domain=frame.domain, name=name)
-
-
-def group(draw: Random, seed: int) -> Frame:
-    """Left-invariant forms of a three-dimensional group: Heisenberg's for seed 0."""
-    if seed == 0:
-        return load("heisenberg").frame
+    curved: without the turns of the plane, whose metric is flat.
+    """
     x, y, z = q = sp.symbols("x y z", real=True)
-    a, b = draw.choice((1, 2, 3)), draw.choice((-3, -2, -1, 2))
-    kind = draw.choice(("shear", "stretch", "turn", "scale"))
-    if kind == "shear":
-        rows = [[1, 0, 0], [0, 1, 0], [b * y, a * x, 1]]
-        if a == b:
-            rows[2][0] = (b + 1) * y
-    elif kind == "stretch":
-        rows = [[sp.exp(a * z), 0, 0], [0, sp.exp(b * z), 0], [0, 0, 1]]
-    elif kind == "turn":
-        cosine, sine = sp.cos(a * z), sp.sin(a * z)
-        rows = [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]]
-    else:
-        rows = [[1, 0, 0], [a * x, sp.exp(b * x), 0], [0, 0, sp.exp(a * x)]]
-    return Frame(q, rows, name=f"a group ({kind} {a}, {b})")
+    kinds = (
+        [[[1, 0, 0], [0, 1, 0], [b * y, a * x, 1]]
+         for a, b in product((-1, 1, 2, 3), (0, -2, -3, 4))],
+        [[[sp.exp(a * z), 0, 0], [0, sp.exp(b * z), 0], [0, 0, 1]]
+         for a, b in product((1, 2, 3, 4), (-1, -2, -3, 2))],
+        [] if curved else
+        [[[sp.cos(a * z), sp.sin(a * z), 0], [-sp.sin(a * z), sp.cos(a * z), 0], [0, 0, b]]
+         for a, b in product((1, 2, 3, 5), (1, 2, 3, 4))],
+        [[[1, 0, 0], [a * x, sp.exp(b * x), 0], [0, 0, sp.exp(a * x)]]
+         for a, b in product((1, 2, 3, 4), (-1, -2, -3, 2))],
+    )  # fmt: skip
+    return tuple(Frame(q, rows, name="a group") for rows in mixed(*kinds))
+
+
+def profiles(x: sp.Symbol) -> tuple[sp.Expr, ...]:
+    """How long, over 2 pi, the circles of a surface are: positive for 0 < x < 1 at least.
+
+    The plane's come first; only they are flat.
+    """
+    curved = (
+        (sp.sinh(k * x), sp.exp(k * x), sp.cosh(x / k), x**k, sp.sin(x / k), 1 + k * x**2,
+         sp.exp(-k * x), x * sp.exp(k * x), 1 / (k + x), k * x + x**2, sp.tanh(k * x),
+         sp.cos(x / k))
+        for k in (2, 3, 4, 5, 6)
+    )  # fmt: skip
+    return (x, *chain.from_iterable(curved))
+
+
+@cache
+def circles() -> tuple[Frame, ...]:
+    """The legs along and across the circles of a surface, (dr, f(r) dphi): the plane's first."""
+    r, phi = sp.symbols("r phi", real=True)
+    domain = (r > 0, r < 1, phi > 0, phi < 2 * sp.pi)
+    return tuple(
+        Frame((r, phi), [[1, 0], [0, f]], domain=domain, name=f"circles of length 2 pi {f}")
+        for f in profiles(r)
+    )
+
+
+def mixed(*families: Sequence[Option]) -> tuple[Option, ...]:
+    """All members of several families, by turns."""
+    rows = zip_longest(*families)
+    return tuple(member for row in rows for member in row if member is not None)
+
+
+def frame_of(member: Body | Frame) -> Frame:
+    """The frame of a member of a mixed family."""
+    return member.frame if isinstance(member, Body) else member
+
+
+def vectors() -> tuple[tuple[int, ...], ...]:
+    """Vectors of small whole numbers with a zero among them, the zero vector first."""
+    every = product((0, 1, 2, -1, -2), repeat=3)
+    return tuple(vector for vector in every if 0 in vector)
 
 
 def matrix_of(tensor: Tensor) -> sp.Matrix:
@@ -89,38 +202,3 @@ def turn(axis: str, angle: sp.Expr) -> sp.Matrix:
         "z": [[c, -s, 0], [s, c, 0], [0, 0, 1]],
     }
     return sp.Matrix(rows[axis])
-
-
-def attitude(name: str) -> sp.Matrix:
-    """The rotation from body to space in the angles of a shipped space."""
-    angles = load(name).frame.coordinates
-    product = sp.eye(3)
-    for axis, k in ANGLES[name]:
-        product = product * turn(axis, angles[k])
-    return product
-
-
-@lru_cache(maxsize=len(ANGLES))
-def seen_from_space(name: str) -> Frame:
-    """The space-fixed frame in the angles of a shipped body-fixed one: omega = R Omega."""
-    frame = load(name).frame
-    turned = (attitude(name) * matrix_of(frame.coframe)).tolist()
-    return Frame(frame.coordinates, turned, domain=frame.domain, name=f"{name}, space-fixed")
-
-
-def profile(draw: Random, x: sp.Symbol) -> sp.Expr:
-    """How long, over 2 pi, the circles of a surface are: positive for 0 < x < 1 at least."""
-    k = draw.choice((2, 3, 4, 5))
-    choices = (
-        sp.sinh(k * x), sp.exp(k * x), sp.cosh(x / k), x**k, sp.sin(x / k), 1 + k * x**2,
-        sp.exp(-k * x), x * sp.exp(k * x), 1 / (k + x), k * x + x**2, sp.tanh(k * x), sp.cos(x / k),
-    )  # fmt: skip
-    return draw.choice(choices)
-
-
-def circles(draw: Random, seed: int) -> Frame:
-    """The legs along and across the circles of a surface, (dr, f(r) dphi)."""
-    r, phi = sp.symbols("r phi", real=True)
-    f = profile(draw, r) if seed else r
-    domain = (r > 0, r < 1 if seed else r < 2, phi > 0, phi < 2 * sp.pi)
-    return Frame((r, phi), [[1, 0], [0, f]], domain=domain, name=f"circles of length 2 pi {f}")

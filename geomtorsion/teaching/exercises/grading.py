@@ -128,9 +128,10 @@ TAIL = ("diagnoses", "remarks", "fingerprint")
 class Mark:
     """The marks of one student: a row of the table.
 
-    file, student, seed: whose they are. earned, points: in total.
+    file, student, seed: whose they are. earned, points: in total; answers that could not be read
+    count in neither.
     answered: how many questions of how many. counted: the exercises that make up the points.
-    status: GRADED, PARTLY (an answer was not looked at: too large, or to no question there is),
+    status: GRADED, PARTLY (an answer was not looked at: unreadable, or to no question there is),
     TWICE (another file has the same student) or REFUSED.
     parts: number of an exercise -> points earned.
     diagnoses: number:question -> code. remarks: what to look at. fingerprint: of file and task.
@@ -406,7 +407,10 @@ def _mark(
         answered += sum(code != "empty" for _, code in said)
         codes += [f"{number}:{name} {code}" for name, code in said if code not in ("", "empty")]
         remarks += [f"{number}: {note}" for note in verdict.notes]
-        unseen |= bool(verdict.notes) or any(code == "too large" for _, code in said)
+        # A person decides on these: until then they cost no points.
+        worth -= sum(verdict[name].points for name in verdict.unread)
+        remarks += [f"{number}: {name} could not be read." for name in verdict.unread]
+        unseen |= bool(verdict.notes or verdict.unread)
     if read.seed is None:
         remarks.append(f"the file names no seed: graded as seed {seed}.")
     others = task.namesakes.get(path, ())

@@ -30,7 +30,7 @@ class Most:
     combined to solve them. roots: different ones.
     file: bytes of a file of answers. name: letters of a student's. seed: the largest variant.
     remark: letters of a cell in the table of marks. named: wrong components that are named.
-    mistakes: that are listed with a solution.
+    mistakes: that are listed with a solution. preview: letters of an answer as it was read.
     """
 
     characters: int = 20_000
@@ -46,6 +46,7 @@ class Most:
     remark: int = 300
     named: int = 4
     mistakes: int = 6
+    preview: int = 300
 
 
 MOST = Most()

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from importlib import import_module
-from random import Random
 from typing import TYPE_CHECKING
 
 from geomtorsion.checks import close_names, count
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.teaching.exercises.draw import Draw
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.limits import MOST
 
@@ -120,9 +120,7 @@ def load(number: str, seed: int = 0) -> Exercise:
 @lru_cache(maxsize=512)
 def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exercise:
     """An exercise, kept: what was computed for one student serves the next."""
-    # Text as seed: the same draws on every platform and for every version of Python.
-    draw = Random(f"{number}/{seed}")
-    variant = import_module(f"geomtorsion.teaching.exercises.{module}").make(draw, seed)
+    variant = import_module(f"geomtorsion.teaching.exercises.{module}").make(Draw(seed))
     return Exercise(number, title, chapter_of(number), level, seed, variant, load)
 
 

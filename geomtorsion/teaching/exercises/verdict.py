@@ -33,10 +33,12 @@ TITLES: Mapping[str, str] = MappingProxyType(
         "rounded": "rounded too early",
         "incomplete": "some components are wrong",
         "empty": "no answer",
-        "unreadable": "cannot be read",
+        "unreadable": "could not be read",
         "too large": "too large to be checked",
     }
 )
+# Codes of answers that cost no points: nobody knows yet whether they are right.
+UNREAD = ("unreadable", "too large")
 # Code -> what is said to a student, if the exercise says nothing of its own.
 MESSAGES: Mapping[str, str] = MappingProxyType(
     {
@@ -112,6 +114,7 @@ class QuestionVerdict:
     diagnosis: code of the likely mistake (see `diagnoses`), empty if there is none.
     also: further codes that fit as well.
     points: what a right answer is worth.
+    read_as: the answer as it was read, in the notation of solutions; empty if it was not read.
     """
 
     name: str
@@ -121,6 +124,27 @@ class QuestionVerdict:
     diagnosis: str = ""
     also: tuple[str, ...] = ()
     points: int = 1
+    read_as: str = ""
+
+    @property
+    def was_read(self) -> bool:
+        """Whether the answer could be read and checked; else it costs no points."""
+        return self.diagnosis not in UNREAD
+
+    @property
+    def state(self) -> str:
+        """ "right", "wrong", "no answer" or "could not be read".
+
+        Examples
+        --------
+        >>> QuestionVerdict("legs", False, 0.0, "...", "unreadable").state
+        'could not be read'
+        """
+        if self.right:
+            return "right"
+        if not self.was_read:
+            return TITLES["unreadable"]
+        return TITLES["empty"] if self.diagnosis == "empty" else "wrong"
 
     @property
     def codes(self) -> tuple[str, ...]:
@@ -154,8 +178,13 @@ class Verdict:
 
     @property
     def points(self) -> int:
-        """What all right answers are worth."""
-        return sum(question.points for question in self.questions)
+        """Points of all questions but those whose answers could not be read."""
+        return sum(question.points for question in self.questions if question.was_read)
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """Names of the questions whose answers could not be read."""
+        return tuple(question.name for question in self.questions if not question.was_read)
 
     @property
     def earned(self) -> float:
@@ -194,7 +223,8 @@ class Verdict:
     def __str__(self) -> str:
         lines = []
         for question in self.questions:
-            sign = "right" if question.right else "wrong"
-            code = f" [{', '.join(question.codes)}]" if question.codes else ""
-            lines.append(f"{question.name}: {sign}{code}. {question.message}")
+            codes = ", ".join(question.codes) if question.state == "wrong" else ""
+            code = f" [{codes}]" if codes else ""
+            read = f" Read as: {question.read_as}." if question.read_as else ""
+            lines.append(f"{question.name}: {question.state}{code}. {question.message}{read}")
         return "\n".join([*lines, *self.notes])

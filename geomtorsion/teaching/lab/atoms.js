@@ -88,7 +88,7 @@
   function told(last, places) {
     const n = path.length - 1;
     if (n < 0) return "Click an atom to begin; click others to walk to them along the bonds. Come back to the first one.";
-    if (!closed()) return `${n} ${n === 1 ? "step" : "steps"}, so far ${vector(last)} in lattice vectors. Come back to the first atom, marked by a ring.`;
+    if (!closed()) return `${n} ${n === 1 ? "step" : "steps"}, so far ${vector(last)} in lattice vectors. Come back to the first atom, a black dot.`;
     let area = 0;
     places.forEach((p, k) => { const q = places[(k + 1) % places.length]; area += p[0] * q[1] - q[0] * p[1]; });
     const sense = Math.abs(area) < 1e-9 ? "" : area > 0 ? ", anticlockwise" : ", clockwise";
@@ -120,8 +120,12 @@
     if (!points.length) return;
     svg.append(line(points, color, 0.13));
     const end = points[points.length - 1];
-    svg.append(element("circle", { cx: points[0][0], cy: -points[0][1], r: 0.33, fill: "none", stroke: INK, "stroke-width": 0.1 }));
-    svg.append(dot(end, 0.2, INK));
+    // As in every picture of the page: a black dot is the start. A ring is the place reached.
+    // Clicks go to the atoms below.
+    const marks = element("g", { "pointer-events": "none" });
+    marks.append(dot(points[0], 0.2, INK));
+    marks.append(element("circle", { cx: end[0], cy: -end[1], r: 0.33, fill: "none", stroke: color, "stroke-width": 0.1 }));
+    svg.append(marks);
   }
   function arrow(svg, from, to) {
     const [dx, dy] = [to[0] - from[0], to[1] - from[1]], long = Math.hypot(dx, dy);

@@ -12,6 +12,8 @@ import numpy as np
 
 from geomtorsion.loops import Cochain
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.plot import SAVE
+from geomtorsion.teaching.lab.views import saving
 
 # Name of a crystal -> its edge dislocations: place, and b along x of the displacement put in.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
@@ -123,11 +125,13 @@ def atoms() -> Json:
         '<p id="said" role="status"></p><div class="pair"><figure>'
         "<figcaption>The crystal: click from atom to atom</figcaption>"
         '<svg id="crystal" tabindex="0" role="application" aria-label="crystal; arrow keys step '
-        'from atom to atom"></svg></figure>'
+        'from atom to atom"></svg>'
+        f"{SAVE}</figure>"
         "<figure><figcaption>The same steps in a perfect lattice</figcaption>"
-        '<svg id="image" role="img" aria-label="the steps in a perfect lattice"></svg></figure>'
+        '<svg id="image" role="img" aria-label="the steps in a perfect lattice"></svg>'
+        f"{SAVE}</figure>"
         "</div>"
         f'<script type="application/json" id="data">{data}</script>'
-        f"<script>{script}</script></body></html>"
+        f"<script>{script}{saving()}</script></body></html>"
     )
     return {"space": page, "title": title}

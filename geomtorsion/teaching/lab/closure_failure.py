@@ -13,9 +13,11 @@ from geomtorsion.codegen import graph
 from geomtorsion.curves import edges_of
 from geomtorsion.geometry import cartan
 from geomtorsion.loops import Hodograph, Loop, burgers_vector, develop, forms, hodograph
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.loops import GAP, START
 from geomtorsion.pictures.style import SERIES, Stroke, arrow, number, sense
 from geomtorsion.pictures.text import greek_name
+from geomtorsion.precision import CALCULATED
 from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
@@ -231,9 +233,10 @@ def _sentence(
     if b.vanishes:
         return (
             said
-            + f"The image closes: b = 0, error below {b.error:.0e}. Two routes: {b.check.text}."
+            + f"The image closes: b = 0, error below {size_text(b.error, 0)}. "
+            + f"Two routes: {b.check.text}."
         )
-    said += f"|b| = {b.magnitude:.6g}, error below {b.error:.0e}. "
+    said += f"|b| = {b.magnitude:.6g}, error below {size_text(b.error, 0)}. "
     if b.enclosed and not any(expected):
         defects = names_text([str(defect) for defect in b.enclosed])
         return (
@@ -243,8 +246,10 @@ def _sentence(
     largest = max(abs(x) for x in expected)
     if largest:
         miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
-        said += (
-            f"2 S A misses it by {miss:.1%}" if miss > 1e-3 else f"2 S A misses it by {miss:.0e}"
-        )
-        said += ": the smaller the loop, the better it is. "
+        # Where torsion is constant along the loop, 2 S A is b itself: the rest is rounding.
+        if miss <= max(b.error / largest, CALCULATED):
+            said += "2 S A agrees with b within its error. "
+        else:
+            share = f"{miss:.1%}" if miss > 1e-3 else f"{miss:.0e}"
+            said += f"2 S A differs from b by {share}: it is exact for a very small loop only. "
     return f"{said}Two routes: {b.check.text}."

@@ -13,7 +13,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
 from geomtorsion.teaching.lab.uploads import TEXT_MAPS
-from geomtorsion.teaching.lab.views import TABS, TETRAD, intro
+from geomtorsion.teaching.lab.views import COMPASS, TABS, intro
 
 if TYPE_CHECKING:
     from marimo import ui
@@ -28,19 +28,28 @@ BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 
 
 
 # What a space of a list is where the address of the page names none.
+COURSES, COURSE = (70, 110), 75
 FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
 # Thresholds of grains, degrees, and what stands for no other symmetry than that of the file.
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
 AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
-BODY = {"I": (1.0, 2.0, 3.0), "w": (0.1, 2.0, 0.1), "tilt": 0.3, "t": 12.0}
+# A symmetric body, whose cones are round.
+BODY = {"I": (1.0, 1.0, 1.8), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 
 
 def tabs(mo: ModuleType, kept: Kept) -> ui.tabs:
-    """The six tabs, which hold nothing but tell which is open."""
-    opened = kept.one_of("tab", list(TABS), TETRAD)
+    """The tabs, which hold nothing but tell which is open."""
+    opened = kept.one_of("tab", list(TABS), COMPASS)
     return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS}, value=opened)
+
+
+def course(mo: ModuleType, kept: Kept) -> ui.slider:
+    """A slider for the course of a ship."""
+    [wanted] = kept.numbers("course", [COURSES], [COURSE])
+    label = "course, degrees from north to east"
+    return mo.ui.slider(*COURSES, 5, value=round(wanted / 5) * 5, label=label, show_value=True)
 
 
 def spaces(mo: ModuleType, chosen: str, kept: Kept, key: str) -> ui.dropdown:
@@ -221,12 +230,28 @@ def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
     for k, (value, limit) in enumerate(zip(at, most, strict=True)):
         step = PAGE.step if abs(value / PAGE.step - round(value / PAGE.step)) < 1e-9 else 0.0001
         sliders[f"u{k}"] = mo.ui.slider(
-            -limit, limit, step, value=value, label=f"u{k + 1}", show_value=True
+            -limit, limit, step, value=value, label=_leg(info["name"], k), show_value=True
         )
     sliders["t"] = mo.ui.slider(
         t / 20, 2 * t, t / 20, value=end, label="time t", show_value=True, debounce=False
     )
     return mo.ui.dictionary(sliders)
+
+
+def _leg(space: str, k: int) -> str:
+    """What a velocity along leg k of a frame means.
+
+    Examples
+    --------
+    >>> _leg("r3xso3", 0), _leg("r3xso3", 3), _leg("s2", 1)
+    ('turn about axis 1: u1 in rad/time', 'move along axis 1: u4 in length/time', 'u2 along leg 2')
+    """
+    turns = BODIES.get(space, 0)
+    if not turns:
+        return f"u{k + 1} along leg {k + 1}"
+    if k < turns:
+        return f"turn about axis {k + 1}: u{k + 1} in rad/time"
+    return f"move along axis {k + 1 - turns}: u{k + 1} in length/time"
 
 
 def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
@@ -235,7 +260,9 @@ def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
     at = kept.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
     return mo.ui.dictionary(
         {
-            f"I{k}": mo.ui.slider(0.5, 4, 0.25, value=at[k], label=f"I{k + 1}", show_value=True)
+            f"I{k}": mo.ui.slider(
+                0.5, 4, 0.25, value=at[k], label=f"moment of inertia I{k + 1}", show_value=True
+            )
             for k in range(count)
         }
     )

@@ -12,6 +12,7 @@ from geomtorsion.accuracy import accuracy_cost
 from geomtorsion.accuracy.loops import loop_costs
 from geomtorsion.errors import LoopError
 from geomtorsion.loops import Loop
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, number, visible
 from geomtorsion.scenes.solve import scene_accuracy
 from geomtorsion.spaces import pair_problems
@@ -70,7 +71,7 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
     rows = [[row.rule, row.asked, row.error, row.seconds] for row in found.rows]
     best = found.cheapest(1e-12)
     advice = (
-        f"Take {best.rule}: an error of {best.error:.0e} in {_time(best.seconds)}."
+        f"Take {best.rule}: an error of {size_text(best.error, 0)} in {_time(best.seconds)}."
         if best
         else "No rule comes below 1e-12 here."
     )
@@ -130,7 +131,7 @@ def _shown(title: str, rows: list[list[Any]], advice: str) -> Json:
     axes.invert_xaxis()
     key(figure, axes)
     body = [
-        [row[0], "–" if row[1] is None else f"{row[1]:.0e}", f"{row[2]:.1e}", _time(row[3])]
+        [row[0], "–" if row[1] is None else size_text(row[1], 0), size_text(row[2]), _time(row[3])]
         for row in rows
     ]
     listed = table(("", "asked", "error", "time"), body, "Every measurement")

@@ -25,6 +25,7 @@ POLICY = (
 )
 POLICY += FONT_SOURCE
 TETRADS = ("so3", "flat_polar", "s2", "heisenberg", "schwarzschild")
+COURSES = (70, 75, 80, 90, 100)
 LOOPS = ("so3", "heisenberg", "s2")
 RADII = (1e-9, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 # Space and moments of inertia.
@@ -81,8 +82,8 @@ def write_pages(
 def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     """File name -> page, the index first."""
     makers = {
-        views.TETRAD: tetrads, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
-        views.COSTS: measured, views.EXERCISES: exercises,
+        views.COMPASS: compass, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
+        views.COSTS: measured, views.TETRAD: tetrads, views.EXERCISES: exercises,
     }  # fmt: skip
     found = {}
     for tab, maker in makers.items():
@@ -115,6 +116,19 @@ def _page(title: str, inner: str) -> str:
         f"<title>{escape(title)}</title><style>{font_face()}{views.style()}{_BODY}</style></head>\n"
         f'<body><main class="lab"><h1>{escape(title)}</h1><nav><a href="index.html">Torsion lab'
         f"</a>{links}</nav>{inner}</main><script>{_SLIDE}{views.copying()}</script></body></html>\n"
+    )
+
+
+def compass() -> str:
+    """Both ways on the globe, for some courses."""
+    slides = [
+        f"<section><h3>course {course} degrees</h3>"
+        f"{_nameless(views.compass(task('compass')(course=course)))}</section>"
+        for course in COURSES
+    ]
+    return (
+        '<label>course <input type="range" data-slides="courses" min="0" '
+        f'max="{len(COURSES) - 1}" value="1"></label><div id="courses">{"".join(slides)}</div>'
     )
 
 

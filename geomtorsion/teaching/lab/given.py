@@ -12,8 +12,8 @@ from geomtorsion.caching import cached_property
 from geomtorsion.errors import OrientationError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.images import LatticePhases
 from geomtorsion.materials.maps import LAUE_GROUPS, Circuit, OrientationMap
-from geomtorsion.materials.measured import LatticeField
 from geomtorsion.pictures.style import number
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import raised, table
@@ -122,8 +122,7 @@ class GivenFrame:
         """|b| per area, in the middle of the other axes."""
         cells = self.frame.burgers_map(side)
         others = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
-        sizes = np.sqrt((cells.vectors**2).sum(axis=0)) / cells.area
-        density = sizes[(slice(None), slice(None), *others)]
+        density = cells.per_area[(slice(None), slice(None), *others)]
         return _dense(density, self.layout, side, self.frame.vector_unit)
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
@@ -179,8 +178,8 @@ class GivenOrientations:
         """|b| per area of circuits within grains of the phase."""
         density = self.map.burgers_map(side).per_area
         if self.phase:
-            density = np.where(self.map.phase[:-side, :-side] == self.phase, density, np.nan)
-        return _dense(density.T, self.layout, side, self.map.unit)
+            density = np.where(self.phase == self.map.phase[:-side, :-side].T, density, np.nan)
+        return _dense(density, self.layout, side, self.map.unit)
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Crystal axes, lengths in the unit of the map."""
@@ -191,25 +190,24 @@ class GivenOrientations:
                 "Choose another place, or a smaller one."
             )
         b = self.map.burgers(Circuit.square((row, column), side))
-        noise = np.sqrt(np.diagonal(b.rotation.T @ b.covariance @ b.rotation).clip(0))
         remark = (
             f"Grain {b.grain}, {b.phase.name}; components along the axes of the crystal. The error "
             "of interpolation is far below the noise."
         )
         heads = [f"b{raised(k)}" for k in range(3)]
-        return _answer(b.vector, noise, heads, None, b.unit, b.significance, remark, side)
+        return _answer(b.vector, b.sigmas, heads, None, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True, eq=False)
 class GivenImage:
     """A picture of a lattice; lengths are in pixels."""
 
-    field: LatticeField
+    phases: LatticePhases
 
     @property
     def layout(self) -> Layout:
         """x to the right, y upwards, from the lower left pixel."""
-        columns, rows = self.field.image.field.shape
+        columns, rows = self.phases.picture.shape
         return Layout((columns, rows), (0.0, 0.0), (1.0, 1.0), ("x", "y"), "px")
 
     @property
@@ -221,10 +219,10 @@ class GivenImage:
     def about(self) -> str:
         """Its pixels, its lattice, its holes."""
         columns, rows = self.layout.shape
-        lengths = np.hypot(*self.field.phases.lattice.T)
+        lengths = np.hypot(*self.phases.lattice.T)
         return (
             f"a picture of {columns} × {rows} pixels of a lattice with vectors of {lengths[0]:.4g} "
-            f"and {lengths[1]:.4g} pixels; {self.field.phases.holes.mean():.1%} of it is holes"
+            f"and {lengths[1]:.4g} pixels; {self.phases.holes.mean():.1%} of it is holes"
         )
 
     @property
@@ -235,7 +233,7 @@ class GivenImage:
     @cached_property
     def _pixels(self) -> np.ndarray:
         """The picture, no finer than the page shows it; holes are red."""
-        values, holes = self.field.image.field.T, self.field.phases.holes.T
+        values, holes = self.phases.picture.T, self.phases.holes.T
         every = -(-max(values.shape) // PAGE.across)
         rows, columns = (n // every * every for n in values.shape)
         blocks = (rows // every, every, columns // every, every)
@@ -257,7 +255,7 @@ class GivenImage:
         """Whole numbers, and the chance that noise has changed one."""
         x, y = corner
         corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
-        b = self.field.phases.burgers(Loop.polygon([list(map(float, p)) for p in corners]))
+        b = self.phases.burgers(Loop.polygon([list(map(float, p)) for p in corners]))
         numbers = ", ".join(number(float(n)) for n in b.whole.tolist())
         rows = [
             [f"b{raised(k)}", number(float(n)), *(number(float(f"{v:.4g}")) for v in vector)]
@@ -280,12 +278,12 @@ class GivenImage:
 
 
 def given_of(
-    found: SampledFrame | OrientationMap | LatticeField, phase: int = 0
+    found: SampledFrame | OrientationMap | LatticePhases, phase: int = 0
 ) -> GivenFrame | GivenOrientations | GivenImage:
     """What a file holds, as the page needs it."""
     if isinstance(found, OrientationMap):
         return GivenOrientations(found, phase if phase in found.phases else 0)
-    return GivenImage(found) if isinstance(found, LatticeField) else GivenFrame(found)
+    return GivenImage(found) if isinstance(found, LatticePhases) else GivenFrame(found)
 
 
 def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Shown:

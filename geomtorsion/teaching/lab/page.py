@@ -37,7 +37,31 @@ def _(controls, kept, mo):
 
 @app.cell
 def _(keep, mo, tab, views):
-    keep(mo, {"tab": (tab.value, views.TETRAD)})
+    keep(mo, {"tab": (tab.value, views.COMPASS)})
+    return
+
+
+# -- the compass --------------------------------------------------------------------------------
+
+
+@app.cell
+def _(controls, kept, mo):
+    course = controls.course(mo, kept)
+    return (course,)
+
+
+@app.cell
+def _(course, mo, tab, views):
+    mo.stop(tab.value != views.COMPASS)
+    mo.Html(views.controls([course], "after"))
+    return
+
+
+@app.cell
+def _(controls, course, keep, mo, runner, tab, views):
+    mo.stop(tab.value != views.COMPASS)
+    keep(mo, {"course": (f"{course.value:g}", f"{controls.COURSE:g}")})
+    mo.Html(views.compass(runner.ask("compass", course=course.value)))
     return
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
@@ -20,6 +21,8 @@ from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
 if TYPE_CHECKING:
     from geomtorsion.spaces import Pair
 
+# Not a colour of either curve: on a page a colour has one meaning.
+DISTANCE = SERIES[2]
 LABELS = {"autoparallel": "straightest (autoparallel)", "geodesic": "shortest (geodesic)"}
 
 
@@ -71,19 +74,19 @@ def _drawn(pair: Pair) -> Json:
     embedding = pair.embedding
     name = f"paths {pair.space.name}"
     if embedding is not None and len(embedding.place) == 3:
-        places = _places(pair)
+        places = places_of(pair)
         radius = _radius(places) if embedding.isometric else 0.0
         scene = Film(
             name, embedding.title.capitalize(), _three(embedding.axes), _curves(places),
-            times=_times(pair), globe=radius, equal=embedding.isometric,
+            times=times_of(pair), globe=radius, equal=embedding.isometric,
         )  # fmt: skip
         return {"space": turnable(scene), "title": f"Film: {scene.title}"}
     if embedding is not None and len(embedding.place) == 2:
-        return {"picture": _plane(_places(pair), embedding.axes, "In the plane", equal=True)}
+        return {"picture": _plane(places_of(pair), embedding.axes, "In the plane", equal=True)}
     if embedding is not None and embedding.attitude is not None:
         scene = Film(
             name, "Where the axes 1 and 3 of the body point", ("x", "y", "z"), _axes(pair),
-            times=_times(pair), globe=1.0, note="Pale: behind the globe.",
+            times=times_of(pair), globe=1.0, note="Pale: behind the globe.",
         )  # fmt: skip
         return {"space": turnable(scene), "title": f"Film: {scene.title}"}
     names = tuple(greek_name(symbol.name) for symbol in pair.symbols)
@@ -92,11 +95,12 @@ def _drawn(pair: Pair) -> Json:
         return {"picture": _plane(places, names, "In the chart", equal=False)}
     title = f"In the chart: {', '.join(names[:3])}"
     first = {curve: points[:, :3] for curve, points in places.items()}
-    scene = Film(name, title, _three(names), _curves(first), times=_times(pair))
+    scene = Film(name, title, _three(names), _curves(first), times=times_of(pair))
     return {"space": turnable(scene), "title": f"Film: {scene.title}"}
 
 
-def _places(pair: Pair) -> dict[str, np.ndarray]:
+def places_of(pair: Pair) -> dict[str, np.ndarray]:
+    """Positions of both curves in the space in which they are drawn."""
     assert pair.embedding is not None
     return {
         curve: pair.embedding.places(points, pair.parameters)
@@ -115,7 +119,8 @@ def _radius(places: dict[str, np.ndarray]) -> float:
     return float(lengths.max()) if np.ptp(lengths) < 1e-6 * lengths.max() else 0.0
 
 
-def _times(pair: Pair) -> list[float]:
+def times_of(pair: Pair) -> list[float]:
+    """Times of the points that are drawn."""
     return thinned(pair.times.tolist())
 
 
@@ -154,13 +159,13 @@ def _distance(pair: Pair) -> str:
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
         figure, axes = plane("Distance: the two are one, to the accuracy", ("t", "distance"))
-        axes.plot(times, visible(pair.distance), **SERIES[3].line)
+        axes.plot(times, visible(pair.distance), **DISTANCE.line)
         axes.axhline(PAGE.accuracy, **SERIES[5].line, label="accuracy asked for")
         axes.set_yscale("log")
         key(figure, axes)
         return svg(figure)
     figure, axes = plane("Distance of the two over time", ("t", "distance"))
-    stroke, last = SERIES[0], (times[-1], pair.distance[-1])
+    stroke, last = DISTANCE, (times[-1], pair.distance[-1])
     axes.plot(times, pair.distance, **stroke.line)
     mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))
     return svg(figure)
@@ -172,7 +177,7 @@ def _table(pair: Pair) -> str:
         [
             LABELS[curve],
             solution.engine,
-            f"{solution.error:.0e}",
+            size_text(solution.error, 0),
             f"{solution.cost.run_seconds * 1e3:.3g} ms",
             number(float(solution.times[-1])),
         ]
@@ -183,7 +188,7 @@ def _table(pair: Pair) -> str:
 
 def _sentence(pair: Pair, largest: float) -> str:
     if pair.coincide:
-        said = f"Straightest and shortest are one curve here, to {largest:.0e}."
+        said = f"Straightest and shortest are one curve here, to {size_text(largest, 0)}."
     else:
         said = f"Straightest and shortest part: by {largest:.4g} at most."
     kinds = {"autoparallel": "straightest", "geodesic": "shortest"}

@@ -13,6 +13,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Buttons that save the picture before them; the script of the page listens to them.
+SAVE = (
+    '<div class="save"><button type="button" class="copy" data-save="svg">Save SVG</button> '
+    '<button type="button" class="copy" data-save="png">Save PNG</button></div>'
+)
+
+
 def plane(
     title: str, labels: tuple[str, str], *, equal: bool = False, height: float = PAGE.height
 ) -> tuple[Figure, Axes]:
@@ -52,8 +59,8 @@ def key(figure: Figure, axes: Axes) -> None:
 
 
 def svg(figure: Figure) -> str:
-    """A figure as an svg element that is named by the title of its first axes."""
+    """A figure as an svg element, named by its title, with buttons that save it."""
     text = svg_text(figure, outlines=False)
     title = escape(figure.axes[0].get_title())
     attributes = text[text.index("<svg") + len("<svg") :]
-    return f'<svg class="plot" role="img" aria-label="{title}"{attributes}'
+    return f'<svg class="plot" role="img" aria-label="{title}"{attributes}{SAVE}'

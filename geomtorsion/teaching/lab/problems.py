@@ -154,6 +154,8 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
             {
                 "name": one.name,
                 "right": one.right,
+                "state": one.state,
+                "read_as": one.read_as,
                 "score": one.score,
                 "message": html_of(one.message),
                 "copy": _copy_button([one.message], one.name),

@@ -34,6 +34,9 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+# A code that a class types from a projector: letters that are not mistaken for each other. So many
+# give 8e11 codes; a thousand guesses a second need years.
+LETTERS, CODE = "abcdefghjkmnpqrstuvwxyz23456789", 8
 # Where the values of controls arrive; a file is one, so that here requests may be longer.
 CONTROL = "/api/kernel/set_ui_element_value"
 # (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
@@ -329,8 +332,9 @@ async def _tell(send: Send, status: int, text: str) -> None:
 
 # What the tabs begin with; the motions among it are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
-_TOP = {"moments": [1.0, 2.0, 3.0], "omega": [0.1, 2.0, 0.1], "tilt": 0.3, "t": 12.0}
+_TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
+    ("compass", {"course": 75}),
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
     ("paths", {**_SO3, "moments": None}),
     ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),
@@ -374,13 +378,26 @@ class Address:
         """
         if self.is_local or self.token:
             return self
-        return Address(self.host, self.port, secrets.token_urlsafe(18))
+        code = "".join(secrets.choice(LETTERS) for _ in range(CODE))
+        return Address(self.host, self.port, code)
 
     def url(self, port: int) -> str:
-        """What to type into a browser, token included."""
-        name = socket.gethostname() if self.host in ("0.0.0.0", "::") else self.host
+        """What to open in a browser on any machine of the network, token included."""
+        name = lan_address() if self.host in ("0.0.0.0", "::") else self.host
         name = f"[{name}]" if ":" in name else name
         return f"http://{name}:{port}/" + (f"?access_token={self.token}" if self.token else "")
+
+
+def lan_address() -> str:
+    """The address of this machine on its network; its name if it is on none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # This sends nothing: the system only chooses the interface. The address is one that
+            # is kept for documentation.
+            probe.connect(("192.0.2.1", 9))
+            return str(probe.getsockname()[0])
+        except OSError:
+            return socket.gethostname()
 
 
 def application(address: Address, sessions: int = PAGE.sessions) -> Any:

@@ -71,6 +71,7 @@ TASKS: Mapping[str, Task] = {
     "atoms": _task("atoms", "atoms", 10),
     "map_facts": _task("measured", "map_facts", 20),
     "map_circuit": _task("measured", "map_circuit", 20),
+    "compass": _task("compass", "compass", 10),
     "paths": _task("paths", "paths", 12),
     "top": _task("top", "top", 15),
     "costs": _task("costs", "costs", 40),

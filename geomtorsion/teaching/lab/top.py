@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geomtorsion.outgoing import size_text
 from geomtorsion.pictures.style import SERIES, Stroke
 from geomtorsion.scenes import Body, Scene, State, effects
 from geomtorsion.scenes.effects import Naive
@@ -51,7 +52,8 @@ _SHOWN = {
     "energy": (("energy",), "J"),
     "position": (("x", "y", "z"), "m"),
 }
-_SPACE, _BODY, _AXIS, _MOMENTUM = SERIES[:4]
+# On a page a colour has one meaning: those of the chart do not occur in the film.
+_SPACE, _BODY, _AXIS, _MOMENTUM, _RIGHT, _NAIVE = SERIES
 
 
 def top(
@@ -218,9 +220,9 @@ def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str
     label = names[k]
     title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
     figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
-    axes.plot(result.times, right[:, k], **SERIES[0].line, label="L′ + Ω × L = M")
+    axes.plot(result.times, right[:, k], **_RIGHT.line, label="right: L′ + Ω × L = M")
     if wrong is not None:
-        axes.plot(result.times, other[:, k], **SERIES[1].line, label="naive: L′ = M")
+        axes.plot(result.times, other[:, k], **_NAIVE.line, label="naive: L′ = M")
     key(figure, axes)
     return svg(figure)
 
@@ -243,7 +245,7 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
             [
                 name,
                 found.closed_form or found.engine,
-                f"{found.error:.0e}",
+                size_text(found.error, 0),
                 shown(_change(found["angular_momentum_space"]), PAGE.accuracy),
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]

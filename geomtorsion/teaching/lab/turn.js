@@ -8,7 +8,7 @@
   const play = document.getElementById("play");
   let pen = canvas.getContext("2d");
   const SOFT = "#5c6475", INK = "#1d2330", FAINT = "#c9ccd1";
-  const view = { turn: -0.9, tilt: 0.42, zoom: 1, ...kept() };
+  const view = { turn: data.turn, tilt: 0.42, zoom: 1, ...kept() };
   // The next picture of the film that runs; 0 where none does.
   let running = 0;
 
@@ -61,8 +61,41 @@
       if (curve.mark) shape([44, 8, 1, 0], curve.mark, curve.color);
     }
   }
-  function draw() {
-    const box = blank(canvas);
+  // A pen that writes SVG where that of a canvas draws.
+  class SvgPen {
+    constructor(box) { Object.assign(this, { box, parts: [], path: "", dashes: [], globalAlpha: 1 }); }
+    setLineDash(dashes) { this.dashes = dashes; }
+    beginPath() { this.path = ""; }
+    moveTo(x, y) { this.path += `M${x.toFixed(2)} ${y.toFixed(2)}`; }
+    lineTo(x, y) { this.path += `${this.path ? "L" : "M"}${x.toFixed(2)} ${y.toFixed(2)}`; }
+    // Only whole circles are drawn.
+    arc(x, y, r) { this.path += `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`; }
+    closePath() { this.path += "Z"; }
+    put(name, look, inner = "") { this.parts.push(`<${name} ${look} opacity="${this.globalAlpha}">${inner}</${name}>`); }
+    stroke() { this.put("path", `d="${this.path}" fill="none" stroke="${this.strokeStyle}" stroke-width="${this.lineWidth}" stroke-linejoin="round" stroke-dasharray="${this.dashes.join(" ")}"`); }
+    fill() { this.put("path", `d="${this.path}" fill="${this.fillStyle}"`); }
+    measureText(text) { return canvas.getContext("2d").measureText(text); }
+    text(text, x, y, look) {
+      const plain = text.replace(/&/g, "&amp;").replace(/</g, "&lt;");
+      this.put("text", `x="${x}" y="${y}" font-family="sans-serif" font-weight="600" font-size="14" ${look}`, plain);
+    }
+    strokeText(text, x, y) { this.text(text, x, y, `fill="none" stroke="${this.strokeStyle}" stroke-width="${this.lineWidth}"`); }
+    fillText(text, x, y) { this.text(text, x, y, `fill="${this.fillStyle}"`); }
+    get written() {
+      const { width, height } = this.box;
+      return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">${this.parts.join("")}</svg>`;
+    }
+  }
+  window.pictureAsSvg = () => {
+    const box = canvas.getBoundingClientRect();
+    pen = new SvgPen(box);
+    drawn(box);
+    const { written } = pen;
+    draw();
+    return written;
+  };
+  function draw() { drawn(blank(canvas)); }
+  function drawn(box) {
     const eye = camera();
     const unit = ((data.globe || ball ? 0.37 : 0.48) * Math.min(box.width, box.height) * view.zoom) / radius;
     const place = (point) => {

@@ -15,7 +15,9 @@ from typing import TypeVar
 
 from geomtorsion.pictures.style import Stroke
 from geomtorsion.teaching.exercises.worker_pool import Json
+from geomtorsion.teaching.lab.plot import SAVE
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.views import saving
 
 T = TypeVar("T")
 _STYLE = """
@@ -32,6 +34,8 @@ button { font: inherit; padding: 2px 14px; border: 1px solid #1f5fa8; border-rad
   background: #fff; color: #1f5fa8; cursor: pointer; }
 ul { list-style: none; margin: 4px 8px; padding: 0; display: flex; flex-wrap: wrap; gap: 2px 18px; }
 li { display: flex; align-items: center; gap: 8px; }
+.save { margin: 2px 8px; }
+.save button { font-size: 13px; padding: 1px 10px; }
 p { margin: 2px 8px 4px; color: #5c6475; font-size: 13px; }
 """
 
@@ -59,6 +63,7 @@ class Film:
     curves: fixed in space. moving: lines fixed in the body. attitudes: rotation matrices.
     times: of attitudes and of the points of curves; a film if there are any.
     globe: radius of a sphere that hides what is behind it; equal: lengths are true.
+    turn: of the eye about the third axis at first, rad.
     """
 
     name: str
@@ -71,6 +76,7 @@ class Film:
     globe: float = 0.0
     equal: bool = False
     note: str = field(default="")
+    turn: float = -0.9
 
 
 def turnable(scene: Film) -> str:
@@ -81,7 +87,7 @@ def turnable(scene: Film) -> str:
     >>> from geomtorsion.pictures.style import SERIES
     >>> line = Curve([(0, 0, 0), (1, 1, 1)], SERIES[0], "a line")
     >>> page = turnable(Film("x", "A line", ("x", "y", "z"), (line,)))
-    >>> "http" in page, page.count("<canvas")
+    >>> "http" in page.replace("http://www.w3.org", ""), page.count("<canvas")
     (False, 2)
     """
     data = {
@@ -94,6 +100,7 @@ def turnable(scene: Film) -> str:
         "globe": scene.globe,
         "equal": scene.equal,
         "seconds": PAGE.film,
+        "turn": scene.turn,
     }
     # In a script element only the end of that element ends the text.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
@@ -116,10 +123,10 @@ def turnable(scene: Film) -> str:
         f"<h1>{escape(scene.title)}</h1>"
         f'<canvas id="space" tabindex="0" role="img" aria-label="{escape(scene.title)}; '
         'arrow keys turn it"></canvas>'
-        f"{film}<ul>{legend}</ul>"
+        f"{film}<ul>{legend}</ul>{SAVE}"
         f"<p>{escape(note)}Drag or use the arrow keys to turn; + and − zoom.</p>"
         f'<script type="application/json" id="data">{text}</script>'
-        f"<script>{_script()}</script></body></html>"
+        f"<script>{_script()}{saving()}</script></body></html>"
     )
 
 

@@ -11,11 +11,10 @@ from tempfile import TemporaryDirectory
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError, GridError, LimitError
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.images import LatticeImage
+from geomtorsion.materials.images import LatticeImage, LatticePhases
 from geomtorsion.materials.images.image_files import read_pixels
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
-from geomtorsion.materials.measured import LatticeField
+from geomtorsion.materials.readers import IMAGE, READERS, suffixes_of
 from geomtorsion.teaching.lab.settings import PAGE
 
 # First bytes of formats that are something else -> what they are.
@@ -25,15 +24,9 @@ _OTHERS: dict[bytes, str] = {
     b"CDF": "NetCDF",
     b"\x80": "a pickle, which nobody here opens",
 }
-# First bytes of pictures of lattices -> how their files end.
-_IMAGES: dict[bytes, str] = {
-    b"\x89PNG": ".png",
-    b"II*\x00": ".tif",
-    b"MM\x00*": ".tif",
-    b"\x93NUMPY": ".npy",
-}
-# Endings of orientation maps that the page takes.
-TEXT_MAPS = tuple(end for end, form in MAPS.items() if form.seems is not None)
+# Text that the page recognises by its content, and ends of images.
+TEXT_MAPS = tuple(reader.suffix for reader in READERS if reader.seems is not None)
+IMAGES = tuple(reader.suffix for reader in READERS if reader.kind is IMAGE)
 NEEDED = (
     "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map "
     f"({' or '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY) was needed"
@@ -59,17 +52,17 @@ def kind_of(content: bytes) -> str:
     """
     if content.startswith((b"PK\x03\x04", b"PK\x05\x06")):
         return ".npz"
-    for begin, end in _IMAGES.items():
-        if content.startswith(begin):
+    for end in suffixes_of(content):
+        if end in IMAGES:
             return end
     for begin, what in _OTHERS.items():
         if content.startswith(begin):
             raise FileFormatError(f"{NEEDED}, but the file is {what}. Save the map in one of them.")
     if not content.strip():
         raise FileFormatError(f"{NEEDED}, but the file is empty. Choose another.")
-    for end, form in MAPS.items():
-        if form.seems is not None and form.seems(content):
-            return end
+    for reader in READERS:
+        if reader.seems is not None and reader.seems(content):
+            return reader.suffix
     lines = content.splitlines()
     row = next((line for line in lines if line.strip() and not line.startswith(b"#")), b"")
     if b"," in row:
@@ -96,7 +89,7 @@ def title_of(name: str) -> str:
 @lru_cache(maxsize=2)
 def read_map(
     content: bytes, title: str, threshold: float | None = None, laue: tuple[str, int] | None = None
-) -> SampledFrame | OrientationMap | LatticeField:
+) -> SampledFrame | OrientationMap | LatticePhases:
     """The map in a file; the last two stay, since a slider asks for the same one again.
 
     threshold: of grains, degrees. laue: a Laue group instead of what the file says, and the number
@@ -114,9 +107,9 @@ def read_map(
         path = Path(folder, _STEM + kind)
         path.write_bytes(content)
         try:
-            if kind in _IMAGES.values():
+            if kind in IMAGES:
                 return _lattice(path)
-            found = _orientations(path, threshold, laue) if kind in MAPS else _frame(path)
+            found = _orientations(path, threshold, laue) if kind in TEXT_MAPS else _frame(path)
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
             # Of the same class: a limit stays a limit.
@@ -135,10 +128,9 @@ def read_map(
     return found
 
 
-def _lattice(path: Path) -> LatticeField:
-    """A picture of a lattice, with its phases; sizes are in pixels."""
-    image = LatticeImage(read_pixels(path, most=PAGE.pixels))
-    return LatticeField(image, image.phases())
+def _lattice(path: Path) -> LatticePhases:
+    """The phases of a picture of a lattice; sizes are in pixels."""
+    return LatticeImage(read_pixels(path, most=PAGE.pixels)).phases()
 
 
 def _orientations(

@@ -25,100 +25,115 @@ class Guide:
     words: Mapping[str, str] = field(default_factory=dict)
 
 
+# Name of a tab -> what one sees, and what to try: one sentence each.
 GUIDES: Mapping[str, Guide] = {
-    "Any tetrad": Guide(
-        "Each row is a one-form, written by its entries along dx, dy and so on. Below stand the "
-        "metric, the connections, torsion and curvature that follow from the rows, exactly.",
-        "start from flat_polar and read the torsion; then write cos(phi) and "
-        "-r*sin(phi) into row 1, sin(phi) and r*cos(phi) into row 2: the metric stays, the "
-        "torsion goes.",
-        {
-            "tetrad (coframe)": "n one-forms, which say how far a step leads along each of n axes "
-            "that are carried along at every point.",
-            "torsion S": "the part of the connection that is antisymmetric in its lower indices: "
-            "two steps, taken in either order, do not end at the same place.",
-            "contortion K": "the difference of the two connections, Cartan's and Levi-Civita's.",
-            "unknown function": "a function such as a(t) of which nothing is known but what it "
-            "depends on; its derivatives stay in the result.",
-            "indices": "are named by coordinates, or counted from 1, with a hat, where they belong "
-            "to the frame.",
-        },
+    "The compass": Guide(
+        "One ship keeps its compass course (solid blue), another sails the shortest way, a great "
+        "circle (dashed orange), and torsion measures how the two part.",
+        "Move the course, press Play, and drag the globe to turn it: at 90 degrees the first ship "
+        "stays on its parallel, and the second one leaves it.",
     ),
     "Loops": Guide(
-        "Left: a circle in two coordinates, which closes. Right: the same steps, added up along "
-        "the axes of the frame: where there is torsion inside, an arrow b is missing at the end.",
-        "make the radius smaller and see b follow 2 S A ever more closely; then take "
-        "screw_dislocation, where b stays the same however small the circle is. At the foot of the "
-        "page a map of your own is measured.",
+        "The left figure shows a circle in two coordinates, and the right figure adds up the same "
+        "steps along the legs of the frame: the gap is the Burgers vector b.",
+        "Make the radius smaller and compare b with 2 S A; then choose screw_dislocation, where b "
+        "is the same for every circle around the line.",
         {
-            "b": "the Burgers vector: what is missing when the image of a closed loop is drawn in "
-            "the frame, one component for each of its axes.",
-            "flux of torsion": "the torsion that goes through a surface which the loop bounds, "
-            "added up; by Stokes' theorem it is b, unless the surface meets a line on which the "
-            "frame is singular.",
-            "2 S A": "twice the torsion at the centre times the area A inside the loop: what the "
-            "flux is for a small loop.",
-            "units": "lengths are in the unit in which the frame is written, angles in radians.",
+            "b": "the Burgers vector: the gap between start and end of the image of a closed loop, "
+            "one component for each leg of the frame.",
+            "X¹, X², ...": "the sums of the steps along legs 1, 2, ...: the coordinates of the "
+            "right figure.",
+            "flux of torsion": "the integral of the torsion over a surface that the loop bounds; "
+            "by Stokes' theorem it is b, unless the frame is singular on a line through the "
+            "surface.",
+            "2 S A": "twice the torsion S at the centre times the area A inside the loop: the flux "
+            "of a small loop.",
+            "colours": "blue is the loop, green its image, orange the gap b; a black dot is the "
+            "start.",
+            "units": "lengths have the unit in which the frame is written, angles are in radians.",
         },
     ),
     "Straightest and shortest": Guide(
-        "Two curves from one start, with one velocity: the straightest keeps its direction in the "
-        "frame, the shortest has the smallest length. The torsion force pulls them apart.",
-        "turn the picture and run the film; then choose so3: with equal moments I1, I2, I3 both "
-        "are one curve, with unequal ones they part.",
+        "Two curves leave one start with one velocity: the straightest (solid blue) keeps its "
+        "velocity along the legs of the frame, the shortest (dashed orange) has the least length.",
+        "Press Play and turn the figure; then choose so3 and change the moments of inertia: with "
+        "equal moments both curves are one.",
         {
-            "straightest (autoparallel)": "its components of velocity u1, u2, ... along the "
-            "frame stay what they are: it never steers.",
-            "shortest (geodesic)": "no curve nearby between two of its points is shorter, if "
-            "the points are close; the moments I1, I2, I3 say how motion is measured.",
-            "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration by which the straightest "
-            "curve leaves the shortest one.",
-            "units": "lengths are in the unit of the frame, angles in radians; u1, u2, ... are "
-            "per unit of the time t; moments count against each other only.",
+            "straightest (autoparallel)": "a curve whose components u1, u2, ... of the velocity "
+            "along the legs of the frame are constant.",
+            "shortest (geodesic)": "a curve such that no other curve between two close points of "
+            "it is shorter; the moments I1, I2, I3 are the weights of the squares of u1, u2, u3.",
+            "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration with which the straightest "
+            "curve leaves the shortest one; S is the torsion, q' the velocity in coordinates.",
+            "t": "the time, the parameter of both curves.",
+            "colours": "blue is the straightest curve, orange the shortest, green their distance; "
+            "a black dot is the start, the other marks are the ends.",
+            "units": "lengths have the unit of the frame, angles are in radians; only the ratios "
+            "of the moments matter.",
         },
     ),
     "The top": Guide(
-        "A body turns. The cone that the angular velocity draws in the body rolls on the cone "
-        "that it draws in space; next to it is what you watch, by the right law and by a wrong "
-        "one.",
-        "press Play; then set all three moments to 2 and see that both laws agree; then "
-        "switch on gravity and the fixed point for a heavy top.",
+        "A body turns: its angular velocity ω draws the body cone (orange), which rolls on the "
+        "space cone (blue), and the chart compares the right law with a wrong one.",
+        "Press Play; set all three moments to 2, where both laws agree; then switch on gravity "
+        "and the fixed point for a heavy top.",
         {
-            "body cone": "drawn by the angular velocity ω as the body sees it; it rolls without "
-            "slipping on the space cone.",
-            "space cone": "drawn by ω as somebody in the room sees it.",
-            "torsion force": "a force that bends free motion as torsion would; with it on, the "
-            "body follows the straightest curve of its space and not the shortest.",
-            "naive law": "L' = M in body axes, without the term Ω × L: the mistake of forgetting "
-            "that the axes turn with the body.",
-            "nutation": "the angle of the third body axis from the vertical.",
+            "ω and Ω": "the angular velocity along the axes of space, and along those of the body.",
+            "body cone": "the cone that ω draws in the body; it rolls without slipping on the "
+            "space cone.",
+            "space cone": "the cone that ω draws in the room.",
+            "L and M": "the angular momentum and the torque, along the axes of the body; a prime "
+            "is the rate of change.",
+            "torsion force": "a force that bends free motion as torsion would: with it the body "
+            "follows the straightest curve and not the shortest one.",
+            "naive law": "L′ = M in body axes, without the term Ω × L: it forgets that the axes "
+            "turn with the body.",
+            "nutation": "the angle of body axis 3 from the vertical.",
+            "colours": "blue, orange, green and black belong to the animation, purple (right law) "
+            "and brown (naive law) to the chart; a black dot is the start.",
         },
     ),
     "What accuracy costs": Guide(
-        "Each mark is one way to compute the case that is set on another tab: how wrong it was, "
-        "and how long it took. To the right is more accurate, lower is faster.",
-        "measure the loop and find the first rule that comes below 1e-12; then make the loop "
-        "smaller on its tab, and measure again.",
+        "Each mark is one way to compute the case of another tab: further right is more accurate, "
+        "further down is faster.",
+        "Measure the loop and find the first rule with an error below 1e-12; then make the loop "
+        "smaller on its tab and measure again.",
         {
-            "error": "relative to the largest component, against a closed form or many more "
-            "digits: it is measured and not assumed.",
+            "error": "the largest deviation relative to the largest component, measured against a "
+            "closed form or a computation with many more digits.",
+        },
+    ),
+    "Any tetrad": Guide(
+        "Each row is a one-form, given by its coefficients of the coordinate differentials, and "
+        "below are the metric, the connections, the torsion and the curvature, computed exactly.",
+        "Start from flat_polar and read its torsion; then type cos(phi) and -r*sin(phi) into row "
+        "1, sin(phi) and r*cos(phi) into row 2: the metric is the same, the torsion is zero.",
+        {
+            "tetrad (coframe)": "n one-forms e^1, ..., e^n; they give the components of a step "
+            "along n legs at every point.",
+            "torsion S": "the part of the connection that is antisymmetric in its lower indices: "
+            "two small steps, taken in either order, end at different points.",
+            "contortion K": "the difference between the Cartan and the Levi-Civita connection.",
+            "unknown function": "a function such as a(t); its derivatives stay in the result.",
+            "indices": "coordinates stand for coordinate indices; frame indices are counted from 1 "
+            "and have a hat.",
         },
     ),
     "Exercises": Guide(
-        "The same exercises as on the command line. An answer in any equal form is right; of a "
-        "wrong one you are told what has probably happened.",
-        "answer, read what is said, and take a hint before you look anything up; "
-        "variant 0 is that of the paper, every other number gives other functions.",
+        "Every equal form of an answer is right, and a wrong answer is met with its likely "
+        "mistake; an answer that cannot be read costs no points.",
+        "Answer, read the verdict, and take a hint; variant 0 is the one of the paper, and every "
+        "other number is another task.",
     ),
 }
 
 # The part of the tab for loops that takes a file.
 ATOMS = Guide(
     "A square lattice with an edge dislocation, as elasticity bends it. Each bond is read as the "
-    "nearest lattice vector; beside it stands what the same steps are in a perfect lattice. What "
-    "is missing there to a circuit that closes in the crystal is b, in whole numbers.",
-    "press Show a circuit; then click one of your own, far from the core, close to it, beside it; "
-    "take two opposite dislocations and go round one, the other, and both.",
+    "nearest lattice vector, and the right figure shows the same steps in a perfect lattice: the "
+    "gap of a circuit that closes in the crystal is b, in whole numbers.",
+    "Press Show a circuit; then click one of your own, far from the core, close to it, beside it; "
+    "take two opposite dislocations and go around one, the other, and both.",
     {
         "extra half plane": "the column of atoms that ends at the core: on its side a circuit has "
         "a step more, and that is the step that is missing on the other.",
@@ -134,7 +149,7 @@ MEASURED = Guide(
     "The frame is the circuit whose b is given. Up to "
     f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels; the file stays in "
     "the memory of the machine that serves this page.",
-    "put the circuit round a bright spot, then beside it; make it larger and see the noise per "
+    "Put the circuit around a bright spot, then beside it; make it larger and see the noise per "
     "area fall; lead it across a grain boundary or the edge of a hole, and read what is said; in a "
     "picture b is made of whole numbers: look where they change.",
     {
@@ -149,16 +164,17 @@ MEASURED = Guide(
 )
 
 
-# Name of a tab -> what is to be done there, in a sentence.
+# Name of a tab -> its contents in a sentence.
 TABS = {
+    "The compass": "A ship on a compass course and one on a great circle.",
+    "Loops": "A closed loop whose image in the frame has a gap where there is torsion.",
+    "Straightest and shortest": "Two curves from one start, which torsion drives apart.",
+    "The top": "A turning body: the right law, a wrong one, and the equations that are needed.",
+    "What accuracy costs": "Error against time for the case of another tab.",
     "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
-    "Loops": "Carry a frame round a circle: its image does not close where there is torsion.",
-    "Straightest and shortest": "Two curves from one start: where torsion pulls, they part.",
-    "The top": "Switch on what a body feels; see what is simulated, and what is left out.",
-    "What accuracy costs": "Error against time for the case that is set on the other tabs.",
-    "Exercises": "The same as on the command line: answer, be told why not, take a hint.",
+    "Exercises": "Tasks in variants, with verdicts and hints.",
 }
-TETRAD, LOOPS, PATHS, TOP, COSTS, EXERCISES = TABS
+COMPASS, LOOPS, PATHS, TOP, COSTS, TETRAD, EXERCISES = TABS
 
 
 @cache
@@ -169,8 +185,14 @@ def style() -> str:
 
 @cache
 def copying() -> str:
-    """The script that copies LaTeX."""
-    return Path(__file__).with_name("copy.js").read_text("utf-8")
+    """The scripts that copy LaTeX and save pictures."""
+    return Path(__file__).with_name("copy.js").read_text("utf-8") + saving()
+
+
+@cache
+def saving() -> str:
+    """The script that saves pictures; pictures in space have it, too."""
+    return Path(__file__).with_name("save.js").read_text("utf-8")
 
 
 def wrapped(html: str) -> str:
@@ -303,6 +325,13 @@ def measured(reply: Json) -> str:
     return wrapped(f'<div class="measured">{both}{_terms(MEASURED)}</div>')
 
 
+def compass(reply: Json) -> str:
+    """The globe with both ways."""
+    if reply.get("problem"):
+        return wrapped(problem(reply))
+    return wrapped(f'<div class="globe" id="compass">{framed(reply)}</div>')
+
+
 def paths(reply: Json) -> str:
     """Two curves and how far they are apart."""
     if reply.get("problem"):
@@ -353,6 +382,9 @@ def exercise(reply: Json) -> str:
     return wrapped(f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}')
 
 
+_LOOKS = {"right": ("right", "✓"), "wrong": ("wrong", "✗")}
+
+
 def verdict(reply: Json | None) -> str:
     """What is said about answers; nothing if none were given."""
     if reply is None:
@@ -363,10 +395,12 @@ def verdict(reply: Json | None) -> str:
         return wrapped('<p class="note">Write an answer first.</p>')
     parts = []
     for one in reply["questions"]:
-        look, sign = ("right", "✓ right") if one["right"] else ("wrong", "✗ not right")
+        look, sign = _LOOKS.get(one["state"], ("unread", "?"))
+        read = f'<p class="note">Read as: <code>{escape(one["read_as"])}</code></p>'
         parts.append(
-            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign}</strong>'
-            f"{one['message']}{one['copy']}</div>"
+            f'<div class="{look}" role="status"><strong>{escape(one["name"])}: {sign} '
+            f"{escape(one['state'])}</strong>{one['message']}{read * bool(one['read_as'])}"
+            f"{one['copy']}</div>"
         )
     notes = "".join(f'<p class="note">{escape(note)}</p>' for note in reply["notes"])
     points = f"{reply['earned']:.3g} of {reply['points']} points"

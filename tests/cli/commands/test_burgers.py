@@ -12,7 +12,7 @@ from geomtorsion.cli.commands import burgers
 from geomtorsion.loops import BurgersVector
 from tests.cli import running
 from tests.materials.maps.test_map_files import ctf, write
-from tests.materials.measured.test_opening import grid
+from tests.materials.test_readers import grid
 
 
 def run(*arguments: str, code: int = 0, given: str = "") -> Any:
@@ -305,3 +305,10 @@ def test_proved_prints_certain_digits() -> None:
 def test_a_loop_that_cannot_be_proved_is_reported() -> None:
     """A circle through the core: the proof is refused, as the number is."""
     assert run("screw_dislocation", "--set", "b=1", "--circle", "1,0,0:1", "--proved", code=2)
+
+
+def test_digits_end_where_the_error_begins():
+    """A component below its error is 0, and zero differences are never 0e+00."""
+    text = run("screw_dislocation", "--set", "b=1", "--circle", "0,0,0:1").stdout
+    assert "b = (0, 0, 1) +- " in text
+    assert "0e+00" not in run("heisenberg", "--plaquette", "0,0,0:1,1").stdout

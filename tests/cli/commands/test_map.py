@@ -11,7 +11,7 @@ from tests.cli import running
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.synthetic import noisy_wall
 from tests.materials.maps.test_map_files import ctf, write
-from tests.materials.measured.test_opening import grid
+from tests.materials.test_readers import grid
 from tests.real import real
 
 
@@ -79,10 +79,10 @@ def test_without_matplotlib(tmp_path, no_pictures):
     [
         (("--size", "80"), "--size: a whole number from 1 to 23"),
         (("--size", "0"), "--size"),
-        (("--sigma", "much"), "--sigma: a number of 0 or more, or estimate"),
+        (("--sigma", "much"), "--sigma: expected a number of 0 or more, or estimate"),
         (("--sigma", "-1"), "--sigma: standard deviations of 0 or more"),
         (("--threshold", "nan"), "--threshold: a finite number"),
-        (("--order", "4"), "--order: it belongs to sampled frames"),
+        (("--order", "4"), "--order: expected a file of sampled frames"),
         (("--plane", "x,z"), "--plane: two of the axes x, y were needed"),
         (("--plane", "y,x"), "--plane: an orientation map has one plane"),
     ],
@@ -160,7 +160,7 @@ def test_circles(scan, tmp_path):
         (("--workers", "2"), "--workers: it belongs to maps in blocks"),
         (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: a positive number"),
-        (("--laue", "cubic"), "--laue cubic: PHASE=GROUP was needed"),
+        (("--laue", "cubic"), "--laue cubic: expected PHASE=GROUP"),
         (("--laue", "1=cubic"), "'cubic' is not known"),
     ],
 )
@@ -193,13 +193,13 @@ def test_an_image(lattice, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--pixel", "nm"), "--pixel nm: a size with its unit was needed"),
-        (("--pixel", "0nm"), "--pixel 0nm: a size with its unit"),
-        (("--spots", "1,a"), "--spots 1,a: two spots"),
+        (("--pixel", "nm"), "--pixel nm: expected a size with its unit"),
+        (("--pixel", "0nm"), "--pixel 0nm: expected a size with its unit"),
+        (("--spots", "1,a"), "--spots 1,a: expected two spots"),
         (("--spots", "0.1,0"), "--spots: "),
         (("--resolution", "-1"), "--resolution: a positive number"),
-        (("--sigma", "1"), "--sigma: it belongs to sampled frames"),
-        (("--threshold", "1"), "--threshold: it belongs to orientation maps"),
+        (("--sigma", "1"), "--sigma: expected a file of sampled frames"),
+        (("--threshold", "1"), "--threshold: expected a file of orientation maps"),
         (("--size", "1"), "--size: a whole number from 2"),
         (("--plane", "y,x"), "--plane: an image has one plane"),
     ],

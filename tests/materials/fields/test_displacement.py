@@ -11,8 +11,7 @@ import geomtorsion as gt
 from geomtorsion.errors import GridError
 from geomtorsion.loops import Loop
 from geomtorsion.materials.fields import SampledFrame
-from geomtorsion.materials.measured import open_measured
-from geomtorsion.materials.measured.blocked_fields import open_in_blocks
+from geomtorsion.materials.readers import open_in_blocks, open_source
 from tests.loops.edge_dislocation import displacement
 
 B = 0.286
@@ -310,7 +309,7 @@ def test_a_file_keeps_the_displacement(tmp_path, branch, sigma):
     assert (read.source, read.unit, read.names) == (made.source, "nm", ("x", "z"))
     squares = [frame.burgers_map(6) for frame in (made, read)]
     assert np.array_equal(squares[0].vectors, squares[1].vectors, equal_nan=True)
-    assert open_measured(tmp_path / "u.npz").survey(6).vectors[..., 0] == pytest.approx(
+    assert open_source(tmp_path / "u.npz").burgers_map(6).vectors == pytest.approx(
         squares[0].vectors, nan_ok=True
     )
     with pytest.raises(GridError, match="blocks: expected a coframe or a distortion"):

@@ -102,7 +102,7 @@ def test_a_circuit_is_the_sum_of_its_squares_and_of_its_steps():
     b = phases.burgers(square)
     assert b.whole.tolist() == truth(image, phases)
     assert phases.residues[:, 20:100, 20:100].sum(axis=(1, 2)).tolist() == b.whole.tolist()
-    labels = np.ravel_multi_index(tuple(b.path.T), (128, 128))
+    labels = np.ravel_multi_index(tuple(b.pixels.T), (128, 128))
     cochain = phases.cochain
     assert cochain.is_whole
     assert cochain.around(labels.tolist()).vector.tolist() == b.whole.tolist()

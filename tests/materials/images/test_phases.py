@@ -26,8 +26,8 @@ def test_the_edge_field_of_one_nanometre_is_found_to_a_percent(size):
     assert found.vector == pytest.approx([-1, 0], abs=0.01)
     assert abs(found.vector - [-1, 0]).max() <= found.error
     # Without whole numbers: the trapezoid rule for e along the same circuit.
-    line = phases.coframe[:, :, *found.path.T]
-    steps = 0.1 * np.diff(found.path, axis=0).T
+    line = phases.coframe[:, :, *found.pixels.T]
+    steps = 0.1 * np.diff(found.pixels, axis=0).T
     whole = np.einsum("imk,mk->i", (line[:, :, 1:] + line[:, :, :-1]) / 2, steps)
     assert whole @ phases.lattice == pytest.approx([-1, 0], abs=0.01)
     x, y = (axis - c for axis, c in zip(picture.axes, centre, strict=True))

@@ -10,6 +10,7 @@ import pytest
 
 from geomtorsion.errors import FileFormatError, NetworkError
 from geomtorsion.materials.lines import Box, DislocationNetwork, LineArrays
+from tests.cli.running import run
 from tests.materials.lines.synthetic_networks import REAL, rings
 from tests.real import real
 
@@ -112,7 +113,7 @@ def test_the_real_network(tmp_path):
         ("nodeCount = 3", "nodeCount = 4", 21, "node 4 of 4 was needed, but the file ends"),
         ("nodeCount = 3", "nodeCount = 2", 18, "says 2 nodes, but more follows"),
         ("nodeCount = 3", "nodeCount = three", 0, "a whole number was needed"),
-        ("nodeCount = 3", "nodeCount = 0", 0, "one or more"),
+        ("nodeCount = 3", "nodeCount = -1", 0, "expected 0 or more"),
         ("numFileSegments = 1", "numFileSegments = 2", 0, "stands in 2 files"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 nan 2 7", 0, "a finite number was needed, but 'nan'"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 1e999 2 7", 0, "finite number"),
@@ -206,3 +207,27 @@ def test_numbers_are_read_strictly(tmp_path, small, old, new, said):
     small(head + key + body)
     with pytest.raises(FileFormatError, match=said):
         small(head + key + body.replace(old, new, 1))
+
+
+def test_a_network_without_nodes(tmp_path: Path):
+    """What simulations write before the first line nucleates: an empty network, not an error."""
+    head, _, _ = SMALL.partition("nodeCount")
+    path = tmp_path / "empty.data"
+    path.write_text(f"{head}nodeCount = 0\nnodalData =\n")
+    net = DislocationNetwork.read(path)
+    assert (net.lines, net.junctions, float(np.abs(net.nye).max())) == ((), (), 0.0)
+    for end in (".data", ".json", ".ca"):
+        net.save(tmp_path / f"again{end}")
+        assert DislocationNetwork.read(tmp_path / f"again{end}").lines == ()
+    shown = run("network", str(path), "-o", str(tmp_path / "out"))
+    assert "0 nodes, 0 lines" in shown.stdout
+    assert (tmp_path / "out" / "network.json").exists()
+    path.write_text(f"{head}nodeCount = 0\nnodalData =\n0,0 1 1 1 0 0\n")
+    with pytest.raises(FileFormatError, match="more follows"):
+        DislocationNetwork.read(path)
+
+
+def test_a_packed_name_is_not_written(small, tmp_path: Path):
+    """Plain text under a packed name could be read by nobody."""
+    with pytest.raises(NetworkError, match=r"expected the name of a plain file"):
+        small().save(tmp_path / "lines.data.gz")

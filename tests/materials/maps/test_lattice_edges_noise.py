@@ -47,7 +47,7 @@ def test_told_covariance_against_scatter():
         turns = rng.normal(0, np.radians([0.1, 0.2, 0.4]), (81, 3))
         angles = euler(Rotation.from_rotvec(turns), shape)
         crystal = OrientationMap.from_euler(angles, 1.0, "-1", sigma=(0.1, 0.2, 0.4))
-        found.append(crystal.burgers_map(6).specimen[1, 1])
+        found.append(crystal.burgers(Circuit.square((1, 1), 6)).specimen)
     quiet = OrientationMap.from_euler(np.zeros((*shape, 3)), 1.0, "-1", sigma=(0.1, 0.2, 0.4))
     told = quiet.burgers(Circuit.square((1, 1), 6)).covariance
     assert np.sqrt(np.diag(told)) == pytest.approx(np.std(found, axis=0), rel=0.2)

@@ -29,7 +29,7 @@ def test_both_readers_agree(tmp_path):
     (phase,) = theirs.phases.values()
     assert (phase.laue, phase.lengths) == ("m-3m", (3.52, 3.52, 3.52))
     squares = ours.burgers_map(5), theirs.burgers_map(5)
-    assert squares[0].specimen == pytest.approx(squares[1].specimen, abs=1e-7)
+    assert squares[0].arrows == pytest.approx(squares[1].arrows, abs=1e-7)
     assert np.nanmax(squares[0].per_area) > 1e-3
     (tmp_path / "b.h5").write_bytes(b"nothing")
     with pytest.raises(

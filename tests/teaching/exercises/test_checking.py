@@ -423,4 +423,35 @@ def test_a_single_answer_and_unknown_names():
     verdict = exercise.check({"riccci": "0"})
     assert "Did you mean ricci?" in verdict.notes[0]
     assert verdict["ricci"].diagnosis == "empty"
-    assert str(verdict).startswith("ricci: wrong [empty]")
+    assert str(verdict).startswith("ricci: no answer. No answer")
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [("3.2", "1/2 cot phi2/2"), ("3.2", "cot(phi2"), ("3.2", "cot(theta)"), ("2.1", "1,2,2 = 1/2r"),
+     ("1.1", "[[1, 0], [0"), ("3.1", {"cartan": "perhaps", "riemann": "zero", "torsion": "zero"})],
+)  # fmt: skip
+def test_what_cannot_be_read_costs_no_points(number, text):
+    """Neither right nor wrong: the points of the question are not counted."""
+    verdict = exercises.load(number).check(text)
+    first, *others = verdict.questions
+    assert first.state == "could not be read"
+    assert not first.right
+    assert verdict.unread == (first.name,)
+    assert verdict.points == sum(one.points for one in others)
+    assert f"{first.name}: could not be read." in str(verdict)
+    assert "wrong" not in str(verdict).partition("\n")[0]
+
+
+@pytest.mark.parametrize(
+    ("number", "text", "read_as"),
+    [("3.2", "1/tan φ_2", "1/tan(phi2)"), ("3.2", "2phi2^2", "2*phi2^2"),
+     ("2.1", "Gamma_12^2 = 1/r", "1,2,2 = 1/r"),
+     ("1.1", "[[1, 0], [0, r]]", "1,1 = 1; 1,2 = 0; 2,1 = 0; 2,2 = r"),
+     ("6.1", "I1 Omega1' = (I2 - I3) Omega2 Omega3; Omega2' = 0; Omega3' = 0", "Omega2*Omega3")],
+)  # fmt: skip
+def test_a_verdict_shows_how_the_answer_was_read(number, text, read_as):
+    """In the notation of solutions, right or wrong."""
+    verdict = exercises.load(number).check(text)
+    assert read_as in verdict.questions[0].read_as
+    assert f"Read as: {verdict.questions[0].read_as}." in str(verdict)

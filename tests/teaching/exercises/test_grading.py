@@ -45,7 +45,7 @@ def folder(tmp_path_factory):
     expected = {}
     for k in range(STUDENTS):
         seed = draw.randrange(4)
-        answers, earned = {}, 0.0
+        answers, earned, unread = {}, 0.0, 0
         for number in NUMBERS:
             answers[number] = {}
             for question in exercises.load(number, seed).questions:
@@ -56,9 +56,10 @@ def folder(tmp_path_factory):
                     text = answer_text(question, draw.choice(question.mistakes).value)
                 else:
                     text = "sin("
+                    unread += question.points
                 answers[number][question.name] = text
         name = f"student{k:03}"
-        expected[f"{name}.toml"] = earned
+        expected[f"{name}.toml"] = earned, unread
         (place / f"{name}.toml").write_text(handed_in(f"Student {k}", seed, answers), "utf-8")
     (place / "broken.toml").write_text('[answers\n"1.1" = import os', "utf-8")
     hostile = {
@@ -88,11 +89,15 @@ def test_two_hundred_students(folder, tmp_path):
     assert marks.numbers == NUMBERS
     rows = table_of(tmp_path / "marks.csv")
     assert len(rows) == STUDENTS + 2
-    for name, earned in expected.items():
+    whole = sum(q.points for number in NUMBERS for q in exercises.load(number).questions)
+    for name, (earned, unread) in expected.items():
         assert float(rows[name]["earned"]) >= earned
         assert float(rows[name]["earned"]) <= earned + 2
-        assert rows[name]["status"] == GRADED
-    exact = sum(float(rows[name]["earned"]) == earned for name, earned in expected.items())
+        # What could not be read costs no points, and a person has to look at it.
+        assert int(rows[name]["points"]) == whole - unread
+        assert rows[name]["status"] == (PARTLY if unread else GRADED)
+        assert ("could not be read" in rows[name]["remarks"]) == bool(unread)
+    exact = sum(float(rows[name]["earned"]) == earned for name, (earned, _) in expected.items())
     assert exact > STUDENTS / 2
     assert rows["broken.toml"]["status"] == REFUSED
     assert "no TOML" in rows["broken.toml"]["remarks"]
@@ -100,7 +105,8 @@ def test_two_hundred_students(folder, tmp_path):
     assert float(rows["hostile.toml"]["earned"]) == 0
     assert not (place / "pwned").exists(), "an answer was run as code"
     assert rows["hostile.toml"]["student"] == "'=HYPERLINK(1)"
-    assert {row["file"] for row in marks.troubled} == {"broken.toml", "hostile.toml"}
+    looked_at = {name for name, (_, unread) in expected.items() if unread}
+    assert {row["file"] for row in marks.troubled} == looked_at | {"broken.toml", "hostile.toml"}
     assert seen[0][:2] == (0, STUDENTS + 2)
     assert seen[-1][:2] == (STUDENTS + 2, STUDENTS + 2)
     assert [done for done, _, _ in seen] == sorted(done for done, _, _ in seen)

@@ -21,7 +21,7 @@ def pages(tmp_path_factory: Any) -> tuple[Path, ...]:
 
 def test_a_page_for_each_tab(pages: tuple[Path, ...]):
     """An index and six pages, each linked from it."""
-    assert len(pages) == 7
+    assert len(pages) == 8
     index = pages[0].read_text("utf-8")
     assert all(f'href="{page.name}"' in index for page in pages)
 

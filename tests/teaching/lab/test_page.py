@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlencode, urlsplit
+from xml.etree import ElementTree
 
 import numpy as np
+import pytest
 
 from geomtorsion import Frame, Loop, burgers_vector, exercises, spaces
 from geomtorsion.teaching.lab.settings import PAGE
@@ -16,6 +19,7 @@ from tests.browser import PATIENCE, Watched
 
 # What each tab shows when it is ready.
 READY = {
+    "The compass": "#compass iframe",
     "Any tetrad": "#torsion math",
     "Loops": "#loop svg",
     "Straightest and shortest": "#paths-said",
@@ -68,7 +72,7 @@ def test_tabs_load_and_fit_a_phone(standing: Watched):
         assert box["x"] >= 0
         assert box["x"] + box["width"] <= 400
     # The arrow keys go from tab to tab too.
-    page.get_by_role("tab", name="Any tetrad").focus()
+    page.get_by_role("tab", name="The compass").focus()
     page.keyboard.press("ArrowRight")
     page.wait_for_selector(READY["Loops"])
     assert page.get_by_role("tab", name="Loops").get_attribute("aria-selected") == "true"
@@ -189,7 +193,7 @@ def test_back_leaves_the_lab(watched: Watched, address: str):
     page = watched.page
     page.goto("about:blank")
     page.goto(address)
-    page.wait_for_selector(READY["Any tetrad"])
+    page.wait_for_selector(READY["The compass"])
     for tab in ("Loops", "The top", "Exercises"):
         watched.tab(tab)
         page.wait_for_selector(READY[tab])
@@ -244,6 +248,8 @@ def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
     }  # fmt: skip
     page = watched.page
     page.goto(f"{address}?{urlencode(query)}")
+    page.wait_for_selector(READY["The compass"])
+    watched.tab("Any tetrad")
     page.get_by_text("is no name").wait_for()
     assert page.get_by_label("row 1, dr", exact=True).input_value() == attack
     assert page.locator("img[src=x]").count() == 0
@@ -338,7 +344,7 @@ def test_unknown_functions_have_a_field(standing: Watched):
 
 def test_latex_is_copied(standing: Watched):
     """The button puts the equations of its card onto the clipboard."""
-    page = standing.page
+    page = standing.tab("Any tetrad")
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     page.get_by_role("button", name="Copy LaTeX: Scalar curvature").click()
     page.get_by_text("Copied").wait_for()
@@ -399,8 +405,8 @@ def test_the_keyboard_alone(lab: Watched):
     """Tab comes to the open tab and leaves it open; arrows change it; Shift and Tab come back."""
     page = lab.page
     page.keyboard.press("Tab")
-    assert focused(page) == ["tab", "Any tetrad"]
-    assert page.get_by_role("tab", name="Any tetrad").get_attribute("aria-selected") == "true"
+    assert focused(page) == ["tab", "The compass"]
+    assert page.get_by_role("tab", name="The compass").get_attribute("aria-selected") == "true"
     page.keyboard.press("ArrowRight")
     page.wait_for_selector(READY["Loops"])
     page.keyboard.press("Tab")
@@ -446,7 +452,7 @@ def test_names_and_values_for_readers(standing: Watched):
 
 
 def test_dark_and_narrow(standing: Watched):
-    """By night everything is dark; on a phone the picture comes before what moves it."""
+    """By night everything is dark; on a phone picture and sliders are in sight together."""
     from playwright.sync_api import expect
 
     page = standing.page
@@ -465,10 +471,12 @@ def test_dark_and_narrow(standing: Watched):
     # Parts come one by one: the film may be there before what stood in its place is gone.
     expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
     film = page.locator("iframe").bounding_box()
-    sliders = page.get_by_role("slider", name="I1").bounding_box()
+    # What moves the picture stays in sight below it while one looks at the picture.
+    watch = page.get_by_label("to watch")
+    expect(watch).to_be_in_viewport()
     plan = page.locator("#top-plan").bounding_box()
     assert film["y"] < 800
-    assert film["y"] < sliders["y"] < plan["y"]
+    assert film["y"] < watch.bounding_box()["y"] < plan["y"]
     assert too_wide(page) == []
     page.emulate_media(color_scheme="light")
 
@@ -541,3 +549,59 @@ def test_an_exercise_is_answered(standing: Watched):
         label=f"1.1 {exercises.titles()['1.1']}"
     )
     page.get_by_label("legs").wait_for()
+
+
+@pytest.mark.parametrize("kind", ["svg", "png"])
+def test_every_picture_can_be_saved(standing: Watched, kind: str):
+    """The globe, a chart and a crystal, as a file that an image viewer opens."""
+    page = standing.tab("The compass")
+    places = {
+        "The compass": page.frame_locator("#compass iframe"),
+        "Loops": page.locator("#loop"),
+    }
+    for tab, place in places.items():
+        standing.tab(tab).wait_for_selector(READY[tab])
+        button = place.locator(f"button[data-save={kind}]").last
+        with page.expect_download(timeout=PATIENCE) as saved:
+            button.click()
+        content = Path(saved.value.path()).read_bytes()
+        assert saved.value.suggested_filename.endswith(f".{kind}")
+        if kind == "png":
+            assert content.startswith(b"\x89PNG")
+        else:
+            assert ElementTree.fromstring(content).tag == "{http://www.w3.org/2000/svg}svg"
+        assert len(content) > 3000
+
+
+def test_each_picture_has_its_buttons(standing: Watched):
+    """No chart of a tab is without them."""
+    for tab in ("Loops", "Straightest and shortest", "The top", "What accuracy costs"):
+        page = standing.tab(tab)
+        page.wait_for_selector(READY[tab])
+        charts = page.locator("svg.plot").count()
+        assert charts
+        assert page.locator("svg.plot + .save [data-save=png]").count() == charts
+
+
+def test_the_course_moves_the_ships(standing: Watched):
+    """Another course is another picture, and the address tells it."""
+    page = standing.tab("The compass")
+    page.wait_for_selector(READY["The compass"])
+    before = page.locator("#compass iframe").get_attribute("srcdoc")
+    page.get_by_role("slider", name="course").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_url("**course=80*")
+    page.wait_for_function(
+        "(old) => document.querySelector('#compass iframe')?.srcdoc !== old", arg=before
+    )
+    page.get_by_role("slider", name="course").focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_url(lambda url: "course" not in url)
+
+
+def test_sliders_of_a_moving_body_say_what_they_do(standing: Watched):
+    """Which turns, which moves, and in which unit."""
+    page = standing.tab("Straightest and shortest")
+    page.wait_for_selector(READY["Straightest and shortest"])
+    for name in ("turn about axis 1: u1 in rad/time", "move along axis 3: u6 in length/time"):
+        assert page.get_by_role("slider", name=name).count() == 1

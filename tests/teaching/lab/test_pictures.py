@@ -29,6 +29,31 @@ def test_a_loop_in_the_heisenberg_group():
         assert np.allclose(found["b"], found["expected"], rtol=0, atol=1e-11 * PI * radius**2)
 
 
+@pytest.mark.parametrize("radius", [1e-12, 1e-3, 0.3, 1.0])
+def test_an_exact_estimate_misses_nothing(radius):
+    """Where torsion is constant 2 S A is b: rounding is no difference."""
+    said = closure_failure("heisenberg", [0.3, -0.2, 0.1], radius, [0, 1])["sentence"]
+    assert "2 S A agrees with b within its error" in said
+    assert "differs" not in said
+    assert "0e+00" not in said
+    assert "differs" in closure_failure("so3", [0.3, 1.0, 0.2], 0.3, [0, 1])["sentence"]
+
+
+def test_colours_have_one_meaning_on_a_page():
+    """No colour of the film of the top is one of its chart; nor are those of two paths."""
+    found = top([1, 1, 1.8], [1, 0, 2], 0.3, 5.0)
+    film = re.search(r'id="data">(.*?)</script>', found["space"], re.DOTALL)
+    assert film is not None
+    data = json.loads(film[1])
+    colours = {part["color"].lower() for part in (*data["curves"], *data["moving"])}
+    lines = r"stroke: (#[0-9a-f]{6}); stroke-width: 1.6"
+    chart = set(re.findall(lines, found["compared"]))
+    assert len(chart) == 2
+    assert not chart & colours
+    both = paths("r3xso3", [0, 0.6, 2, 0.8, 0.2, 0.8], 5.0)
+    assert not set(re.findall(lines, both["distance"])) & {"#0072b2", "#d55e00"}
+
+
 def test_the_plane_has_a_sense():
     """A loop in the plane (n, m) runs the other way: every number changes its sign."""
     one = closure_failure("so3", [0.3, 1.0, 0.2], 0.2, [0, 1])
@@ -177,7 +202,9 @@ def test_the_document_of_a_picture_is_whole():
     points = np.array(data["curves"][0]["points"])
     assert np.allclose(np.linalg.norm(points, axis=1), 1, atol=1e-4)
     assert len(data["times"]) == len(points)
-    assert not re.search(r"(src|href)=|https?:|@import|url\(", document)
+    # Names of the language of pictures are no addresses.
+    bare = document.replace("http://www.w3.org/2000/svg", "")
+    assert not re.search(r"(src|href)=|https?:|@import|url\(", bare)
 
 
 def test_costs_are_measured():

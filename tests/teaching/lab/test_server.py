@@ -21,6 +21,7 @@ from geomtorsion.teaching.lab import controls
 from geomtorsion.teaching.lab.kept import Kept
 from geomtorsion.teaching.lab.server import (
     FIRST,
+    LETTERS,
     ROUTES,
     AccessControl,
     Address,
@@ -151,11 +152,13 @@ def test_a_body_without_a_length_ends_where_it_is_too_long():
 
 
 def test_who_needs_a_token():
-    """This machine alone: no token; anybody else: a long one."""
+    """This machine alone: no token; anybody else: a code that can be typed, not guessed."""
     assert Address().guarded().token == ""
     assert Address("::1").guarded().token == ""
     guarded = Address("0.0.0.0").guarded()
-    assert len(guarded.token) >= 20
+    assert len(guarded.token) == 8
+    assert len(LETTERS) ** len(guarded.token) > 5e11
+    assert Address("0.0.0.0").guarded().token != guarded.token
     assert guarded.token in guarded.url(80)
     assert "token" not in repr(guarded)
 

@@ -18,8 +18,8 @@ import pytest
 
 from geomtorsion import SampledFrame
 from geomtorsion.errors import FileFormatError, GeomtorsionError, LimitError
+from geomtorsion.materials.images import LatticePhases
 from geomtorsion.materials.maps import OrientationMap
-from geomtorsion.materials.measured import LatticeField
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import kind_of, read_map
 from tests.browser import Watched, loaded, opened
@@ -152,8 +152,8 @@ def test_a_file_cut_anywhere_is_refused_or_read(tmp_path: Path, end: str):
 def test_a_picture_of_a_lattice_is_read(end: str):
     """In every format, with its lattice, whatever its name."""
     found = read_map(atoms(end), "data.csv")
-    assert isinstance(found, LatticeField)
-    assert np.hypot(*found.phases.lattice.T) == pytest.approx([8, 8], rel=0.01)
+    assert isinstance(found, LatticePhases)
+    assert np.hypot(*found.lattice.T) == pytest.approx([8, 8], rel=0.01)
 
 
 def test_a_map_with_too_many_nodes_is_refused():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from geomtorsion.teaching.lab.space_info import typable
@@ -16,11 +18,13 @@ TERMS = {
 
 @pytest.mark.parametrize("tab", TABS)
 def test_a_tab_says_what_one_sees_and_what_to_try(tab: str):
-    """Two sentences at least, and not a page."""
+    """One sentence for each, and not a page."""
     guide = GUIDES[tab]
     text = f"{guide.seen} {guide.tried}"
-    assert 2 <= text.count(".") + text.count(";") <= 8
-    assert 100 < len(text) < 600
+    for sentence in (guide.seen, guide.tried):
+        assert sentence[0].isupper()
+        assert re.findall(r"[.!?](?=\s+[A-Z]|$)", sentence) == ["."]
+    assert 100 < len(text) < 400
     assert guide.tried[:40] in intro(tab)
     assert "Try:" not in intro(tab, still=True)
 
@@ -40,3 +44,10 @@ def test_spaces_that_are_named_are_there():
     text = " ".join(guide.tried for guide in GUIDES.values())
     assert all(name in text for name in named)
     assert named <= set(typable().values())
+
+
+def test_the_page_begins_with_a_picture():
+    """The compass first, the tab for readers of tensors last but one."""
+    tabs = list(TABS)
+    assert tabs[0] == "The compass"
+    assert tabs[-2] == "Any tetrad"

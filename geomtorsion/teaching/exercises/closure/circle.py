@@ -1,7 +1,7 @@
 """5.2: the Burgers vector of a circle in closed form."""
 
 from functools import cache
-from random import Random
+from itertools import product
 
 import sympy as sp
 
@@ -9,6 +9,7 @@ from geomtorsion.geometry import Frame, cartan
 from geomtorsion.loops import exact_circle
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -20,14 +21,13 @@ from geomtorsion.teaching.exercises.authoring import (
 )
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Heisenberg's frame for seed 0; other seeds: torsion that varies from place to place."""
     x, y, z = q = sp.symbols("x y z", real=True)
     radius = sp.Symbol("R", positive=True)
-    power, factor = (1, -1) if seed == 0 else (draw.choice((2, 3)), draw.choice((-2, -1, 1, 2)))
-    across = 0 if seed == 0 else draw.choice((0, 1, -1))
+    varying = product((-2, -1, 1, 2), (0, 1, -1), (1, 2, 3, -1), (2, 3))
+    factor, across, centre, power = draw.choice(((-1, 0, 0, 1), *varying))
     frame = Frame(q, [[1, 0, 0], [0, 1, 0], [across * y, factor * x**power, 1]], name="a frame")
-    centre = 0 if seed == 0 else draw.choice((1, 2, 3, -1))
     domain = Domain((radius,))
 
     @cache

@@ -1,7 +1,6 @@
 """5.4: round a dislocation, once and several times."""
 
 from functools import cache
-from random import Random
 
 import sympy as sp
 
@@ -9,6 +8,7 @@ from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -19,12 +19,12 @@ from geomtorsion.teaching.exercises.authoring import (
 )
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A screw along z; the seed chooses how often the loop goes round, and which way."""
     frame = load("screw_dislocation").frame
     b = frame.parameters[0]
-    turns = 2 if seed == 0 else draw.choice((-3, -2, -1, 1, 2, 3))
-    radius = 1 if seed == 0 else draw.choice((1, 2, 3))
+    turns = draw.choice((2, -3, 3, -1, 1, -2, 4, -4))
+    radius = draw.choice((1, 2, 3, 4))
     away = radius + draw.choice((1, 2))
     around = Loop.circle([0, 0, 0], radius, plane=(0, 1))
     winding = around.times(turns)

@@ -1,23 +1,26 @@
 """5.3: a loop in the rotations that is not small, in numbers."""
 
-from random import Random
-
 import numpy as np
 
 from geomtorsion.geometry import cartan
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
+from geomtorsion.teaching.exercises.authoring import (
+    Draw,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    steps,
+    tex,
+)
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A circle in the plane of two angles; the seed chooses centre, radius and plane."""
     frame = load("so3").frame
-    centre = [0.3, 1.0, 0.2]
-    radius, plane = 0.5, (0, 1)
-    if seed:
-        centre = [draw.choice((0.2, 0.5, 0.8)), draw.choice((0.9, 1.1, 1.3)), 0.4]
-        radius, plane = draw.choice((0.3, 0.4, 0.5)), draw.choice(((0, 1), (1, 2)))
+    centre = [draw.choice((0.3, 0.2, 0.5, 0.8)), draw.choice((1.0, 0.9, 1.1, 1.3)), 0.2]
+    radius, plane = draw.choice((0.5, 0.6, 0.4)), draw.choice(((0, 1), (1, 2)))
     loop = Loop.circle(centre, radius, plane=plane)
     one, two = (k + 1 for k in plane)
 

@@ -1,12 +1,11 @@
 """5.1: the Burgers vector of a small loop."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -16,16 +15,16 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import group, rotations
+from geomtorsion.teaching.exercises.families import bodies, frame_of, groups, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """so3 and the plane of its first two legs for seed 0."""
-    frame = draw.choice((rotations, group))(draw, seed) if seed else rotations(draw, 0)
+    frame = frame_of(draw.choice(mixed(bodies(), groups())))
     area = sp.Symbol("A", positive=True)
     torsion = cartan(frame).torsion.T.in_frame()
     planes = sorted({(i, j) for i, j, _ in torsion.nonzero() if i < j})
-    i, j = (0, 1) if seed == 0 else draw.choice(planes)
+    i, j = draw.choice(planes)
 
     def burgers() -> dict[tuple[int, ...], sp.Expr]:
         return {(k,): torsion[i, j, k] * area for k in range(3)}

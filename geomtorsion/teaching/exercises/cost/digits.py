@@ -3,25 +3,27 @@
 import sys
 from functools import cache
 from math import log10
-from random import Random
 from statistics import median
 
 from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps
+from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Variant, steps
 
 PLACES = 5
 # Digits that double precision has.
 ALL_DIGITS = sys.float_info.dig + 1
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A circle in the angles of the paper; the seed chooses how tiny."""
     frame = load("so3").frame
-    decades = 8 if seed == 0 else draw.randint(5, 10)
+    decades = draw.choice((8, 5, 6, 7, 9, 10))
+    middle, plane = draw.choice((1.0, 0.6, 0.8, 1.2, 1.4)), draw.choice(((0, 1), (1, 2)))
+    one, two = (k + 1 for k in plane)
     # Rounding is an accident: the median over some places tells more than one.
     loops = [
-        Loop.circle([0.3, 1.0 + 0.1 * k, 0.2], 10.0**-decades, plane=(0, 1)) for k in range(PLACES)
+        Loop.circle([0.3, middle + 0.1 * k, 0.2], 10.0**-decades, plane=plane)
+        for k in range(PLACES)
     ]
 
     @cache
@@ -37,10 +39,11 @@ def make(draw: Random, seed: int) -> Variant:
 
     return Variant(
         statement=(
-            r"A circle of radius $\rho = 10^{-" + str(decades) + r"}$ runs round in the plane of "
-            r"the angles $\phi_1, \phi_2$ of a rigid body. Its Burgers vector, about $\pi\rho^2$, "
-            r"is computed in double precision (16 digits) as the sum of $e^i{}_\mu\,\Delta\phi^\mu$"
-            r" along the circle. The terms are of the size of $\rho$."
+            r"A circle of radius $\rho = 10^{-" + str(decades) + r"}$ about $\phi = (0.3, "
+            rf"{middle:g}, 0.2)$ runs round in the plane of $\phi_{one}$ and $\phi_{two}$, angles "
+            r"of a rigid body with the attitude $R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$. Its Burgers "
+            r"vector, about $\pi\rho^2$, is computed in double precision (16 digits) as the sum of "
+            r"$e^i{}_\mu\,\Delta\phi^\mu$ along the circle. The terms are of the size of $\rho$."
         ),
         questions=(
             Question(

@@ -2,14 +2,22 @@
 
 from collections.abc import Callable
 from functools import cache
-from random import Random
+from itertools import product
 
 import sympy as sp
 
 from geomtorsion.curves import geodesic, geodesic_deviation
 from geomtorsion.geometry import Frame
 from geomtorsion.ode import solve
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
+from geomtorsion.teaching.exercises.authoring import (
+    Draw,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    steps,
+    tex,
+)
 
 SURFACES = {
     "hyperbolic": ("the hyperbolic plane", sp.sinh),
@@ -18,12 +26,11 @@ SURFACES = {
 }
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """The hyperbolic plane for seed 0; other seeds: also sphere and plane."""
-    kind = "hyperbolic" if seed == 0 else draw.choice(sorted(SURFACES))
+    others = product((1.0, 1.2, 1.6, 2.0, 2.4), (0.2, 0.3, 0.4, 0.5), sorted(SURFACES))
+    last, begin, kind = draw.choice(((3.0, 0.5, "hyperbolic"), *others))
     name, length = SURFACES[kind]
-    begin = 0.5 if seed == 0 else draw.choice((0.2, 0.4, 0.5))
-    last = 3.0 if seed == 0 else draw.choice((1.0, 1.2, 2.0, 2.4))
     r, phi = sp.symbols("r phi", real=True)
     frame = Frame(
         (r, phi),

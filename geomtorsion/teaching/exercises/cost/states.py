@@ -1,20 +1,20 @@
 """7.4: how many numbers a motion is made of."""
 
-from random import Random
+from itertools import permutations
 
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import cartan
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps
+from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Variant, steps
 
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 SPEEDS = (1.0, 0.5, -0.2, 0.1, 0.2, 0.3)
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A free top; the seed chooses its moments."""
-    moments = (1, 2, 3) if seed == 0 else tuple(draw.sample(range(1, 8), 3))
-    flying = seed != 0 and draw.random() < 0.5
+    flying = draw.choice((False, True))
+    moments = draw.choice(tuple(permutations(range(1, 8), 3)))
     name = "r3xso3" if flying else "so3"
     frame = load(name).frame
     inertia = (*moments, 1, 1, 1)[: frame.dimension]

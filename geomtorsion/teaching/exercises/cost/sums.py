@@ -4,7 +4,6 @@ from collections.abc import Callable
 from functools import cache
 from itertools import count as counting
 from math import cos, log2, pi, sin, sqrt
-from random import Random
 
 import numpy as np
 
@@ -12,19 +11,27 @@ from geomtorsion.codegen import numpy_function
 from geomtorsion.geometry import Frame
 from geomtorsion.loops import Loop, burgers_vector
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps, tex
+from geomtorsion.teaching.exercises.authoring import (
+    Draw,
+    Mistake,
+    Question,
+    Step,
+    Variant,
+    steps,
+    tex,
+)
 
 # Relative error that the exercise asks for, and the points of its coarse sums.
 WANTED = 1e-10
 COARSE = 64
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A circle in the angles of the paper; the seed chooses its radius and centre."""
     frame = load("so3").frame
-    radius = 0.5 if seed == 0 else draw.choice((0.3, 0.4, 0.6, 0.7))
-    middle = 1.0 if seed == 0 else draw.choice((1.1, 1.2, 1.3, 1.5))
-    centre = [0.3, middle, 0.2]
+    radius = draw.choice((0.5, 0.3, 0.4, 0.6, 0.7))
+    first, middle = draw.choice((0.3, 0.1, 0.5, 0.7)), draw.choice((1.0, 1.1, 1.2, 1.3, 1.5))
+    centre = [first, middle, 0.2]
     exact = cache(lambda: burgers_vector(frame, Loop.circle(centre, radius, plane=(0, 1))).vector)
 
     @cache
@@ -42,9 +49,9 @@ def make(draw: Random, seed: int) -> Variant:
     return Variant(
         statement=(
             f"The Burgers vector of a circle of radius ${radius:g}$ about "
-            f"$\\phi = (0.3, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of the "
-            f"rigid body with the coframe $$e = {tex.coframe(frame)},$$ is added up in two ways "
-            "from $N$ "
+            f"$\\phi = ({first:g}, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of "
+            f"the rigid body with the coframe $$e = {tex.coframe(frame)},$$ is added up in two "
+            "ways from $N$ "
             "points $\\phi_k$ at equal steps of the angle round the circle:\n\n"
             r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
             r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"

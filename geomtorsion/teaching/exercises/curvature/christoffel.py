@@ -1,12 +1,11 @@
 """3.2: a Christoffel symbol of a surface made of circles."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -15,14 +14,15 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import profile
+from geomtorsion.teaching.exercises.families import profiles
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """The sphere for seed 0, with phi1 along its circles; other seeds: other surfaces."""
     phi1, phi2 = sp.symbols("phi1 phi2", real=True)
-    f = profile(draw, phi2) if seed else sp.sin(phi2)
-    end = 1 if seed else sp.pi
+    sphere = sp.sin(phi2)
+    f = draw.choice((sphere, *profiles(phi2)))
+    end = sp.pi if f == sphere else 1
     frame = Frame(
         (phi1, phi2),
         [[f, 0], [0, 1]],

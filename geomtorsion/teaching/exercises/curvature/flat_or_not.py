@@ -1,10 +1,9 @@
 """3.1: which connection is flat, and which has torsion."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
+    Draw,
     Mistake,
     Question,
     Step,
@@ -13,19 +12,23 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import circles, matrix_of
+from geomtorsion.teaching.exercises.families import (
+    bodies,
+    circles,
+    frame_of,
+    groups,
+    matrix_of,
+    mixed,
+)
 
 ZERO = {"zero": "it vanishes", "not zero": "it does not vanish"}
-SPACES = ("so3", "heisenberg", "flat_polar", "flat_spherical", "s3", "sol")
+SPACES = ("flat_spherical", "s3")
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """so3 for seed 0; other seeds: spheres, groups, flat space, circles."""
-    name = draw.choice((*SPACES, "circles", "circles"))
-    if name == "circles" and seed:
-        frame = circles(draw, seed)
-    else:
-        frame = load("so3" if seed == 0 else name).frame
+    shipped = [load(name).frame for name in SPACES]
+    frame = frame_of(draw.choice(mixed(bodies(), circles(), groups(), shipped)))
     straight, short = cartan(frame), levi_civita(frame)
     return Variant(
         statement=(

@@ -1,10 +1,9 @@
 """3.4: the Ricci tensor of a group: the rotations, stretched ones, and others."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -13,12 +12,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import group, rotations
+from geomtorsion.teaching.exercises.families import bodies, frame_of, groups, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """so3 for seed 0; other seeds: stretched (Berger's) spheres and other groups."""
-    frame = draw.choice((rotations, rotations, group))(draw, seed) if seed else rotations(draw, 0)
+    frame = frame_of(draw.choice(mixed(bodies(), groups(curved=True))))
     curvature, straight = levi_civita(frame).curvature, cartan(frame)
     return Variant(
         statement=(

@@ -1,12 +1,11 @@
 """3.3: Ricci tensor and curvature scalar of a surface."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame, levi_civita
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -18,9 +17,9 @@ from geomtorsion.teaching.exercises.authoring import (
 from geomtorsion.teaching.exercises.families import circles
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A sphere of radius R for seed 0; other seeds: other surfaces made of circles."""
-    frame = circles(draw, seed) if seed else _sphere()
+    frame = draw.choice((_sphere(), *circles()[1:]))
     curvature = levi_civita(frame).curvature
     return Variant(
         statement=(

@@ -1,11 +1,10 @@
 """1.3: the object of anholonomy, where forms are not closed."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.teaching.exercises.authoring import (
     TORSION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -14,12 +13,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import group
+from geomtorsion.teaching.exercises.families import groups
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """A left-invariant frame of a small group; the seed chooses group and constants."""
-    frame = group(draw, seed)
+    frame = draw.choice(groups())
     n = frame.dimension
     return Variant(
         statement=(

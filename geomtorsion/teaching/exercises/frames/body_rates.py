@@ -1,13 +1,11 @@
 """1.4: the angular velocity of a body by its angles, eq. (6) of the paper."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -16,21 +14,21 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import ANGLES, attitude, seen_from_space
+from geomtorsion.teaching.exercises.families import SHIPPED, Body
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """z-y-z as in the paper; the seed chooses the angles and which axes."""
-    name = "so3" if seed == 0 else draw.choice(sorted(ANGLES))
-    in_space = seed != 0 and draw.random() < 0.5
-    body = load(name).frame
-    wanted, other = body, seen_from_space(name)
+    times = draw.choice(((1, 1, 1), (2, 1, 1), (1, 2, 1), (1, 1, 2)))
+    body = Body(draw.choice(tuple(SHIPPED)), times)
+    in_space = draw.choice((False, True))
+    wanted, other = body.frame, body.space_frame
     if in_space:
-        wanted, other = other, body
-    rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in body.coordinates]
-    turns = r"\,".join(rf"R_{axis}({tex.tex(body.coordinates[k])})" for axis, k in ANGLES[name])
+        wanted, other = other, wanted
+    rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in body.angles]
+    turns = r"\,".join(rf"R_{axis}({tex.tex(n * angle)})" for axis, angle, n in body.turns)
     axes = "space" if in_space else "body"
-    said = ", ".join(f"`{symbol}'`" for symbol in body.coordinates)
+    said = ", ".join(f"`{symbol}'`" for symbol in body.angles)
     return Variant(
         statement=(
             f"The attitude of a body (from body to space) is $R = {turns}$, with $R_a(\\alpha)$ "
@@ -45,7 +43,7 @@ def make(draw: Random, seed: int) -> Variant:
                 kind="components",
                 prompt=f"The three components of the angular velocity along the axes of the "
                 f"**{axes}**, linear in the rates {said} of the angles.",
-                domain=Domain.of(body, *rates),
+                domain=Domain.of(body.frame, *rates),
                 answer=lambda: applied(wanted, rates),
                 errors=lambda: [
                     Mistake(
@@ -65,12 +63,12 @@ def make(draw: Random, seed: int) -> Variant:
                 kind="expression",
                 prompt=r"The function of the angles that vanishes where the rates cannot be read "
                 r"off the angular velocity (gimbal lock): $\det e$.",
-                domain=Domain.of(body),
-                answer=lambda: body.determinant[()],
+                domain=Domain.of(body.frame),
+                answer=lambda: body.frame.determinant[()],
                 errors=lambda: [
                     Mistake(
                         "inverse",
-                        1 / body.determinant[()],
+                        1 / body.frame.determinant[()],
                         "That is the determinant of the legs.",
                     )
                 ],
@@ -81,9 +79,9 @@ def make(draw: Random, seed: int) -> Variant:
             "up, if all are seen from the same axes.",
             "Seen from the body, the last factor on the right turns about its own axis; each "
             "factor further left is seen through the transposed turns to its right.",
-            f"Here, with all matrices: the attitude is $${tex.matrix(attitude(name).tolist())}.$$",
+            f"Here, with all matrices: the attitude is $${tex.matrix(body.rotation().tolist())}.$$",
         ),
-        worked=lambda: _worked(name, in_space),
+        worked=lambda: _worked(body, in_space),
     )
 
 
@@ -93,9 +91,9 @@ def applied(frame: Frame, rates: list[sp.Symbol], legs: bool = False) -> list[sp
     return [sp.Add(*(table[i, mu] * rate for mu, rate in enumerate(rates))) for i in range(3)]
 
 
-def _worked(name: str, in_space: bool) -> tuple[Step, ...]:
+def _worked(body: Body, in_space: bool) -> tuple[Step, ...]:
     """The antisymmetric matrix, its vector, and the determinant of the coefficients."""
-    rotation, angles = attitude(name), load(name).frame.coordinates
+    rotation, angles = body.rotation(), body.angles
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in angles]
     change = sum((rotation.diff(x) * v for x, v in zip(angles, rates, strict=True)), sp.zeros(3))
     matrix = change * rotation.T if in_space else rotation.T * change
@@ -109,7 +107,7 @@ def _worked(name: str, in_space: bool) -> tuple[Step, ...]:
         Step(f"Multiplied out, the attitude is $$R = {tex.matrix(rotation.tolist())}.$$"),
         Step(
             f"${formula}$ is antisymmetric; from its components 32, 13 and 21, with $v_k$ for the "
-            f"rate of the angle $k$ in the order ${tex.symbols(load(name).frame)}$, "
+            f"rate of the angle $k$ in the order ${tex.symbols(body.frame)}$, "
             f"$${letter} = {tex.matrix([[x] for x in shown])}.$$",
             "rates",
             omega,

@@ -1,10 +1,9 @@
 """1.1: the legs of a coframe, a matrix inverse."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -14,12 +13,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import matrix_of, turned_plane
+from geomtorsion.teaching.exercises.families import matrix_of, planes
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Cartesian one-forms in polar coordinates; other seeds turn, boost and scale them."""
-    frame = turned_plane(draw, seed)
+    frame = draw.choice(planes())
     n = frame.dimension
     return Variant(
         statement=(

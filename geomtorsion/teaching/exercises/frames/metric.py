@@ -1,12 +1,11 @@
 """1.2: the metric of a coframe, eq. (9) of the paper."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -15,12 +14,13 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import matrix_of, rotations
+from geomtorsion.teaching.exercises.families import bodies, matrix_of
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Body-fixed frames of the rotation group; other seeds: other angles, stretched forms."""
-    frame = rotations(draw, seed)
+    body = draw.choice(bodies())
+    frame = body.frame
     n = frame.dimension
 
     def wrong_side() -> sp.Matrix:
@@ -29,7 +29,7 @@ def make(draw: Random, seed: int) -> Variant:
 
     return Variant(
         statement=(
-            ("The coframe of a rigid body" if seed == 0 else "A coframe")
+            ("The coframe of a rigid body" if body.rigid else "A coframe")
             + f" in the angles ${tex.symbols(frame)}$ is"
             f"\n\n$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$"
         ),

@@ -1,13 +1,12 @@
 """6.5: the velocity of a body in its own frame, eq. (2) of the paper."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -16,20 +15,19 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
+from geomtorsion.teaching.exercises.families import vectors
 from geomtorsion.teaching.exercises.principle.euler import omegas
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """No force for seed 0; other seeds: a thruster fixed in the body."""
     mass = sp.Symbol("M", positive=True)
-    push = [sp.S.Zero] * 3
-    if seed:
-        push[draw.randrange(3)] = sp.Integer(draw.choice((1, 2, 3, -1, -2)))
+    push = [sp.Integer(x) for x in draw.choice(vectors())]
     speeds = sp.symbols("V1 V2 V3", real=True)
     turns = omegas()
     said = (
         "No force acts on it."
-        if seed == 0
+        if not any(push)
         else f"A thruster fixed in it pushes with $F = ({', '.join(map(str, push))})$ along the "
         "axes of the body, through its centre of mass."
     )

@@ -2,7 +2,6 @@
 
 from functools import cache
 from math import cos, hypot, pi, sin, sqrt
-from random import Random
 
 import sympy as sp
 
@@ -14,6 +13,7 @@ from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     TORSION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -34,12 +34,12 @@ U = sp.symbols("u1:7", real=True)
 START = (0.3, 1.0, 0.2, 0.0, 0.0, 0.0)
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Spin and velocity; the seed chooses them."""
     frame = load("r3xso3").frame
-    spin = 2 if seed == 0 else draw.choice((1, 2, 3, 4))
-    across, along = (1, 1) if seed == 0 else (draw.choice((1, 2, 3)), draw.choice((1, 2)))
-    last = 1.0 if seed == 0 else draw.choice((0.5, 1.0, 1.5))
+    spin = draw.choice((2, 1, 3, 4))
+    across, along = draw.choice((1, 2, 3)), draw.choice((1, 2))
+    last = draw.choice((1.0, 0.5, 1.5))
     thrown = [0, 0, spin, across, 0, along]
 
     def torsion():

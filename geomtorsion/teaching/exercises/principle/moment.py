@@ -1,14 +1,12 @@
 """6.2: the moment of the weight of a top, in the frame of the body."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.action import equations_of_motion
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -18,17 +16,18 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import attitude, seen_from_space
+from geomtorsion.teaching.exercises.families import Body, vectors
+
+# The attitude of the paper.
+BODY = Body("zyz")
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Centre of mass on the third axis for seed 0; other seeds: elsewhere in the body."""
-    frame = load("so3").frame
+    frame = BODY.frame
     weight = sp.Symbol("W", positive=True)
-    place = (0, 0, 1) if seed == 0 else draw.choice(
-        ((1, 0, 0), (0, 1, 0), (0, 0, 2), (1, 0, 1), (0, 1, 1), (1, 0, 2), (0, 2, 1), (1, 1, 0))
-    )  # fmt: skip
-    potential = weight * (attitude("so3") * sp.Matrix(place))[2]
+    place = draw.choice(vectors()[1:])
+    potential = weight * (BODY.rotation() * sp.Matrix(place))[2]
     n = frame.dimension
 
     def moment() -> list[sp.Expr]:
@@ -68,7 +67,7 @@ def make(draw: Random, seed: int) -> Variant:
                         r"These are $-\partial_\mu V$, components in the coordinates.",
                     ),
                     Mistake("inverse", pushed(frame, legs=False)),
-                    Mistake("axes", pushed(seen_from_space("so3"))),
+                    Mistake("axes", pushed(BODY.space_frame)),
                     Mistake(
                         "sign",
                         scaled(moment(), -1),
@@ -85,7 +84,7 @@ def make(draw: Random, seed: int) -> Variant:
             r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the centre of mass and $n$ "
             "the upward vertical as the body sees it.",
             r"The vertical is the last row of $R$: "
-            f"$$n = {tex.matrix(attitude('so3')[2, :].tolist())}.$$",
+            f"$$n = {tex.matrix(BODY.rotation()[2, :].tolist())}.$$",
         ),
         worked=lambda: _worked(place, weight),
     )
@@ -93,7 +92,7 @@ def make(draw: Random, seed: int) -> Variant:
 
 def _worked(place: tuple[int, ...], weight: sp.Symbol) -> tuple[Step, ...]:
     """A vector product with the vertical as the body sees it."""
-    vertical = list(attitude("so3")[2, :])
+    vertical = list(BODY.rotation()[2, :])
     moment = [by_hand.tidy(-weight * x) for x in by_hand.cross(place, vertical)]
     return (
         Step(

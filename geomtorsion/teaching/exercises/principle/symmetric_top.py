@@ -1,6 +1,6 @@
 """6.4: the free symmetric top, seen from the body and from space."""
 
-from random import Random
+from itertools import permutations
 
 import sympy as sp
 
@@ -8,6 +8,7 @@ from geomtorsion.action import equations_of_motion
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -18,13 +19,11 @@ from geomtorsion.teaching.exercises.authoring import (
 from geomtorsion.teaching.exercises.principle.euler import omegas, turning
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Letters for seed 0; other seeds: moments as numbers."""
     w, v = sp.symbols("w v", positive=True)
-    if seed == 0:
-        across, along = sp.symbols("A C", positive=True)
-    else:
-        across, along = map(sp.Integer, draw.sample(range(1, 7), 2))
+    letters = sp.symbols("A C", positive=True)
+    across, along = draw.choice((letters, *permutations(map(sp.Integer, range(1, 10)), 2)))
     letters = tuple(x for x in (across, along) if x.is_Symbol)
     domain = Domain((*letters, w, v))
     turns = omegas()

@@ -1,14 +1,12 @@
 """6.3: what a variation does to the velocities of a frame, eq. (17) of the paper."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.action import variation
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -19,13 +17,13 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import ANGLES, group, seen_from_space
+from geomtorsion.teaching.exercises.families import Body, bodies, frame_of, groups, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """so3 for seed 0; other seeds: other angles and other groups."""
-    name = "so3" if seed == 0 else draw.choice((*sorted(ANGLES), "", ""))
-    frame = load(name).frame if name else group(draw, seed)
+    member = draw.choice(mixed(bodies(), groups()))
+    frame = frame_of(member)
     images = sp.symbols("dPhi1 dPhi2 dPhi3", real=True)
     u = sp.symbols("u1 u2 u3", real=True)
 
@@ -46,8 +44,8 @@ def make(draw: Random, seed: int) -> Variant:
             Mistake("factor", scaled(right, sp.Rational(1, 2)), "The 2 before $S$ is missing."),
             Mistake("naive", normal(terms(frame, "naive"))),
         ]
-        if name:
-            mistakes.append(Mistake("axes", terms(seen_from_space(name))))
+        if isinstance(member, Body):
+            mistakes.append(Mistake("axes", terms(member.space_frame)))
         return mistakes
 
     return Variant(

@@ -1,12 +1,11 @@
 """4.3: the equations of the straightest lines in coordinates."""
 
-from random import Random
-
 import sympy as sp
 
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.teaching.exercises.authoring import (
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -20,9 +19,9 @@ from geomtorsion.teaching.exercises.families import circles
 from geomtorsion.teaching.exercises.straightest.force import christoffel_terms, quadratic
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Polar legs for seed 0; other seeds: circles of other lengths."""
-    frame = circles(draw, seed)
+    frame = draw.choice(circles())
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
     table = cartan(frame).coefficients
 

@@ -1,15 +1,14 @@
 """4.2: the torsion force between the straightest and the shortest line."""
 
 from collections.abc import Mapping
-from random import Random
 
 import sympy as sp
 
 from geomtorsion.geometry import Frame, cartan
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     TORSION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -18,12 +17,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import circles, group
+from geomtorsion.teaching.exercises.families import circles, groups, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Polar legs for seed 0; other seeds: circles and groups."""
-    frame = load("flat_polar").frame if seed == 0 else draw.choice((circles, group))(draw, seed)
+    frame = draw.choice(mixed(circles(), groups()))
     n, torsion = frame.dimension, cartan(frame).torsion
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in frame.coordinates]
     said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)

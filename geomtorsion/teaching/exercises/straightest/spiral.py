@@ -2,21 +2,20 @@
 
 from functools import cache
 from math import log
-from random import Random
 
 from geomtorsion.curves import CurveProblem, autoparallel, geodesic
 from geomtorsion.geometry import cartan
 from geomtorsion.ode import solve
 from geomtorsion.spaces import load
-from geomtorsion.teaching.exercises.authoring import Mistake, Question, Step, Variant, steps
+from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, Step, Variant, steps
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Radius, speeds and time; the seed chooses them."""
     frame = load("flat_polar").frame
-    radius = 1.0 if seed == 0 else draw.choice((0.5, 1.0, 1.5, 2.0))
-    out, around = (0.5, 1.0) if seed == 0 else (draw.choice((0.4, 0.5, 0.8)), draw.randint(1, 3))
-    last = 2.0 if seed == 0 else draw.choice((1.0, 1.5, 2.0, 2.5))
+    radius = draw.choice((1.0, 0.5, 1.5, 2.0))
+    out, around = draw.choice((0.5, 0.4, 0.8)), draw.choice((1, 2, 3))
+    last = draw.choice((2.0, 1.0, 1.5, 2.5))
     start = [radius, 0.2]
     straight = autoparallel(cartan(frame), start, frame_velocity=[out, around])
     short = geodesic(frame, start, frame_velocity=[out, around])

@@ -1,12 +1,10 @@
 """2.2: a whole Cartan connection; for seed 0 eq. (10) of the paper."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan, levi_civita
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     CONNECTION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -16,14 +14,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import ANGLES, group, matrix_of
+from geomtorsion.teaching.exercises.families import bodies, frame_of, groups, matrix_of, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """so3 for seed 0; other seeds: other angles, or another group."""
-    turning = seed == 0 or draw.random() < 0.5
-    names = ["so3"] if seed == 0 else sorted(ANGLES)
-    frame = load(draw.choice(names)).frame if turning else group(draw, seed)
+    frame = frame_of(draw.choice(mixed(bodies(), groups())))
     return Variant(
         statement=(
             f"The coframe of this exercise, in the coordinates ${tex.symbols(frame)}$, is"

@@ -1,12 +1,11 @@
 """2.3: torsion in coordinates, with the half and traced."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan
 from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     TORSION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -15,13 +14,12 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import circles, group
+from geomtorsion.teaching.exercises.families import circles, groups, mixed
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Spherical legs in flat space for seed 0; other seeds: groups and circles."""
-    family = draw.choice((circles, group))
-    frame = family(draw, seed) if seed else load("flat_spherical").frame
+    frame = draw.choice((load("flat_spherical").frame, *mixed(circles(), groups())))
     n, torsion = frame.dimension, cartan(frame).torsion
     return Variant(
         statement=(

@@ -1,12 +1,10 @@
 """2.4: torsion in the frame; for seed 0, that of a body, eq. (12) of the paper."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame, cartan, levi_civita
-from geomtorsion.spaces import load
 from geomtorsion.teaching.exercises.authoring import (
     TORSION,
     Domain,
+    Draw,
     Mistake,
     Question,
     Step,
@@ -15,25 +13,23 @@ from geomtorsion.teaching.exercises.authoring import (
     steps,
     tex,
 )
-from geomtorsion.teaching.exercises.families import ANGLES, seen_from_space, stretched
+from geomtorsion.teaching.exercises.families import bodies
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """The body-fixed frame of so3 for seed 0; other seeds: other angles, forms stretched."""
-    name = "so3" if seed == 0 else draw.choice(sorted(ANGLES))
-    which, factor = draw.randrange(3), draw.choice((2, 3))
-    frame, other = load(name).frame, seen_from_space(name)
-    if seed:
-        frame, other = stretched(frame, which, factor), stretched(other, which, factor)
+    body = draw.choice(bodies())
+    frame, other = body.frame, body.space_frame
+    which, factor = body.stretch
     torsion = cartan(frame).torsion
     return Variant(
         statement=(
-            ("Body-fixed forms" if seed == 0 else "Forms")
+            ("Body-fixed forms" if body.rigid else "Forms")
             + f" in the angles ${tex.symbols(frame)}$ are\n\n"
             f"$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
             + (
                 f"(They are those of a body, with form {which + 1} stretched by {factor}.) "
-                if seed
+                if factor > 1
                 else ""
             )
             + r"In the frame the torsion of the Cartan connection has constant components."

@@ -1,9 +1,8 @@
 """2.1: the one coefficient of the Cartan connection of circles."""
 
-from random import Random
-
 from geomtorsion.geometry import Frame
 from geomtorsion.teaching.exercises.authoring import (
+    Draw,
     Step,
     Variant,
     by_hand,
@@ -14,9 +13,9 @@ from geomtorsion.teaching.exercises.families import circles
 from geomtorsion.teaching.exercises.torsion.cartan_connection import connection_question
 
 
-def make(draw: Random, seed: int) -> Variant:
+def make(draw: Draw) -> Variant:
     """Polar legs for seed 0; other seeds: circles of other lengths."""
-    frame = circles(draw, seed)
+    frame = draw.choice(circles())
     return Variant(
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$ let ${tex.forms(frame)}$. "

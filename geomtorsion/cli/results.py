@@ -1,0 +1,178 @@
+"""results: Burgers vectors and surveys of measured matter, in words and as files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+
+from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.terminal import working, wrapped
+from geomtorsion.errors import GeomtorsionError
+from geomtorsion.files import write_text
+from geomtorsion.loops import Loop
+from geomtorsion.materials import Burgers, Source, Survey
+from geomtorsion.materials.burgers import Json
+from geomtorsion.pictures.measured import draw_circuits, draw_survey
+from geomtorsion.pictures.style import can_draw, save
+from geomtorsion.progress import bar
+
+
+def burgers_of(
+    source: Source, loops: Sequence[Loop], *, alone: bool = True
+) -> tuple[list[Json], list[Burgers], bool]:
+    """Burgers vectors of circuits as plain data, those that did not fail, and whether all were
+    reached.
+
+    alone: whether the failure of a single one is an error rather than a result.
+    """
+    results: list[Json] = []
+    vectors: list[Burgers] = []
+    if not loops:
+        return results, vectors, True
+    with bar(f"{len(loops)} circuits") as show:
+        try:
+            for k, loop in enumerate(loops):
+                if show is not None:
+                    show(k / len(loops), loop.name)
+                try:
+                    b = source.burgers(loop)
+                except GeomtorsionError as error:
+                    if alone and len(loops) == 1:
+                        raise
+                    kind = type(error).__name__
+                    results.append({"loop": loop.name, "failed": str(error), "kind": kind})
+                    continue
+                vectors.append(b)
+                results.append(b.to_json())
+        except KeyboardInterrupt:
+            return results, vectors, False
+    return results, vectors, True
+
+
+def show_burgers(
+    source: Source, loops: Sequence[Loop], output: Path | None, *, plain: bool
+) -> None:
+    """Compute, show and write the Burgers vectors of circuits.
+
+    plain: JSON on standard output rather than words.
+    """
+    results, vectors, complete = burgers_of(source, loops)
+    document = {"about": list(source.description), "complete": complete, "results": results}
+    if plain:
+        typer.echo(json.dumps(document, indent=2))
+    else:
+        typer.echo("\n".join(wrapped(line) for line in source.description))
+        for result in results:
+            explain(result)
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+        target = output / "burgers.json"
+        write_text(target, json.dumps(document, indent=2) + "\n")
+        written = [target]
+        if can_draw():
+            written.append(output / "circuits.png")
+            save(draw_circuits(source, vectors, refused_of(loops, results)), written[-1])
+        say_on_error(written)
+    if not complete:
+        raise typer.Exit(ExitCode.interrupted)
+    if len(vectors) < len(loops):
+        raise typer.Exit(ExitCode.failed)
+
+
+def refused_of(loops: Sequence[Loop], results: Sequence[Json]) -> list[Loop]:
+    """The loops whose results are failures."""
+    pairs = zip(loops, results, strict=False)
+    return [loop for loop, result in pairs if "failed" in result]
+
+
+def say_on_error(written: Sequence[Path]) -> None:
+    """What was written, aside from the results, and whether pictures are missing."""
+    typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
+    if not can_draw():
+        typer.echo("no pictures: matplotlib is missing: pip install 'geomtorsion[plots]'", err=True)
+
+
+def explain(result: Json) -> None:
+    """One circuit in words."""
+    typer.secho(result["loop"], bold=True)
+    if "failed" in result:
+        typer.secho(wrapped(f"  failed: {result['failed']}"), fg=typer.colors.RED)
+        return
+    unit = f" {result['vector_unit']}" if result["vector_unit"] else ""
+    if "whole" in result:
+        typer.echo(
+            f"  b = ({_row(result['whole'])}) lattice vectors; the chance that noise has changed "
+            f"it is {result['chance']:.1g}"
+        )
+    where = " in crystal axes" if "specimen" in result else ""
+    typer.echo(f"  b = ({_row(result['vector'])}){unit}{where}, |b| = {result['magnitude']:.6g}")
+    if "specimen" in result:
+        typer.echo(f"  b = ({_row(result['specimen'])}){unit} in specimen axes")
+    if "lattice" in result:
+        typer.echo(f"  b = ({_row(result['lattice'])}) lattice vectors a, b, c")
+    for one in result.get("slip", ()):
+        per = f"per {result['unit']}^2"
+        typer.echo(
+            f"  slip {one['family']}: edges {one['edge']:.4g}, screws {one['screw']:.4g} {per}"
+        )
+    if "grain" in result:
+        typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
+    if "whole" in result:
+        typer.echo(f"  its length is known to {result['grid_error']:.2g}{unit}")
+        return
+    typer.echo(f"  noise {result['noise']:.2g}, error of the grid {result['grid_error']:.2g}")
+    significance = result["significance"]
+    much = "without noise" if significance is None else f"{significance:.3g} times its errors"
+    verdict = "more than noise explains" if result["significant"] else "noise alone may give it"
+    typer.echo(f"  significance: {much}: {verdict}")
+
+
+def _row(numbers: Sequence[float]) -> str:
+    return ", ".join(f"{x:.6g}" for x in numbers)
+
+
+def write_survey(survey: Survey, document: Json, folder: Path, picture: str) -> list[Path]:
+    """map.csv, map.npz, map.json and, where it can be drawn, a picture."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"map.{end}" for end in ("csv", "npz", "json")]
+    with working("writing") as progress:
+        progress("table")
+        survey.write_table(paths[0])
+        progress("arrays")
+        survey.write_arrays(paths[1])
+        write_text(paths[2], json.dumps(document, indent=2) + "\n")
+        if can_draw():
+            progress("picture")
+            paths.append(folder / f"map.{picture}")
+            save(draw_survey(survey), paths[-1])
+    return paths
+
+
+def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
+    """A survey in words; found: its numbers, where they are those of a larger one."""
+    found = found or survey.summary()
+    missing = found["circuits"] - found["known"]
+    lines = [f"{found['known']:,} circuits of {survey.extent}"]
+    if missing:
+        lines[0] += f"; {missing:,} more {survey.missing}"
+    if not found["known"]:
+        return [*lines, "no circuit of this size is left: give a smaller --size"]
+    unit = f" {found['density_unit']}" if found["density_unit"] else ""
+    at = ", ".join(f"{n} = {x:.6g}" for n, x in zip(survey.axes, found["place"], strict=True))
+    layer = f", {found['layer']}" if found["layer"] else ""
+    share = found["significant"] / found["known"]
+    return [
+        *lines,
+        (
+            f"|b| per area: median {found['median']:.3g}{unit}, largest "
+            f"{found['largest']:.3g}{unit} at {at}{layer}"
+        ),
+        f"noise floor: {found['floor']:.3g}{unit} (root mean square that noise alone gives)",
+        (
+            f"{found['significant']:,} circuits ({share:.1%}) are more than "
+            f"{found['level']:.2f} times their errors; noise alone gives that in 0.1 %"
+        ),
+    ]

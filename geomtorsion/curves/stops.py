@@ -1,0 +1,174 @@
+"""Stops: conditions at which a curve ends, in the coordinates of each chart that can state them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.codegen import graph
+from geomtorsion.errors import ExpressionError, StartError
+from geomtorsion.ode.numbers import floats
+from geomtorsion.ode.rates import TINY, check_smooth
+from geomtorsion.ode.terms import When, expression, symbol_table
+from geomtorsion.precision import HALF
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from geomtorsion.curves.atlas import Atlas
+    from geomtorsion.curves.equations import Equations
+    from geomtorsion.ode.numbers import Real
+    from geomtorsion.ode.system import System
+    from geomtorsion.ode.trajectory import State
+
+# Functions without a jump: with any other one a condition may fall where the motion does not.
+_STEADY = (sp.sin, sp.cos, sp.exp, sp.sinh, sp.cosh)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A condition that ends a curve where it falls through zero.
+
+    text: as it was given.
+    term: the same over coordinates and frame velocities of the home chart; parameters have values.
+    """
+
+    text: str
+    term: sp.Expr
+
+
+def read_stops(
+    stop: object,
+    coordinates: Sequence[str],
+    velocities: Sequence[str],
+    parameters: Mapping[str, Real],
+) -> tuple[Stop, ...]:
+    """Conditions from text, sympy, `When`, or a list of these.
+
+    Raises
+    ------
+    ExpressionError
+        One cannot be read, has a kink, or contains a name that is not known.
+    """
+    entries = list(stop) if isinstance(stop, list | tuple) else [stop]
+    names = tuple(dict.fromkeys((*coordinates, *velocities, *parameters)))
+    table = symbol_table(names)
+    values = {table[name]: _exact(value) for name, value in parameters.items()}
+    found = []
+    for k, entry in enumerate(entries):
+        where = "stop" if len(entries) == 1 else f"stop[{k}]"
+        term = entry.falls if isinstance(entry, When) else entry
+        read = expression(term, where, table)
+        check_smooth([read], [where])
+        moving = {table[name] for name in (*coordinates, *velocities)}
+        if not read.free_symbols & moving:
+            raise ExpressionError(
+                f"{where}: expected an expression that changes along the curve, got {read}. "
+                f"Use {', '.join(names)}."
+            )
+        found.append(Stop(str(read), read.xreplace(values)))
+    return tuple(found)
+
+
+def _exact(value: Real) -> sp.Expr:
+    """A number, exactly."""
+    known = checks.fraction(value)
+    if known is None:
+        return sp.Rational(str(value))
+    return sp.Rational(known.numerator, known.denominator)
+
+
+def in_chart(stop: Stop, atlas: Atlas, chart: str, velocities: Sequence[str]) -> sp.Expr | None:
+    """A condition over the coordinates of a chart; None where they do not state it.
+
+    A coordinate that jumps there, as an angle does that counts modulo a turn, states nothing.
+    """
+    used = {symbol.name: symbol for symbol in stop.term.free_symbols}
+    if chart == atlas.home:
+        return stop.term
+    if used.keys() & set(velocities) and not atlas.same_frame(atlas.home, chart):
+        return None
+    term = stop.term
+    home = atlas.chart(atlas.home).names
+    for change in reversed(atlas.route(chart, atlas.home)):
+        target = atlas.chart(change.target).names if change.target != atlas.home else home
+        table = dict(zip(target, change.expressions, strict=True))
+        used = {symbol.name: symbol for symbol in term.free_symbols}
+        term = term.xreplace({used[name]: table[name] for name in used.keys() & table.keys()})
+    functions = term.atoms(sp.Function)
+    if all(isinstance(function, _STEADY) for function in functions):
+        return term
+    return None
+
+
+def with_stops(
+    system: System,
+    equations: Equations,
+    stops: Sequence[Stop],
+    atlas: Atlas,
+    chart: str,
+    unit: float,
+    *,
+    single: bool,
+) -> System:
+    """Equations in a chart whose guard has the conditions after the edges of the chart.
+
+    unit: frame velocities are states in units of it.
+    single: whether there is no other chart, so that the motion goes on to the very end.
+    """
+    terms = []
+    for stop in stops:
+        term = in_chart(stop, atlas, chart, equations.velocities) if chart else stop.term
+        assert term is not None
+        scaled = {
+            symbol: symbol * sp.Rational(unit)
+            for symbol in term.free_symbols
+            if symbol.name in equations.velocities
+        }
+        terms.append(term.xreplace(scaled) + TINY)
+    margin, end = equations.guard_terms
+    arguments = (*equations.states, *equations.parameters)
+    guard = graph(arguments, [*(end if single else margin), *terms], equations.parameters)
+    return replace(system, guard=guard, end=None)
+
+
+def stopped(
+    stops: Sequence[Stop], system: System, start: State, numbers: State, last: State
+) -> str | None:
+    """The condition that has ended a stage, None where an edge of the chart has.
+
+    system: from `with_stops`; start, last: states between which the stage ran.
+    """
+    assert system.guard is not None
+    here, before = (
+        np.array(system.guard.numpy()(*floats(list(row)), *floats(list(numbers))))
+        for row in (last, start)
+    )
+    # A condition may be zero at the start, but for rounding, and has no share that could be left.
+    left = np.abs(here) / np.maximum(before, HALF)
+    place = int(np.argmin(np.nan_to_num(left, nan=0.0))) - (len(here) - len(stops))
+    return stops[place].text if place >= 0 else None
+
+
+def check_stops(stops: Sequence[Stop], point: Mapping[str, float]) -> None:
+    """Refuse a start at which a condition has fallen already.
+
+    Raises
+    ------
+    StartError
+        One is below zero.
+    """
+    for stop in stops:
+        names = sorted(symbol.name for symbol in stop.term.free_symbols)
+        room = float(graph(names, [stop.term], factor=False).numpy()(*(point[x] for x in names))[0])
+        if not room >= 0:
+            raise StartError(
+                f"stop: expected {stop.text} above zero at the start, got {room:.6g}. A curve ends "
+                f"where the expression falls through zero; write -({stop.text}) to stop where it "
+                "rises."
+            )

@@ -1,0 +1,128 @@
+"""Expansion: a frame whose components are power series in a small parameter."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import ArgumentError, CoframeError, CoordinateError, UnknownNameError
+from geomtorsion.exact import Element, Field, Truncated, TruncatedField
+from geomtorsion.geometry import validation
+from geomtorsion.geometry.components import Entries, determinant, inverse
+from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.orthonormalize import orthonormal_rows
+from geomtorsion.geometry.tensor import Tensor
+
+
+def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:
+    """The parameter of a frame that is meant by a symbol or name."""
+    known = {one.name: one for one in frame.parameters}
+    name = str(symbol) if isinstance(symbol, str | sp.Symbol) else None
+    if name is None:
+        raise ArgumentError(
+            f"symbol: expected a parameter of the frame, got {checks.shown(symbol)}. Give its "
+            "symbol or name."
+        )
+    if name in {one.name for one in frame.coordinates}:
+        raise CoordinateError(
+            f"symbol: expected a parameter of the frame, got the coordinate {name}. For a series "
+            "in a coordinate use tensor.series."
+        )
+    if name not in known:
+        raise UnknownNameError(
+            f"symbol: expected a parameter of the frame, got {name}. "
+            f"{checks.did_you_mean(name, list(known))}There are {', '.join(known) or 'none'}."
+        )
+    return known[name]
+
+
+@derived
+def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
+    """See Frame.expanded."""
+    series = TruncatedField(frame.field, symbol, order)
+    # Geometry asks for no more of a field than both have.
+    field = cast(Field, series)
+    n, shape = frame.dimension, frame.shape
+
+    def read(entries: Entries) -> dict[tuple[int, int], Element]:
+        named = [(f"{shape}{list(index)}", x.sympy) for index, x in entries.items()]
+        found = dict(zip(entries, field.read_all(named), strict=True))
+        return {index: x for index, x in found.items() if not x.is_zero}
+
+    matrix = read(frame.given[shape])
+    first = {i: x.parts[0] for i, x in matrix.items() if isinstance(x, Truncated)}
+    leading = {index: x for index, x in first.items() if not x.is_zero}
+    if determinant(frame.field, leading, n).is_zero:
+        raise CoframeError(
+            f"expected a frame that is regular at {symbol} = 0, got one whose {shape} is singular "
+            f"there. Choose another parameter, or rescale it so that {symbol} = 0 is a frame."
+        )
+    given = {shape: matrix, "eta": {i: series.raised(x) for i, x in frame.given["eta"].items()}}
+    if shape == "metric":
+        opened = validation.Opened(
+            frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
+        )
+        # Signs are those at zero.
+        points = ({**point, symbol: sp.S.Zero} for point in opened.points())
+        signs = [int(frame.eta[i, i]) for i in range(n)]
+        rows, squares, eta = orthonormal_rows(field, matrix, n, points, signs)
+        given |= {"rows": rows, "squares": squares, "eta": eta}
+    elif shape == "legs":
+        given["coframe"] = inverse(field, matrix, n)
+    return _filled(frame, field, given, (expanded, (frame, symbol, order)))
+
+
+@derived
+def background(frame: Frame) -> Frame:
+    """The frame at order zero of an expanded frame."""
+    series = frame.field
+    if not isinstance(series, TruncatedField):
+        raise ArgumentError(
+            f"expected a tensor over an expanded frame, got one over {frame.name or 'a frame'} "
+            "without a small parameter. Make one with frame.expanded(symbol, order)."
+        )
+    given = {
+        name: {i: x for i, x in _at_order(matrix, 0).items() if not x.is_zero}
+        for name, matrix in frame.given.items()
+    }
+    return _filled(frame, series.base, given, (background, (frame,)))
+
+
+def _at_order(entries: Entries, k: int) -> dict[tuple[int, int], Element]:
+    return {i: x.parts[k] for i, x in entries.items() if isinstance(x, Truncated)}
+
+
+def _filled(frame: Frame, field: Field, given: dict, plain: tuple) -> Frame:
+    """A frame over another field with the symbols and the domain of a given one."""
+    opened = validation.Opened(
+        frame.coordinates, frame.parameters, frame.domain, frame.complex, field
+    )
+    found = object.__new__(type(frame))
+    found.fill(opened, frame.name, given, plain)
+    return found
+
+
+def coefficient(tensor: Tensor, order: object) -> Tensor:
+    """See Tensor.order."""
+    frame = background(tensor.frame)
+    series = tensor.frame.field
+    assert isinstance(series, TruncatedField)
+    k = checks.count(order, "order", ArgumentError, 0, series.order)
+
+    def part(_: object, value: Element) -> Element:
+        assert isinstance(value, Truncated)
+        return value.parts[k]
+
+    components = tensor.components.mapped(frame.field, part)
+    return Tensor(
+        frame,
+        tensor.slots,
+        components,
+        tensor.symmetry,
+        tensor.symbol,
+        f"{tensor.name} at order {k}".strip(),
+        tensor.anchored,
+    )

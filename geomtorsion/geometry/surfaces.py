@@ -1,0 +1,275 @@
+"""Surface: a space inside another, with its induced metric, normal and extrinsic curvature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import overload
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.caching import cached_property
+from geomtorsion.errors import MetricError, ShapeError, TensorIndexError
+from geomtorsion.exact import Element
+from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
+from geomtorsion.geometry.components import Components, Index, determinant, symmetric
+from geomtorsion.geometry.connections import levi_civita
+from geomtorsion.geometry.evaluation import sample_point
+from geomtorsion.geometry.forms import Form
+from geomtorsion.geometry.frame import Frame
+from geomtorsion.geometry.tensor import Tensor
+from geomtorsion.geometry.validation import with_generic_functions
+
+
+def surface(
+    frame: Frame,
+    coordinates: object,
+    embedding: object = None,
+    domain: object = None,
+    orientation: int = 1,
+) -> Surface:
+    """A surface in the space of a frame, given by the old coordinates as functions of its own.
+
+    Parameters
+    ----------
+    frame
+        The space around the surface; only its metric counts.
+    coordinates
+        The coordinates of the surface, fewer than those of the space: symbols or names.
+    embedding
+        {coordinate of the space: expression of those of the surface}, or expressions in order. A
+        coordinate without an expression is one of the surface, or constant: a parameter of the
+        same name. New symbols are parameters; text may use known names only.
+    domain
+        Relations that hold on the surface.
+    orientation
+        1: the first component n_mu that does not vanish is positive at a sample point, so that the
+        normal of r = const points to larger r; -1: the other side.
+
+    Raises
+    ------
+    CoordinateError
+        A coordinate is not known or has no expression.
+    ShapeError
+        There are not fewer coordinates than in the space.
+    MetricError
+        The induced metric is degenerate, as on a light cone.
+
+    Examples
+    --------
+    >>> from geomtorsion.geometry import surface
+    >>> from geomtorsion.spaces import load
+    >>> hole = load("schwarzschild").frame
+    >>> tube = surface(hole, "t theta phi")  # r = const
+    >>> tube.extrinsic_curvature[0, 0], tube.extrinsic_curvature[1, 1]
+    (-M*sqrt(r*(-2*M + r))/r**3, sqrt(r*(-2*M + r)))
+    """
+    checks.instance(frame, Frame, "frame")
+    way = coordinate_map(frame, coordinates, {} if embedding is None else embedding)
+    if len(way.new) >= frame.dimension:
+        raise ShapeError(
+            f"coordinates: expected fewer than {frame.dimension} for a surface, got "
+            f"{len(way.new)}. For as many use frame.in_coordinates."
+        )
+    if orientation not in (1, -1):
+        raise ShapeError(
+            f"orientation: expected 1 or -1, got {checks.shown(orientation)}. Give the side of the "
+            "normal."
+        )
+    return Surface(frame, way, tuple(moved_domain(frame, way, domain)), orientation)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface:
+    """A surface in the space of a frame.
+
+    ambient: the frame of the space. way: its coordinates as functions of those of the surface.
+    domain: relations that hold on the surface. orientation: the side of the normal, 1 or -1.
+    """
+
+    ambient: Frame
+    way: Map
+    domain: tuple[sp.Basic, ...]
+    orientation: int
+
+    @cached_property
+    def frame(self) -> Frame:
+        """The frame of the induced metric g_ab = g_mu_nu d_a q^mu d_b q^nu."""
+        n, size = self.ambient.dimension, len(self.way.new)
+        metric = self.ambient.metric
+        rows = [[metric[i, j] for j in range(n)] for i in range(n)]
+        half = self.way.pulled(rows)
+        entries = [
+            [sp.Add(*(self.way.slope(mu, b) * half[mu][a] for mu in range(n))) for b in range(size)]
+            for a in range(size)
+        ]
+        return Frame.from_metric(self.way.new, entries, domain=self.domain or None)
+
+    @property
+    def metric(self) -> Tensor:
+        """The induced metric, slots dd."""
+        return self.frame.metric
+
+    def _on(self, components: Components) -> Components:
+        """Components of the space as functions on the surface."""
+
+        def moved(index: Index, value: Element) -> Element:
+            (found,) = self.frame.read([(f"component {list(index)}", self.way(value.sympy))])
+            return found
+
+        return components.mapped(self.frame.field, moved)
+
+    @cached_property
+    def _slope(self) -> dict[tuple[int, int], Element]:
+        """d_a q^mu at (mu, a)."""
+        places = list(product(range(self.ambient.dimension), range(len(self.way.new))))
+        read = self.frame.read([("slope of the embedding", self.way.slope(*x)) for x in places])
+        return dict(zip(places, read, strict=True))
+
+    @overload
+    def pullback(self, field: Form) -> Form: ...
+    @overload
+    def pullback(self, field: Tensor) -> Tensor: ...
+    def pullback(self, field: Tensor | Form) -> Tensor | Form:
+        """A tensor with lower indices, or a form, as it is on the surface.
+
+        Raises
+        ------
+        ShapeError
+            It belongs to another frame than that of the space.
+        TensorIndexError
+            An index is up.
+
+        Examples
+        --------
+        >>> import sympy as sp
+        >>> from geomtorsion.geometry import Form, Frame, surface
+        >>> x, y, z, t = sp.symbols("x y z t")
+        >>> space = Frame([x, y, z], sp.eye(3))
+        >>> helix = surface(space, [t], [sp.cos(t), sp.sin(t), t])
+        >>> helix.pullback(Form(space, 1, {0: -y, 1: x, 2: 2}))
+        3 dt
+        """
+        if isinstance(field, Form):
+            if field.values:
+                raise TensorIndexError(
+                    f"form: expected values in numbers, got values {field.values!r}. Take one with "
+                    "form.part(index)."
+                )
+            return Form.of(self.pullback(field.tensor))
+        checks.instance(field, Tensor, "field")
+        if field.frame is not self.ambient:
+            raise ShapeError(
+                "field: expected a tensor over the frame of the space, got one over another frame."
+                " Build it over surface.ambient."
+            )
+        if set(field.slots) - set("dD"):
+            raise TensorIndexError(
+                f"{field.label}: expected lower indices for a pullback, got slots "
+                f"{field.slots!r}. Lower them with lowered()."
+            )
+        plain = field.in_coordinates()
+        given = self._on(plain.components).nonzero
+        slope = self._slope
+
+        def rule(index: Index) -> Element:
+            terms = [
+                (1, value, *(slope[mu, a] for mu, a in zip(place, index, strict=True)))
+                for place, value in given.items()
+            ]
+            return self.frame.field.sum(terms)
+
+        return Tensor(self.frame, plain.slots, rule, plain.symmetry, field.symbol, field.name)
+
+    # -- hypersurfaces ---------------------------------------------------------------------------
+
+    def _check_hypersurface(self) -> None:
+        if len(self.way.new) != self.ambient.dimension - 1:
+            raise ShapeError(
+                f"expected a surface of {self.ambient.dimension - 1} dimensions, got "
+                f"{len(self.way.new)}: only a hypersurface has one normal. The induced metric and "
+                "pullbacks are there for all."
+            )
+
+    @cached_property
+    def _normal(self) -> tuple[list[Element], list[Element], int]:
+        """n_mu, n^mu and n.n, over the frame of the surface."""
+        self._check_hypersurface()
+        n, field = self.ambient.dimension, self.frame.field
+        lower = []
+        for mu in range(n):
+            others = [nu for nu in range(n) if nu != mu]
+            entries = {
+                (i, a): self._slope[nu, a]
+                for i, nu in enumerate(others)
+                for a in range(n - 1)
+                if not self._slope[nu, a].is_zero
+            }
+            minor = determinant(field, entries, n - 1)
+            lower.append(-minor if mu % 2 else minor)
+        inverse = self._on(self.ambient.inverse_metric.components)
+        upper = [
+            field.sum([(1, inverse.get((mu, nu)), lower[nu]) for nu in range(n)]) for mu in range(n)
+        ]
+        square = field.sum([(1, x, y) for x, y in zip(lower, upper, strict=True)])
+        if square.is_zero:
+            raise MetricError("expected a surface that is not null, got one whose normal is null.")
+        sign = 1 if _value(self.frame, square) > 0 else -1
+        size = (square * sign).sqrt().inverse()
+        lower, upper = [x * size for x in lower], [x * size for x in upper]
+        first = next(x for x in lower if not x.is_zero)
+        side = self.orientation * (1 if _value(self.frame, first) > 0 else -1)
+        return [x * side for x in lower], [x * side for x in upper], sign
+
+    @property
+    def normal(self) -> tuple[sp.Expr, ...]:
+        """n^mu of length one, in the coordinates of the space, as functions on the surface."""
+        return tuple(x.sympy for x in self._normal[1])
+
+    @property
+    def normal_sign(self) -> int:
+        """n.n: 1, or -1 where the normal is timelike for the signature (-+++)."""
+        return self._normal[2]
+
+    @cached_property
+    def extrinsic_curvature(self) -> Tensor:
+        """K_ab = (D_mu n_nu) d_a q^mu d_b q^nu, slots dd, symmetric; D of the metric of the space.
+
+        On a sphere with the normal pointing outwards it is positive.
+        """
+        lower, _, _ = self._normal
+        n, field = self.ambient.dimension, self.frame.field
+        gamma = self._on(levi_civita(self.ambient).coefficients.components).nonzero
+        slope, new = self._slope, self.way.new
+
+        def rule(index: Index) -> Element:
+            a, b = index
+            terms: list = [(-1, lower[m], slope[m, a].diff(new[b])) for m in range(n)]
+            for (i, j, m), value in gamma.items():
+                terms.append((-1, lower[m], value, slope[i, a], slope[j, b]))
+            return field.sum(terms)
+
+        return Tensor(self.frame, "dd", rule, symmetric(2), "K", "extrinsic curvature")
+
+    @cached_property
+    def mean_curvature(self) -> Tensor:
+        """K = g^ab K_ab, rank 0: 2/r on a sphere."""
+        frame, K = self.frame, self.extrinsic_curvature.components.get
+
+        def rule() -> Element:
+            entries = frame.inverse_metric.components.nonzero
+            return frame.field.sum([(1, x, K(index)) for index, x in entries.items()])
+
+        return frame.scalar(rule, "K", "mean curvature")
+
+    def __repr__(self) -> str:
+        pairs = zip(self.way.old, self.way.functions, strict=True)
+        text = ", ".join(f"{q} = {f}" for q, f in pairs)
+        return f"surface ({', '.join(map(str, self.way.new))}): {text}"
+
+
+def _value(frame: Frame, element: Element) -> float:
+    """A value at the sample point, for signs."""
+    point = with_generic_functions(element, sample_point(frame))
+    return complex(element.evaluate(point)).real

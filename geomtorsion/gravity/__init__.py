@@ -1,0 +1,52 @@
+"""Gravity: a Lagrangian of torsion, curvature and nonmetricity in, field equations out."""
+
+from geomtorsion.gravity.equations import FieldEquations, equations
+from geomtorsion.gravity.inertial import inertial
+from geomtorsion.gravity.lagrangian import Lagrangian, names
+from geomtorsion.gravity.matter import fluid, maxwell, scalar_field, torsion_from_spin, weyssenhoff
+from geomtorsion.gravity.newman_penrose import NewmanPenrose, newman_penrose
+from geomtorsion.gravity.statistical import statistical
+from geomtorsion.gravity.symmetry import Symmetries, killing_equations, symmetries
+from geomtorsion.gravity.theories import (
+    einstein_cartan,
+    f_of,
+    gauss_bonnet,
+    general_relativity,
+    holst,
+    new_gr,
+    poincare,
+    stegr,
+    tegr,
+)
+from geomtorsion.gravity.translations import TABLE as translations
+from geomtorsion.gravity.translations import Translation
+
+__all__ = [
+    "FieldEquations",
+    "Lagrangian",
+    "NewmanPenrose",
+    "Symmetries",
+    "Translation",
+    "einstein_cartan",
+    "equations",
+    "f_of",
+    "fluid",
+    "gauss_bonnet",
+    "general_relativity",
+    "holst",
+    "inertial",
+    "killing_equations",
+    "maxwell",
+    "names",
+    "new_gr",
+    "newman_penrose",
+    "poincare",
+    "scalar_field",
+    "statistical",
+    "stegr",
+    "symmetries",
+    "tegr",
+    "torsion_from_spin",
+    "translations",
+    "weyssenhoff",
+]

@@ -1,0 +1,471 @@
+"""Equations: three formulas give the field equations of any Lagrangian and connection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.caching import cached_property
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Certainty, Element
+from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor
+from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
+from geomtorsion.gravity.invariants import INVARIANTS, Scalars
+from geomtorsion.gravity.lagrangian import GEOMETRIES, Lagrangian, Reading, known_as, read
+from geomtorsion.gravity.matter import Fluid, MatterField
+from geomtorsion.gravity.momenta import Momenta
+
+ANTISYMMETRIC: tuple = (((1, 0), -1),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FieldEquations:
+    """Left sides of the field equations of a Lagrangian; a solution makes them vanish.
+
+    connections: the connections over one frame.
+    lagrangian: the theory.
+    matter: matter fields and fluids.
+
+    Examples
+    --------
+    >>> import geomtorsion as gt
+    >>> from geomtorsion import gravity
+    >>> hole = gt.spaces.load("schwarzschild").frame
+    >>> gravity.equations(gt.cartan(hole), gravity.tegr).E.is_zero
+    True
+    """
+
+    connections: tuple[Connection, ...]
+    lagrangian: Lagrangian
+    matter: tuple[MatterField | Fluid, ...] = ()
+
+    def __repr__(self) -> str:
+        names = ", ".join(one.name for one in self.connections)
+        return f"field equations of {self.lagrangian!r} ({names})"
+
+    @property
+    def frame(self) -> Frame:
+        """The frame of all connections."""
+        return self.connections[0].frame
+
+    # -- the Lagrangian ------------------------------------------------------------------------
+
+    @cached_property
+    def _scalars(self) -> tuple[Scalars, ...]:
+        return tuple(Scalars(FrameFields(one)) for one in self.connections)
+
+    @cached_property
+    def _meanings(self) -> dict[str, tuple[int, str]]:
+        """Name in the Lagrangian -> (number of the connection, name of the invariant)."""
+        found: dict[str, tuple[int, str]] = {}
+        other = 1
+        for number, connection in enumerate(self.connections):
+            suffixes = [""]
+            if connection.kind == "levi-civita":
+                suffixes = ["bar"] if len(self.connections) > 1 else ["", "bar"]
+            else:
+                suffixes = [""] if other == 1 else [f"_{other}"]
+                other += 1
+            for one in INVARIANTS.values():
+                if one.only in (0, self.frame.dimension):
+                    found |= {one.name + suffix: (number, one.name) for suffix in suffixes}
+        return found
+
+    @cached_property
+    def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
+        fields = [one for one in self.matter if isinstance(one, MatterField)]
+        return {name: (one, name) for one in fields for name in one.names}
+
+    def check_names(self) -> None:
+        """Refuse names in the Lagrangian that mean nothing here."""
+        _ = self._named
+
+    @cached_property
+    def _named(self) -> Reading:
+        known = {name: name for name in (*self._meanings, *self._matter_names)}
+        return read(self.lagrangian, self.frame, known)
+
+    @cached_property
+    def _reading(self) -> Reading:
+        """The Lagrangian with the values of all its names."""
+        reading = self._named
+        for symbol, name in reading.symbols.items():
+            reading.values[symbol] = self._value(name)
+        return reading
+
+    def _value(self, name: str) -> Element:
+        """The value of a name in the Lagrangian."""
+        if name in self._matter_names:
+            field, own = self._matter_names[name]
+            return field.value(self.frame, own)
+        number, invariant = self._meanings[name]
+        return self._scalars[number].value(invariant)
+
+    @cached_property
+    def scalars(self) -> dict[str, sp.Expr]:
+        """The invariants that occur in the Lagrangian, by name."""
+        values = {name: self._reading.values[x] for x, name in self._reading.symbols.items()}
+        return {name: self.frame.written(value) for name, value in values.items()}
+
+    def scalar(self, name: str) -> Tensor:
+        """An invariant by its name in the Lagrangian, whether it occurs there or not.
+
+        Raises
+        ------
+        GravityError
+            There is no such invariant here.
+        """
+        known = [*self._meanings, *self._matter_names]
+        checks.known_name(name, known, "invariant", GravityError)
+        return self.frame.scalar(lambda: self._value(name), name, "invariant")
+
+    @cached_property
+    def L(self) -> Tensor:
+        """The Lagrangian on these fields, rank 0."""
+        return self.frame.scalar(
+            lambda: self._reading.element(self._reading.expression), "L", "Lagrangian"
+        )
+
+    @cached_property
+    def _slopes(self) -> dict[str, Element]:
+        """dL/dI for every name I that occurs."""
+        reading = self._reading
+        found = {}
+        for symbol, name in reading.symbols.items():
+            slope = reading.expression.diff(symbol)
+            if slope != 0:
+                found[name] = reading.element(slope)
+        return found
+
+    @cached_property
+    def momenta(self) -> tuple[Momenta, ...]:
+        """P = dL/dT, Z = dL/dR, N = dL/dQ of each connection."""
+        weights: list[dict[str, Element]] = [{} for _ in self.connections]
+        for name, slope in self._slopes.items():
+            if name in self._meanings:
+                number, invariant = self._meanings[name]
+                own = weights[number]
+                own[invariant] = own[invariant] + slope if invariant in own else slope
+        return tuple(map(Momenta, self._scalars, weights))
+
+    @property
+    def P(self) -> Tensor:
+        """P^{ab}_c = dL/dT_ab^c of the first connection, slots UUD."""
+        return self.momenta[0].P
+
+    @property
+    def Z(self) -> Tensor:
+        """Z^{abi}_j = dL/dR_abi^j of the first connection, slots UUUD."""
+        return self.momenta[0].Z
+
+    @property
+    def N(self) -> Tensor:
+        """N^{aij} = dL/dQ_aij of the first connection, slots UUU."""
+        return self.momenta[0].N
+
+    # -- the equations -------------------------------------------------------------------------
+
+    @cached_property
+    def E(self) -> Tensor:
+        """E_i^n = (1/e) d(eL)/d e^i_n, slots DU: the equation of the coframe."""
+        frame, field = self.frame, self.frame.field
+        divergences = [
+            one.fields.divergence(one.P, paired=True).components.get for one in self.momenta
+        ]
+        moved = [
+            one.moved.lowered().components.get for one in self.momenta if one.fields.is_riemannian
+        ]
+        sources = [one.coframe_source(self.connections[0]) for one in self._fluids]
+
+        def rule(index: Index) -> Element:
+            i, n = index
+            terms: Terms = [(1, self.L.element())] if i == n else []
+            for one, divergence in zip(self.momenta, divergences, strict=True):
+                terms += one.coframe_terms(i, n)
+                terms.append((-2, divergence((n, i))))
+            terms += [term for one in self._fields for term in one.coframe_terms(self, i, n)]
+            terms += [(1, source.components.get(index)) for source in sources]
+            return field.sum(terms)
+
+        def lower(index: Index) -> Element:
+            i, n = index
+            terms: Terms = [(1, own((i, n)))]
+            return field.sum(terms + [(1, get((n, i))) for get in moved])
+
+        bare = Tensor(frame, "DU", rule, (), "E", "coframe equation")
+        if not moved:
+            return bare
+        own = bare.lowered().components.get
+        return Tensor(frame, "DD", lower, (), "E", "coframe equation").raised(1)
+
+    @property
+    def _fields(self) -> list[MatterField]:
+        return [one for one in self.matter if isinstance(one, MatterField)]
+
+    @property
+    def _fluids(self) -> list[Fluid]:
+        return [one for one in self.matter if isinstance(one, Fluid)]
+
+    @cached_property
+    def _varied(self) -> tuple[int, ...]:
+        """The connections with an equation of their own: all but those of the metric."""
+        return tuple(k for k, one in enumerate(self.connections) if one.kind != "levi-civita")
+
+    @cached_property
+    def connection_equations(self) -> tuple[Tensor, ...]:
+        """C of each connection; zero for the one of the metric, which is not varied alone."""
+        found = []
+        for number, one in enumerate(self.momenta):
+            total = one.C if number in self._varied else Tensor(self.frame, "UUD", {})
+            if number == 0:
+                for fluid in self._fluids:
+                    total = total + fluid.connection_source(self.connections[0])
+            found.append(
+                Tensor(
+                    self.frame, "UUD", total.components, total.symmetry, "C", "connection equation"
+                )
+            )
+        return tuple(found)
+
+    @property
+    def C(self) -> Tensor:
+        """C^{ni}_j = (1/e) d(eL)/d omega_ni^j, slots UUD: the equation of the first connection.
+
+        Antisymmetric in ij for a connection that is metric by its construction. Zero for the
+        Levi-Civita connection, whose variation is part of E. The connection of a teleparallel
+        theory has no equation besides the antisymmetric part of E.
+        """
+        return self.connection_equations[0]
+
+    @cached_property
+    def M(self) -> Tensor:
+        """2 M_ij = E_ji + D_n C^n_ij, slots DD: the metric equation, which follows from both."""
+        frame = self.frame
+        lower = self.E.lowered(1).components.get
+        turned = [get.lowered().components.get for get in self._turned]
+
+        def rule(index: Index) -> Element:
+            i, j = index
+            terms = [(HALF, get(index)) for get in turned]
+            return frame.field.sum([(HALF, lower((j, i))), *terms])
+
+        return Tensor(frame, "DD", rule, (), "M", "metric equation")
+
+    @cached_property
+    def _turned(self) -> tuple[Tensor, ...]:
+        """(1/e) D_n(e C^{ni}_j), slots UD, of each connection."""
+        pairs = zip(self.momenta, self.connection_equations, strict=True)
+        return tuple(one.fields.divergence(c) for one, c in pairs)
+
+    @cached_property
+    def antisymmetric(self) -> Tensor:
+        """E_[ij], slots DD: for a teleparallel theory the equation of the spin connection.
+
+        Where it does not vanish the spin connection does not belong to the coframe. Where it
+        vanishes the spin connection may still be wrong.
+        """
+        lower = self.E.lowered(1).components.get
+
+        def rule(index: Index) -> Element:
+            i, j = index
+            return self.frame.field.sum([(HALF, lower((i, j))), (-HALF, lower((j, i)))])
+
+        return Tensor(self.frame, "DD", rule, ANTISYMMETRIC, "E", "antisymmetric part of E")
+
+    @cached_property
+    def matter_equations(self) -> dict[str, Tensor]:
+        """(1/e) d(eL)/d(field) of each matter field, by its name."""
+        return {one.symbol: one.equation(self) for one in self._fields}
+
+    def slope(self, name: str) -> Element:
+        """dL/dI of a name in the Lagrangian, zero where it does not occur."""
+        return self._slopes.get(name, self.frame.field.zero)
+
+    # -- identities ----------------------------------------------------------------------------
+
+    def identities(self) -> list[IdentityCheck]:
+        """Noether identities of translations and of rotations of the frame, checked exactly.
+
+        They hold for every coframe and connection where the Lagrangian has no given function of
+        the coordinates and no fluid in it.
+
+        Equation
+        --------
+        D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk + (matter),  M_[ij] = 0
+        """
+        if self._fluids:
+            raise GravityError(
+                "identities: expected a Lagrangian alone, got a fluid, whose equations of motion "
+                "are not derived from it. Leave out the fluid."
+            )
+        n = range(self.frame.dimension)
+        return [
+            _checked(
+                "translations",
+                "D_n(e E_i^n)/e = T_in^j E_j^n + R_ink^j C^{nk}_j + Q_ijk M^jk",
+                [(i,) for i in n],
+                self._noether,
+            ),
+            _checked(
+                "rotations",
+                "E_[ji] + D_n C^n_[ij] = 0",
+                [(i, j) for i in n for j in n if i < j],
+                self._rotation,
+            ),
+        ]
+
+    def _rotation(self, index: Index) -> Element:
+        get = self.M.components.get
+        return self.frame.field.sum([(1, get(index)), (-1, get(index[::-1]))])
+
+    def _noether(self, index: Index) -> Element:
+        (i,) = index
+        frame, n = self.frame, range(self.frame.dimension)
+        first = self.momenta[0].fields
+        e = self.E.components.get
+        flow = first.divergence(Tensor(frame, "UD", lambda place: e(place[::-1])))
+        m = self.M.raised().components.get
+        t, q = first.torsion.components.get, first.nonmetricity.components.get
+        terms: Terms = [(1, flow.components.get(index))]
+        terms += [(-1, t((i, a, j)), e((j, a))) for a in n for j in n]
+        terms += [(-1, q((i, j, k)), m((j, k))) for j in n for k in n]
+        for one, equation, turned in zip(
+            self.momenta, self.connection_equations, self._turned, strict=True
+        ):
+            c, r = equation.components.get, one.fields.curvature.raised(3).components.get
+            terms += [(-1, r((i, a, k, j)), c((a, k, j))) for a, k, j in product(n, repeat=3)]
+            if one is not self.momenta[0]:
+                # Each further connection turns with the legs as the first one does.
+                own, other, d = one.fields.omega, first.omega, turned.components.get
+                for k, j in product(n, repeat=2):
+                    terms.append((1, own.components.get((i, k, j)), d((k, j))))
+                    terms.append((-1, other.components.get((i, k, j)), d((k, j))))
+        terms += [term for one in self._fields for term in one.noether_terms(self, i)]
+        return frame.field.sum(terms)
+
+
+def _checked(
+    name: str, equation: str, indices: Sequence[Index], value: Callable[[Index], Element]
+) -> IdentityCheck:
+    """Evaluate the difference of both sides at every index."""
+    holds: bool | None = True
+    worst, chances, proved = None, 0.0, True
+    for index in indices:
+        element = value(index)
+        verdict = element.is_zero
+        if verdict is not False:
+            proved = proved and element.certainty.proved
+            chances += element.certainty.error
+        if (verdict is False and holds is not False) or (verdict is None and holds):
+            holds, worst = verdict, index
+    return IdentityCheck(
+        name, equation, holds, len(indices), worst, Certainty(proved, min(chances, 1.0))
+    )
+
+
+def equations(
+    connections: Connection | Iterable[Connection],
+    lagrangian: Lagrangian | str | sp.Expr,
+    matter: MatterField | Fluid | Iterable[MatterField | Fluid] = (),
+) -> FieldEquations:
+    """Field equations of a Lagrangian on given connections, exactly.
+
+    Equation
+    --------
+    E_i^n = L E_i^n - 2 P_j^{nb} T_ib^j - 2 Z^{nbk}_j R_ibk^j - N^{njk} Q_ijk - (2/e) D_m(e P_i^mn)
+    C^{ni}_j = 2 P^{ni}_j - 2 N^{ni}_j - (2/e) D_m(e Z^{mni}_j)
+
+    Parameters
+    ----------
+    connections
+        One connection, or several over one frame. Names of invariants of the second and third
+        connection end in _2, _3; names of the Levi-Civita connection beside others end in bar.
+    lagrangian
+        Text, a sympy expression in `gravity.names`, or a theory such as `gravity.tegr`. New names
+        are parameters; functions such as f(T) may be unknown.
+    matter
+        Matter fields, whose names occur in the Lagrangian, and fluids, which are sources.
+
+    Raises
+    ------
+    GravityError
+        The Lagrangian has an unknown name, or the connection is not of the theory.
+
+    Examples
+    --------
+    >>> import geomtorsion as gt
+    >>> from geomtorsion import gravity
+    >>> cosmos = gt.spaces.load("frw").frame
+    >>> gravity.equations(gt.levi_civita(cosmos), "R").antisymmetric.is_zero
+    True
+    """
+    several = [connections] if isinstance(connections, Connection) else _listed(connections)
+    if not several:
+        raise GravityError(
+            "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
+        )
+    for one in several:
+        checks.instance(one, Connection, "connection", GravityError)
+        if one.frame is not several[0].frame:
+            raise GravityError(
+                "equations: expected connections over one frame, got different frames. Make all "
+                "connections from one Frame object."
+            )
+    theory = known_as(lagrangian)
+    _check_geometry(theory, several)
+    sources = [matter] if isinstance(matter, MatterField | Fluid) else _listed(matter)
+    for source in sources:
+        if not isinstance(source, MatterField | Fluid):
+            raise GravityError(
+                "matter: expected gravity.scalar_field, gravity.maxwell, gravity.fluid or "
+                f"gravity.weyssenhoff, got {checks.shown(source)}."
+            )
+        source.check(several[0].frame)
+    found = FieldEquations(tuple(several), theory, tuple(sources))
+    # Reads the Lagrangian, so that a wrong name is refused here.
+    found.check_names()
+    return found
+
+
+def _listed(values: object) -> list:
+    message = "{subject}: expected one connection or a list of connections, got {value}."
+    return list(checks.entries(values, "connections", GravityError, message=message))
+
+
+def _check_geometry(theory: Lagrangian, connections: Sequence[Connection]) -> None:
+    """Refuse a connection that is not of the theory."""
+    checks.choice(theory.geometry, tuple(GEOMETRIES), "geometry", GravityError)
+    others = [one for one in connections if one.kind != "levi-civita"]
+    fits = {
+        "any": True,
+        "teleparallel": others and all(one.is_flat and one.metric_compatible for one in others),
+        "symmetric teleparallel": others
+        and all(one.is_flat and one.is_torsion_free for one in others),
+        "metric": all(one.metric_compatible for one in connections),
+        "riemannian": not others,
+    }
+    if not fits[theory.geometry]:
+        names = ", ".join(one.name for one in connections)
+        raise GravityError(
+            f"{theory.name}: expected {GEOMETRIES[theory.geometry]}, got {names}, which "
+            f"{_fault(theory.geometry, connections)}. Give another connection, or write the "
+            "Lagrangian as text, which takes any connection."
+        )
+
+
+def _fault(geometry: str, connections: Sequence[Connection]) -> str:
+    """What a connection is, against what its theory assumes."""
+    others = [one for one in connections if one.kind != "levi-civita"]
+    if geometry == "riemannian":
+        return "is not that of the metric"
+    if geometry != "metric" and not others:
+        return "is not flat by its construction"
+    if geometry != "metric" and not all(one.is_flat for one in others):
+        return "is not flat"
+    if geometry == "symmetric teleparallel":
+        return "has torsion"
+    return "is not metric"

@@ -1,0 +1,268 @@
+"""Lagrangian: an expression in the names of invariants, read, differentiated and evaluated."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+from geomtorsion import checks
+from geomtorsion.errors import GravityError
+from geomtorsion.exact import Element, parse_expression
+from geomtorsion.exact import names as words
+from geomtorsion.geometry import Frame, Tensor
+from geomtorsion.gravity.invariants import INVARIANTS
+
+names: Mapping[str, sp.Symbol] = {name: sp.Symbol(name) for name in INVARIANTS}
+names |= {name + "bar": sp.Symbol(name + "bar") for name in INVARIANTS}
+# Names of matter fields, and what brings them.
+MATTER = {
+    "X": "gravity.scalar_field(phi)",
+    "phi": "gravity.scalar_field(phi)",
+    "F2": "gravity.maxwell(A)",
+}
+names |= {name: sp.Symbol(name) for name in MATTER}
+
+_NAME = re.compile(r"[^\W\d]\w*")
+_FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
+_SUFFIX = re.compile(r"(.+?)(bar|_[2-9])")
+# Geometry that a theory assumes: what a connection has to be, in words.
+GEOMETRIES = {
+    "any": "any connection",
+    "teleparallel": "a flat metric connection, such as gt.cartan(frame)",
+    "symmetric teleparallel": "a flat connection without torsion",
+    "metric": "a metric connection",
+    "riemannian": "the connection gt.levi_civita(frame)",
+}
+
+
+@dataclass(frozen=True)
+class Lagrangian:
+    """A theory: its Lagrangian and the connections for which it is meant.
+
+    expression: text or sympy expression in `names`, parameters and opaque functions.
+    geometry: "any", "teleparallel", "symmetric teleparallel", "metric" or "riemannian".
+    name: what it is called.
+
+    Examples
+    --------
+    >>> Lagrangian("T + c*T**2", "teleparallel", "quadratic")
+    quadratic: L = T + c*T**2
+    """
+
+    expression: str | sp.Expr
+    geometry: str = "any"
+    name: str = "Lagrangian"
+
+    def __repr__(self) -> str:
+        return f"{self.name}: L = {self.expression}"
+
+
+def known_as(text: object) -> Lagrangian:
+    """A Lagrangian from what a user gives: text, a sympy expression, a number or a theory."""
+    if isinstance(text, Lagrangian):
+        return text
+    if isinstance(text, str):
+        return Lagrangian(text)
+    message = (
+        "{subject}: expected text such as 'T + c*T**2', a sympy expression in gravity.names, or a "
+        "theory such as gravity.tegr, got {value}."
+    )
+    return Lagrangian(checks.expression(text, "lagrangian", GravityError, message=message))
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A Lagrangian read for one frame.
+
+    expression: in symbols of invariants, of the frame, and of parameters.
+    symbols: symbol -> name of the invariant, for those that occur.
+    """
+
+    frame: Frame
+    expression: sp.Expr
+    symbols: dict[sp.Symbol, str]
+    values: dict[sp.Symbol, Element] = field(default_factory=dict)
+
+    def element(self, expression: sp.Expr) -> Element:
+        """The value of an expression: sums, products and powers are never written out."""
+        exact = self.frame.field
+        if expression in self.values:
+            return self.values[expression]  # type: ignore[index]
+        if not expression.free_symbols & self.values.keys():
+            (read,) = self.frame.read([("lagrangian", expression)])
+            return read
+        if expression.is_Add:
+            return exact.sum([(1, self.element(one)) for one in expression.args])
+        if expression.is_Mul:
+            product = exact.one
+            for one in expression.args:
+                product = product * self.element(one)
+            return product
+        if expression.is_Pow and expression.exp.is_Integer:
+            base = self.element(expression.base)
+            if expression.exp.is_negative and base.is_zero:
+                raise GravityError(
+                    f"{expression}: expected a base that does not vanish, got zero on this "
+                    "connection. Give another Lagrangian or connection."
+                )
+            return base ** int(expression.exp)
+        if isinstance(expression, AppliedUndef | sp.Derivative | sp.Subs):
+            return self._unknown(expression)
+        values = [self.element(one).sympy for one in expression.args]
+        (read,) = self.frame.read([("lagrangian", expression.func(*values))])
+        return read
+
+    def _unknown(self, expression: AppliedUndef | sp.Derivative | sp.Subs) -> Element:
+        """An unknown function, or a partial derivative of it, at the values of its arguments."""
+        places: dict[sp.Expr, sp.Expr] = {}
+        if isinstance(expression, sp.Subs):
+            places = dict(zip(expression.variables, expression.point, strict=True))
+            expression = expression.expr
+        counts: dict[sp.Expr, int] = {}
+        if isinstance(expression, sp.Derivative):
+            counts = {x: int(n) for x, n in expression.variable_count}
+            expression = expression.expr
+        orders = tuple(counts.get(x, 0) for x in expression.args)
+        values = tuple(self.element(x.xreplace(places)) for x in expression.args)
+        return self.frame.field.jet(expression.func, orders, values)
+
+
+def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
+    """A Lagrangian for a frame; known: name in the text -> what it means.
+
+    Raises
+    ------
+    GravityError
+        A name is unknown, has two meanings, or a function has no invariant in it.
+    """
+    own = {symbol.name: symbol for symbol in frame.field.symbols}
+    expression = given.expression
+    if isinstance(expression, str):
+        expression = _parsed(expression, own, known)
+    found: dict[sp.Symbol, str] = {}
+    changed: dict[sp.Symbol, sp.Symbol] = {}
+    for symbol in sorted(expression.free_symbols, key=str):
+        name = symbol.name
+        if symbol in frame.field.symbols and (name not in known or symbol != sp.Symbol(name)):
+            continue
+        _check_name(name, own, known)
+        if name in known:
+            changed[symbol] = marked = sp.Symbol(name)
+            found[marked] = name
+        elif name in own:
+            changed[symbol] = own[name]
+    expression = expression.xreplace(changed)
+    _check_functions(expression, found, own)
+    return Reading(frame, expression, found)
+
+
+def scalar_of(frame: Frame, value: object, where: str) -> Element:
+    """An exact element of a number, an expression, text or a tensor of rank 0."""
+    if isinstance(value, Tensor) and not value.slots and value.frame is frame:
+        return value.element()
+    own = {symbol.name: symbol for symbol in frame.field.symbols}
+    applied = {
+        generator.argument[0].__name__: generator.shown
+        for generator in frame.field.generators
+        if generator.kind == "jet"
+        and isinstance(generator.shown, AppliedUndef)
+        and all(place.is_Symbol for place in generator.shown.args)
+    }
+    message = "{subject}: expected one expression, got {value}."
+    expression = checks.expression(
+        value,
+        where,
+        GravityError,
+        read=lambda text: _parsed(text, own, {}, where, applied),
+        message=message,
+    )
+    (found,) = frame.read([(where, expression)])
+    return found
+
+
+def _parsed(
+    text: str,
+    own: Mapping[str, sp.Symbol],
+    known: Mapping[str, str],
+    where: str = "lagrangian",
+    applied: Mapping[str, sp.Expr] | None = None,
+) -> sp.Expr:
+    """Text by the reader of this package; names that are new become parameters.
+
+    applied: functions that may be written without their arguments.
+    """
+    functions: dict[str, sp.Basic] = dict(applied or {})
+    symbols = {}
+    for word in dict.fromkeys(_NAME.findall(text)):
+        if re.search(rf"\b{word}\s*\(", text):
+            if word not in words.FUNCTIONS and word not in words.SPECIAL and word not in known:
+                functions[word] = sp.Function(word)
+        elif word in functions:
+            continue
+        elif word in own and word not in known:
+            symbols[word] = own[word]
+        elif word in known or word not in words.CONSTANTS:
+            _check_name(word, own, known)
+            symbols[word] = sp.Symbol(word)
+    return parse_expression(text, symbols, functions, where=where)
+
+
+def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
+    """Refuse a name that has two meanings, or that looks like an invariant that is not there."""
+    if name in known:
+        if name in own:
+            raise GravityError(
+                f"lagrangian: {name} is an invariant and a symbol of the frame. Rename the "
+                "symbol of the frame."
+            )
+        return
+    if name in own:
+        return
+    if not known:
+        return
+    suffixed = _SUFFIX.fullmatch(name)
+    if suffixed and suffixed[1] in INVARIANTS:
+        raise GravityError(
+            f"lagrangian: expected invariants of the given connections, got {name}. Give the "
+            "other connection also: equations([gt.cartan(frame), gt.levi_civita(frame)], ...)."
+        )
+    if name in MATTER:
+        raise GravityError(
+            f"lagrangian: expected the matter that {name} belongs to, got none. Give matter="
+            f"{MATTER[name]}, or another name to a parameter."
+        )
+    if name in INVARIANTS:
+        dimension = INVARIANTS[name].only
+        raise GravityError(
+            f"lagrangian: {name} exists in {dimension} dimensions only. Use a frame of dimension "
+            f"{dimension}, or other invariants."
+        )
+    near = checks.close_names(name, [one for one in known if len(one) > 2], cutoff=0.75)
+    same = [one for one in known if one.lower() == name.lower()]
+    if near or same or _FAMILY.fullmatch(name):
+        hint = checks.did_you_mean(name, known)
+        raise GravityError(
+            f"lagrangian: expected the name of an invariant or of a parameter, got {name}. {hint}"
+            f"Known are {', '.join(known)}. Give a parameter another name."
+        )
+
+
+def _check_functions(expression: sp.Expr, found: Mapping, own: Mapping) -> None:
+    """Refuse a function whose arguments hold nothing that varies, and what is no scalar."""
+    for part in sp.preorder_traversal(expression):
+        if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
+            raise GravityError(
+                f"lagrangian: expected a scalar expression in invariants, got {part}. Write "
+                "contractions by their names, listed in gravity.names."
+            )
+        if isinstance(part, AppliedUndef):
+            symbols = part.free_symbols
+            if not any(symbol in found or symbol.name in own for symbol in symbols):
+                raise GravityError(
+                    f"lagrangian: expected invariants as arguments of {part.func}, got {part}. "
+                    "Write f(T) or f(T, Rbar)."
+                )

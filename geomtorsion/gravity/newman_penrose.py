@@ -1,0 +1,161 @@
+"""Newman-Penrose: curvature scalars of a null tetrad and the Petrov type."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+
+import sympy as sp
+
+from geomtorsion import checks
+from geomtorsion.errors import SignatureError, UndecidedError
+from geomtorsion.exact import Element
+from geomtorsion.geometry import Frame, levi_civita
+
+
+def newman_penrose(frame: Frame) -> NewmanPenrose:
+    """Newman-Penrose scalars of the metric of a null tetrad (l, n, m, m_bar).
+
+    Equation
+    --------
+    Psi_0 = C_lmlm, Psi_1 = C_lnlm, Psi_2 = C_lm(m_bar)n, Psi_3 = C_ln(m_bar)n,
+    Psi_4 = C_n(m_bar)n(m_bar)                                          [NewmanPenrose1962]
+
+    Here C has the sign of most books for (-+++), C^a_bcd with R_bd = R^a_bad, which is minus that
+    of `curvature.weyl` in these index places. For (+---) both signs change, and Psi stays.
+
+    Parameters
+    ----------
+    frame
+        Complex, four legs in the order l, n, m, m_bar, with l.n = -1 and m.m_bar = 1, or the
+        opposite signs.
+
+    Raises
+    ------
+    SignatureError
+        eta is not that of a null tetrad.
+
+    Examples
+    --------
+    >>> from geomtorsion.gravity import newman_penrose
+    >>> from geomtorsion.spaces import load
+    >>> kerr = newman_penrose(load("kerr_kinnersley").frame)
+    >>> kerr.petrov_type, kerr.psi[0], kerr.psi[4]
+    ('D', 0, 0)
+    """
+    checks.instance(frame, Frame, "frame")
+    n = frame.dimension
+    eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
+    product = eta[0][1] if n == 4 else 0
+    wanted = [[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, -1], [0, 0, -1, 0]]
+    if product not in (1, -1) or eta != [[product * x for x in row] for row in wanted]:
+        raise SignatureError(
+            "frame: expected a null tetrad l, n, m, m_bar with l.n = -1, m.m_bar = 1 (or both "
+            f"signs changed), got eta = {eta}. Make one with Frame(..., complex=True, "
+            "signature=[[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]])."
+        )
+    return NewmanPenrose(frame)
+
+
+L, N, M, BAR = range(4)
+WEYL = ((L, M, L, M), (L, N, L, M), (L, M, BAR, N), (L, N, BAR, N), (N, BAR, N, BAR))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NewmanPenrose:
+    """Curvature scalars of a null tetrad.
+
+    frame: the tetrad l, n, m, m_bar.
+    """
+
+    frame: Frame
+
+    @property
+    def _sign(self) -> int:
+        """l.n: -1 for (-+++), 1 for (+---)."""
+        return 1 if self.frame.eta[0, 1] == 1 else -1
+
+    @cached_property
+    def _weyl(self) -> list[Element]:
+        weyl = levi_civita(self.frame).curvature.weyl.in_frame()
+        return [weyl.element(*index) * self._sign for index in WEYL]
+
+    @property
+    def psi(self) -> tuple[sp.Expr, ...]:
+        """Psi_0 ... Psi_4, the Weyl tensor."""
+        return tuple(x.sympy for x in self._weyl)
+
+    @cached_property
+    def phi(self) -> dict[str, sp.Expr]:
+        """Phi_00 = R_ll / 2, Phi_01 = R_lm / 2, ..., the trace-free Ricci tensor."""
+        ricci = levi_civita(self.frame).curvature.ricci.in_frame()
+        pairs = {"00": (L, L), "01": (L, M), "02": (M, M), "12": (N, M), "22": (N, N)}
+        found = {name: ricci.element(*index) * Fraction(1, 2) for name, index in pairs.items()}
+        found["11"] = (ricci.element(L, N) + ricci.element(M, BAR)) * Fraction(1, 4)
+        return {name: found[name].sympy for name in sorted(found)}
+
+    @cached_property
+    def curvature_scalar(self) -> sp.Expr:
+        """Lambda = R / 24 for (-+++), -R / 24 for (+---)."""
+        return (levi_civita(self.frame).curvature.scalar.element() * -self._sign / 24).sympy
+
+    @cached_property
+    def petrov_type(self) -> str:
+        """Petrov type at a generic point: O, N, III, D, II or I.
+
+        It tells how the roots of Psi_0 z^4 + 4 Psi_1 z^3 + 6 Psi_2 z^2 + 4 Psi_3 z + Psi_4
+        coincide, by exact zeros of its invariants and covariants; no root is taken.
+
+        Raises
+        ------
+        UndecidedError
+            Whether an invariant vanishes cannot be decided.
+        """
+        a, b, c, d, e = self._weyl
+        if all(map(_vanishes, self._weyl)):
+            return "O"
+        hessian = [
+            a * c - b * b,
+            (a * d - b * c) * 2,
+            a * e + b * d * 2 - c * c * 3,
+            (b * e - c * d) * 2,
+            c * e - d * d,
+        ]
+        first = a * e - b * d * 4 + c * c * 3
+        second = a * c * e + b * c * d * 2 - c * c * c - a * d * d - b * b * e
+        if _vanishes(first) and _vanishes(second):
+            return "N" if all(map(_vanishes, hessian)) else "III"
+        if not _vanishes(first**3 - second**2 * 27):
+            return "I"
+        return "D" if _proportional([a, b * 4, c * 6, d * 4, e], hessian) else "II"
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def __str__(self) -> str:
+        lines = [f"Petrov type {self.petrov_type}"]
+        lines += [f"  Psi_{k} = {value}" for k, value in enumerate(self.psi) if value != 0]
+        lines += [f"  Phi_{k} = {value}" for k, value in self.phi.items() if value != 0]
+        if self.curvature_scalar != 0:
+            lines.append(f"  Lambda = {self.curvature_scalar}")
+        return "\n".join(lines)
+
+
+def _vanishes(element: Element) -> bool:
+    """Whether an element is zero, decided."""
+    verdict = element.is_zero
+    if verdict is None:
+        raise UndecidedError(
+            f"whether {element} vanishes cannot be decided, so that the Petrov type is not known. "
+            "Use functions with known relations."
+        )
+    return verdict
+
+
+def _proportional(one: Sequence[Element], two: Sequence[Element]) -> bool:
+    """Whether two rows depend on each other."""
+    pairs = combinations(range(len(one)), 2)
+    return all(_vanishes(one[i] * two[j] - one[j] * two[i]) for i, j in pairs)

@@ -1,0 +1,121 @@
+"""Atom rows: atoms of one frame of a file, and numbers in the rows of its text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geomtorsion.checks import cut, shown
+from geomtorsion.errors import FileFormatError
+
+
+@dataclass(frozen=True, eq=False)
+class AtomData:
+    """Atoms of one frame of a file.
+
+    positions: shape (atoms, 3), in the unit of the file (ase: angstrom).
+    cell: edges as rows, shape (3, 3), or None if there is none.
+    periodic: along which edges it repeats. species: chemical symbols, or numbers of types as text;
+        None where the file has none.
+    where: the file and frame.
+    """
+
+    positions: np.ndarray
+    cell: np.ndarray | None
+    periodic: tuple[bool, bool, bool]
+    species: tuple[str, ...] | None
+    where: str
+
+    def chosen(self, species: Sequence[str] | None) -> AtomData:
+        """The atoms of some species alone; all without any.
+
+        Raises
+        ------
+        FileFormatError
+            The file has no species, or none of this name.
+        """
+        if species is None:
+            return self
+        present = sorted(set(self.species or ()))
+        for name in species:
+            if name not in present:
+                known = cut(", ".join(present)) or "no species at all"
+                raise FileFormatError(
+                    f"{self.where}: species: expected some of those in the file ({known}), got "
+                    f"{shown(name)}. Name others, or none for all atoms."
+                )
+        names = self.species or ()
+        kept = np.flatnonzero(np.isin(np.array(names), list(species)))
+        return replace(
+            self, positions=self.positions[kept], species=tuple(names[k] for k in kept.tolist())
+        )
+
+
+def words_of(name: str, lines: Sequence[int], rows: Sequence[str], width: int) -> list[list[str]]:
+    """The words of rows that all have so many; lines: the number of each row in the file."""
+    found = [row.split() for row in rows]
+    odd = next((k for k, words in enumerate(found) if len(words) != width), None)
+    if odd is not None:
+        raise FileFormatError(
+            f"{name}: line {lines[odd]}: expected a row like the others, of {width} columns, got "
+            f"{shown(rows[odd].strip())}. Is the file complete?"
+        )
+    return found
+
+
+def numbers_of(
+    name: str, lines: Sequence[int], words: Sequence[Sequence[str]], columns: Sequence[int]
+) -> np.ndarray:
+    """The numbers in some columns of rows, shape (rows, columns)."""
+    texts = [row[k] for row in words for k in columns]
+    joined = "".join(texts)
+    if joined.isascii() and "_" not in joined:
+        try:
+            return np.fromiter(map(float, texts), float, len(texts)).reshape(-1, len(columns))
+        except ValueError:
+            pass
+    for number, row in zip(lines, words, strict=False):
+        for k in columns:
+            if not is_number(row[k]):
+                raise FileFormatError(
+                    f"{name}: line {number}: expected a row like the others, with a number in "
+                    f"column {k + 1}, got {shown(' '.join(row))}. Is the file complete?"
+                )
+            check_number(name, number, row[k])
+    return np.array(texts, dtype=float).reshape(-1, len(columns))
+
+
+def check_number(name: str, line: int, word: str) -> None:
+    """Refuse what Python takes for a number and nobody else: 1_8 is 18 to it."""
+    if (not word.isascii() or "_" in word) and is_number(word):
+        raise FileFormatError(
+            f"{name}: line {line}: {shown(word)} is no number as programs write it, but would be "
+            f"read as {float(word):g}. Correct it, or export the file again."
+        )
+
+
+def is_number(word: str) -> bool:
+    """Whether Python takes a word for a number."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def completed(edges: np.ndarray) -> np.ndarray | None:
+    """Edges of a cell, with unit vectors across the others for those that are 0; None without any.
+
+    Examples
+    --------
+    >>> abs(completed(np.array([[2.0, 0, 0], [0, 3, 0], [0, 0, 0]]))[2]).tolist()
+    [0.0, 0.0, 1.0]
+    """
+    there = edges.any(axis=1)
+    if not there.any():
+        return None
+    found = edges.copy()
+    found[~there] = np.linalg.svd(edges[there])[2][int(there.sum()) :]
+    return found

@@ -1,0 +1,89 @@
+"""Scattered values: points and values from users, checked; rules along edges; their noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy  # loads its parts when they are asked for
+
+from geomtorsion import checks
+from geomtorsion.errors import LONGEST_SHOWN, GridError
+from geomtorsion.materials.fields.grid import Grid, mask_of
+from geomtorsion.materials.fields.noise import robust_covariance, spread
+from geomtorsion.materials.fields.triangulation import Triangulation, checked_polygons
+
+
+def checked_points(given: object) -> np.ndarray:
+    """Coordinates of points, in the plane or in space."""
+    found = checks.array(given, "points", GridError, shape=(None, None))
+    if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
+        raise GridError(
+            f"points: shape (N, 2) or (N, 3), one point in each row, was needed, but {found.shape} "
+            "came."
+        )
+    return found
+
+
+def mesh_of(
+    places: np.ndarray, unknown: np.ndarray, options: dict[str, Any]
+) -> tuple[Triangulation, dict[str, str]]:
+    """The triangulation and the texts, from the options that all makers have in common."""
+    known = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
+    for name in options:
+        checks.known_name(name, sorted(known), "option", GridError)
+    texts = {k: options[k] for k in ("unit", "vector_unit", "source") if k in options}
+    for key, text in texts.items():
+        checks.text(text, key, GridError, longest=LONGEST_SHOWN)
+    longest = options.get("longest")
+    if longest is not None:
+        longest = checks.positive(longest, "longest", GridError)
+    boundary = checked_polygons(options.get("boundary"))
+    if boundary and places.shape[1] != 2:
+        raise GridError("boundary: polygons bound points of a plane, but these are in space.")
+    mask = mask_of(options.get("mask"), (len(places),)) | unknown
+    return Triangulation.of(places, mask, longest, boundary), texts
+
+
+def check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
+    """Refuse infinite values at points that count."""
+    bad = np.argwhere(np.isinf(values[..., mesh.inner]))
+    if len(bad):
+        raise GridError(
+            f"{name}: finite values were needed, but one is infinite at point "
+            f"{mesh.inner[bad[0, -1]]}. Mask it (NaN is a hole)."
+        )
+
+
+def edge_rules(mesh: Triangulation) -> tuple[Any, Any]:
+    """Values at points to their means along edges, (edges, points): by trapezoids, and corrected.
+
+    The integral of f(t) from 0 to 1 is (f(0) + f(1)) / 2 - (f'(1) - f'(0)) / 12 + ...
+    """
+    a, b = mesh.complex.pairs.T
+    edges, shape = np.arange(len(a)), (len(a), len(mesh.points))
+    one, two = (scipy.sparse.csr_array((np.ones(len(a)), (edges, k)), shape=shape) for k in (a, b))
+    plain = (one + two) / 2
+    bend = sum(
+        scipy.sparse.diags_array(step) @ ((two - one) @ slope)
+        for step, slope in zip(mesh.steps.T, mesh.slopes, strict=True)
+    )
+    return plain.tocsr(), (plain - bend / 12).tocsr()
+
+
+def row_of_points(holes: np.ndarray) -> Grid:
+    """Points in a row, so that noise is given and checked as on grids."""
+    return Grid((np.arange(float(len(holes))),), ("point",), (False,), holes)
+
+
+def estimated_noise(
+    mesh: Triangulation, values: np.ndarray, sigma: Any, covariance: Any
+) -> tuple[np.ndarray | None, np.ndarray | None, str]:
+    """Standard deviations, or covariances, from what departs from planes through neighbours."""
+    table, inside = mesh.departures
+    flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
+    rows = list((table @ flat.T).T)
+    said = f"the median of departures from planes through the neighbours of {len(inside)} points"
+    if covariance is None:
+        return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
+    return sigma, robust_covariance(rows), said

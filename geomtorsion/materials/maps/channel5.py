@@ -1,0 +1,181 @@
+"""Channel 5: orientation maps in .cpr, a text, with .crc, the numbers beside it (Oxford, HKL)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import cut
+from geomtorsion.errors import FileFormatError
+from geomtorsion.files import BOUNDS, finite_number, read_text
+from geomtorsion.materials.maps.map_phases import (
+    LAUE_NUMBERS,
+    check_laue,
+    described,
+    whole_phases,
+)
+from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
+from geomtorsion.materials.maps.phases import Phase
+
+# Number of a field -> what it holds and its type; the phase, a byte, goes before all others.
+_FIELDS = {
+    1: ("x", "<f4"), 2: ("y", "<f4"), 3: ("phi1", "<f4"), 4: ("Phi", "<f4"), 5: ("phi2", "<f4"),
+    6: ("deviation", "<f4"), 7: ("contrast", "u1"), 8: ("slope", "u1"), 9: ("field 9", "u1"),
+    10: ("bands", "u1"), 11: ("error", "u1"), 12: ("reliability", "<f4"),
+}  # fmt: skip
+_ANGLES = ("phi1", "Phi", "phi2")
+# Section and key in small letters -> value.
+Keys = dict[tuple[str, str], str]
+
+
+def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
+    """A map of two files, of which either may be named; angles are in radians, steps in um.
+
+    Raises
+    ------
+    FileFormatError
+        One of the files is missing, or they do not fit each other.
+    """
+    laue = checks.table(given, "laue", FileFormatError)
+    text, numbers = (_partner(path, end) for end in (".cpr", ".crc"))
+    keys = _keys(read_text(text, otherwise="latin-1"))
+    fields = [_field(text.name, keys, k + 1) for k in range(_count(text.name, keys, "fields"))]
+    names = [name for name, _ in fields]
+    missing = [name for name in _ANGLES if name not in names]
+    if missing or len(set(names)) < len(names):
+        raise FileFormatError(
+            f"{text.name}: [Fields]: expected each of phi1, Phi and phi2 once (fields 3, 4, 5), "
+            f"got {cut(', '.join(names)) or 'none'}. Export the map again, or as .ctf."
+        )
+    kind = np.dtype([("phase", "u1"), *fields])
+    is_grid = ("job", "xcells") in keys
+    if is_grid:
+        columns, rows = (_whole(text.name, keys, "job", key) for key in ("xcells", "ycells"))
+        count = rows * columns
+    else:
+        columns, rows, count = 0, 0, _whole(text.name, keys, "job", "noofpoints")
+    size = numbers.stat().st_size
+    if size != count * kind.itemsize:
+        raise FileFormatError(
+            f"{numbers.name}: expected {count:,} points of {kind.itemsize} bytes, as {text.name} "
+            f"says, got {size:,} bytes. Copy both files of the map again."
+        )
+    table = np.fromfile(numbers, dtype=kind)
+    euler = np.stack([table[name].astype(float) for name in _ANGLES], axis=1)
+    phases = {
+        k: _phase(text.name, keys, k, laue) for k in range(1, _count(text.name, keys, "phases") + 1)
+    }
+    check_laue(text.name, laue, phases)
+    phase = whole_phases(numbers.name, table["phase"].astype(float), phases)
+    known = np.asarray(np.isfinite(euler).all(axis=1))
+    if (np.abs(euler[known & (phase > 0)]) > 4 * np.pi + 1e-3).any():
+        raise FileFormatError(
+            f"{numbers.name}: expected angles in radians, got larger ones. Are both files of one "
+            "map? Copy them again, or export it as .ctf."
+        )
+    declared = None
+    if is_grid:
+        dx, dy = (_number(text.name, keys, "job", f"griddist{axis}") for axis in "xy")
+        declared = Declared(np.full(rows, columns), (dx, dy))
+        row, column = declared.pixels
+        x, y = dx * column, dy * row
+        if min(dx, dy) <= 0:
+            raise FileFormatError(
+                f"{text.name}: [Job]: expected steps GridDistX and GridDistY above 0, got {dx:g} "
+                f"and {dy:g}. Correct them."
+            )
+    elif "x" in names and "y" in names:
+        x, y = table["x"].astype(float), table["y"].astype(float)
+    else:
+        raise FileFormatError(
+            f"{text.name}: expected a map on a grid (xCells, yCells in [Job]), got {count:,} "
+            "points, no grid. Circuits need neighbouring pixels: export the map of a grid."
+        )
+    return gridded(
+        MapPoints(
+            numbers.name, size, x, y, np.where(known[:, None], euler, 0.0),
+            np.where(known, phase, 0), phases, declared,
+        )
+    )  # fmt: skip
+
+
+def _partner(path: Path, end: str) -> Path:
+    """One of the two files of a map."""
+    found = [path.with_suffix(each) for each in (end, end.upper())]
+    there = [one for one in found if one.is_file()]
+    if not there:
+        raise FileFormatError(
+            f"{path.name}: expected two files, {found[0].with_suffix('.cpr').name} and "
+            f"{found[0].with_suffix('.crc').name}, got no {found[0].name}. Put it beside the other."
+        )
+    return there[0]
+
+
+def _keys(text: str) -> Keys:
+    """Keys of all sections; blanks in keys and sections do not count."""
+    found: Keys = {}
+    section = ""
+    for row in re.split(r"\r\n|\r|\n", text):
+        row = row.strip()
+        key, equals, value = row.partition("=")
+        if row.startswith("["):
+            section = row.strip("[]").replace(" ", "").lower()
+        elif equals and not row.startswith(";"):
+            found[section, key.replace(" ", "").lower()] = value.strip()
+    return found
+
+
+def _number(name: str, keys: Keys, section: str, key: str) -> float:
+    """A finite number."""
+    came = keys.get((section, key), "")
+    value = finite_number(came.replace(",", "."))
+    if value is None:
+        raise FileFormatError(
+            f"{name}: [{section}] {key}: expected a number, got {came[:60] or 'nothing'!r}. Is "
+            "the file complete?"
+        )
+    return value
+
+
+def _whole(name: str, keys: Keys, section: str, key: str) -> int:
+    """A number of things, which the file of numbers must have room for."""
+    value = _number(name, keys, section, key)
+    if value != int(value) or not 0 < value < 2**31:
+        raise FileFormatError(
+            f"{name}: [{section}] {key}: expected a whole number above 0, got {value:g}. Is the "
+            "file complete?"
+        )
+    return int(value)
+
+
+def _count(name: str, keys: Keys, section: str) -> int:
+    """How many fields or phases there are."""
+    found = _whole(name, keys, section, "count")
+    if found > BOUNDS.phases:
+        raise FileFormatError(
+            f"{name}: [{section}] count: expected at most {BOUNDS.phases}, got {found:,}. Is the "
+            "file complete?"
+        )
+    return found
+
+
+def _field(name: str, keys: Keys, k: int) -> tuple[str, str]:
+    """Name and type of a field; those that nobody documents have four bytes."""
+    number = _whole(name, keys, "fields", f"field{k}")
+    return _FIELDS.get(number, (f"field {number}", "<f4"))
+
+
+def _phase(name: str, keys: Keys, k: int, laue: Mapping[int, str]) -> Phase:
+    """A phase from its section."""
+    section = f"phase{k}"
+    lengths, angles = (
+        [_number(name, keys, section, key) for key in names]
+        for names in (("a", "b", "c"), ("alpha", "beta", "gamma"))
+    )
+    title = keys.get((section, "structurename"), section)
+    group = LAUE_NUMBERS.get(_number(name, keys, section, "lauegroup"))
+    return described(f"{name}: [Phase{k}]", k, title, group, laue, (lengths, angles), "y")

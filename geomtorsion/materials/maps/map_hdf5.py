@@ -1,0 +1,223 @@
+"""Map HDF5: orientation maps in .h5oina (Oxford), by h5py, and in files that orix reads."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import cut, shown
+from geomtorsion.errors import (
+    FileFormatError,
+    GeomtorsionError,
+    MissingExtraError,
+)
+from geomtorsion.hdf5 import check_hdf5
+from geomtorsion.materials.maps.map_phases import (
+    LAUE_NUMBERS,
+    check_laue,
+    described,
+    whole_phases,
+)
+from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
+from geomtorsion.materials.maps.phases import Phase
+from geomtorsion.materials.maps.results import UNITS
+
+
+def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
+    """A map of Oxford Instruments (AZtec), as its published specification has it.
+
+    Angles are in radians, places in um. A file holds one acquisition.
+
+    Raises
+    ------
+    MissingExtraError
+        h5py is not installed.
+    FileFormatError
+        The file is damaged, or holds no EBSD map or several.
+    """
+    laue = checks.table(given, "laue", FileFormatError)
+    try:
+        h5py = import_module("h5py")
+    except ImportError:
+        raise MissingExtraError(
+            f"{path.name}: .h5oina files need h5py, which is not installed. Run `pip install "
+            "'geomtorsion[files]'`, or export the map as .ctf."
+        ) from None
+    names = check_hdf5(path, h5py)
+    try:
+        with h5py.File(path, "r") as file:
+            found = [name for name in names if "EBSD/Data" in file[name]]
+            if len(found) != 1:
+                raise FileFormatError(
+                    f"{path.name}: expected one EBSD map (group 1/EBSD/Data), got {len(found)} in "
+                    f"{cut(', '.join(names)) or 'an empty file'}. Export each map with its EBSD "
+                    "data to a file of its own."
+                )
+            points = _h5oina(path, file[found[0]]["EBSD"], laue)
+    except GeomtorsionError:
+        raise
+    except Exception as error:  # noqa: BLE001
+        # A group in the place of numbers, or other shapes, fail in many ways.
+        raise FileFormatError(
+            f"{path.name}: expected the data sets of an .h5oina file, got others "
+            f"({type(error).__name__}: {cut(str(error))}). Export it again, or as .ctf."
+        ) from None
+    check_laue(path.name, laue, points.phases)
+    return gridded(points)
+
+
+def _h5oina(path: Path, group: Any, laue: Mapping[int, str]) -> MapPoints:
+    """The points of an acquisition."""
+    data, header = group["Data"], group["Header"]
+
+    def column(name: str, width: int = 1) -> np.ndarray:
+        return np.asarray(data[name][()], dtype=float).reshape(-1, width)
+
+    def first(name: str) -> float:
+        return float(np.ravel(header[name][()])[0])
+
+    phases: dict[int, Phase] = {}
+    for key in header["Phases"]:
+        one = header["Phases"][key]
+        title = np.ravel(one["Phase Name"][()])[0]
+        title = title.decode("utf-8", "replace") if isinstance(title, bytes) else str(title)
+        lattice = [np.ravel(one[f"Lattice {what}"][()]) for what in ("Dimensions", "Angles")]
+        group_name = LAUE_NUMBERS.get(float(np.ravel(one["Laue Group"][()])[0]))
+        phases[int(key)] = described(
+            f"{path.name}: Phases/{key}", int(key), title, group_name, laue,
+            (lattice[0].tolist(), np.degrees(lattice[1]).round(6).tolist()), "y",
+        )  # fmt: skip
+    euler, phase = column("Euler", 3), column("Phase").ravel()
+    count = len(phase)
+    rows, columns = int(first("Y Cells")), int(first("X Cells"))
+    steps = first("X Step"), first("Y Step")
+    if len(euler) != count or not 0 < rows * columns <= count:
+        raise FileFormatError(
+            f"{path.name}: expected angles and phase of {columns} x {rows} points, got "
+            f"{len(euler):,} and {count:,}. Export the map again."
+        )
+    declared = Declared(np.full(rows, columns), steps)
+    row, across = np.divmod(np.arange(count), columns)
+    x, y = (
+        column(name).ravel() if name in data else step * place
+        for name, step, place in (("X", steps[0], across), ("Y", steps[1], row))
+    )
+    # Outside of maps of other shapes than rectangles nothing is a number.
+    phase = np.where(np.isfinite(euler).all(axis=1), phase, 0)
+    there = np.isfinite(x) & np.isfinite(y)
+    return MapPoints(
+        path.name, path.stat().st_size, x[there], y[there], np.nan_to_num(euler[there]),
+        whole_phases(path.name, phase[there], phases), phases, declared,
+    )  # fmt: skip
+
+
+def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
+    """Refuse points of orix that do not stand row by row."""
+    rows, columns = found.shape
+    row, column = np.divmod(np.arange(rows * columns), columns)
+    for axis, values, place, step in (
+        ("x", found.x, column, steps[0]),
+        ("y", found.y, row, steps[1]),
+    ):
+        off = np.rint((values - values[0]) / step) != place
+        if off.any():
+            k = int(np.argmax(off))
+            raise FileFormatError(
+                f"{name}: point {k + 1}: {axis} = {values[k]:g}, where steps of {step:g} make "
+                f"{values[0] + step * place[k]:g} of it. Sort the points by rows, or export the "
+                "map as .ctf or .ang."
+            )
+
+
+def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
+    """A square grid of an HDF5 file that orix knows (its own, kikuchipy's, EMsoft's, Bruker's).
+
+    Numbers of phases are those of orix and one more: its phases begin with 0. Steps are in um.
+
+    given: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
+    file says.
+
+    Raises
+    ------
+    MissingExtraError
+        orix is not installed.
+    FileFormatError
+        orix cannot read the file, or it holds no whole square grid.
+    """
+    laue = checks.table(given, "laue", FileFormatError)
+    try:
+        # GPL: imported where it is installed, and never needed for anything else.
+        io, h5py = import_module("orix.io"), import_module("h5py")
+    except ImportError:
+        raise MissingExtraError(
+            f"{path.name}: HDF5 files need orix, which is not installed. Run `pip install "
+            "'geomtorsion[ebsd]'`, or export the map as .ctf or .ang."
+        ) from None
+    names = check_hdf5(path, h5py)
+    try:
+        with warnings.catch_warnings():
+            # Angles in degrees that stand for radians: orix reads them and says so.
+            warnings.filterwarnings("error", "Angles are quite high")
+            found = io.load(str(path))
+        rows, columns = found.shape
+        euler = found.rotations.to_euler()
+        number = np.where(found.is_indexed, found.phase_id + 1, 0)
+        steps = float(found.dx), float(found.dy)
+    except Exception as error:  # noqa: BLE001
+        # Readers of several formats, each with errors of its own.
+        reason = cut(str(error)) or type(error).__name__
+        raise FileFormatError(
+            f"{path.name}: orix cannot read a map of rows and columns from it ({reason}); it "
+            f"begins with {cut(', '.join(names)) or 'nothing'}. Export it as .ctf or .ang."
+        ) from None
+    euler = np.reshape(euler, (-1, *np.shape(euler)[-1:]))
+    if len(euler) != rows * columns or min(steps) <= 0:
+        raise FileFormatError(
+            f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
+            f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
+        )
+    # Of Bruker's files orix puts the points in order, but not their places.
+    if "XSAMPLE" not in found.prop:
+        _check_places(path.name, found, steps)
+    # orix writes px where nobody said how large a step is.
+    said = str(found.scan_unit)
+    if said not in UNITS:
+        raise FileFormatError(
+            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(said)}. "
+            "Set steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
+        )
+    unit = UNITS[said] / UNITS["um"]
+    phases = {}
+    for key, phase in found.phases:
+        if key < 0:
+            continue
+        group = None if phase.point_group is None else phase.point_group.laue.name
+        lattice = phase.structure.lattice
+        known = laue.get(key + 1, laue.get(0, group))
+        if known is None:
+            raise FileFormatError(
+                f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "
+                f'such as laue={{{key + 1}: "m-3m"}}.'
+            )
+        try:
+            phases[int(key) + 1] = Phase(
+                str(phase.name),
+                known,
+                (float(lattice.a), float(lattice.b), float(lattice.c)),
+                (float(lattice.alpha), float(lattice.beta), float(lattice.gamma)),
+            )
+        except GeomtorsionError as error:
+            raise FileFormatError(f"{path.name}: {error}") from None
+    check_laue(path.name, laue, phases)
+    return MapFile(
+        np.asarray(euler, dtype=float).reshape(rows, columns, 3),
+        np.asarray(number).reshape(rows, columns),
+        phases,
+        (steps[0] * unit, steps[1] * unit),
+    )

@@ -1,0 +1,79 @@
+"""Map phases: phases as files of orientation maps describe them, and as users correct them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from geomtorsion.checks import shown
+from geomtorsion.errors import FileFormatError, OrientationError
+from geomtorsion.materials.maps.phases import Phase
+
+# Numbers of Laue groups in files of Oxford Instruments.
+LAUE_NUMBERS: dict[float, str] = dict(
+    enumerate(
+        "-1 2/m mmm 4/m 4/mmm -3 -3m 6/m 6/mmm m-3 m-3m".split(),
+        start=1,
+    )
+)
+
+
+def described(
+    where: str,
+    number: int,
+    name: str,
+    laue: str | None,
+    given: Mapping[int, str],
+    lattice: tuple[Sequence[float], Sequence[float]] = ((0.0, 0.0, 0.0), (90.0, 90.0, 90.0)),
+    horizontal: str = "x",
+) -> Phase:
+    """A phase with the Laue group that the user gives, or else the file.
+
+    where: the place in the file. lattice: lengths and angles. horizontal: as of a `Phase`.
+
+    Raises
+    ------
+    FileFormatError
+        Nobody says its symmetry, or its lattice is none.
+    """
+    group = given.get(number, given.get(0, laue))
+    if group is None:
+        raise FileFormatError(
+            f"{where}: phase {number} ({name}): its symmetry is not known. Give it, such as "
+            f'laue={{{number}: "m-3m"}} (--laue).'
+        )
+    lengths, angles = ((float(x[0]), float(x[1]), float(x[2])) for x in lattice)
+    try:
+        return Phase(name, group, lengths, angles, horizontal)
+    except OrientationError as error:
+        raise FileFormatError(f"{where}: {error}") from None
+
+
+def check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) -> None:
+    """Refuse groups of phases that are not in the file."""
+    for number in laue:
+        if number not in (0, *phases):
+            raise FileFormatError(
+                f"{name}: laue: number {shown(number)} is that of no phase. Those of the file are "
+                f"{', '.join(map(str, phases))}."
+            )
+
+
+def whole_phases(
+    name: str, phase: np.ndarray, phases: Mapping[int, Phase], start: int | None = None
+) -> np.ndarray:
+    """Numbers of phases as whole numbers; one that the file does not describe is refused.
+
+    start: line of the first one, from 1; None of binary files.
+    """
+    unknown = ~np.isin(phase, [0, *phases])
+    if unknown.any():
+        k = int(np.argmax(unknown))
+        known = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
+        place = f"point {k + 1}" if start is None else f"line {start + k}"
+        raise FileFormatError(
+            f"{name}: {place}: phase {phase[k]:g} is not described in the header. Known are "
+            f"{known}; 0 is a pixel without an orientation."
+        )
+    return phase.astype(np.int64)

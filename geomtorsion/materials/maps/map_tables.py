@@ -1,0 +1,157 @@
+"""Map tables: orientation maps as text with named columns, such as phi1, Phi, phi2, phase, x, y."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
+from geomtorsion.errors import FileFormatError
+from geomtorsion.files import BOUNDS, read_text
+from geomtorsion.materials.maps.map_phases import check_laue, described
+from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
+
+# What programs call a column, in small letters without units -> what it is here.
+_NAMES = {
+    "phi1": "phi1", "euler1": "phi1", "e1": "phi1", "phi_1": "phi1", "φ1": "phi1",
+    "phi": "Phi", "euler2": "Phi", "e2": "Phi", "φ": "Phi", "ϕ": "Phi",
+    "phi2": "phi2", "euler3": "phi2", "e3": "phi2", "phi_2": "phi2", "φ2": "phi2",
+    "phase": "phase", "phaseid": "phase", "phase_id": "phase", "phaseindex": "phase",
+    "x": "x", "y": "y",
+}  # fmt: skip
+_NEEDED = ("phi1", "Phi", "phi2", "x", "y")
+_MARKS = "#%"
+# A unit behind a name: phi1(deg), x [um].
+_UNIT = re.compile(r"[\[(]\s*([^\])]*)[\])]")
+
+
+def seems_table(content: bytes) -> bool:
+    """Whether the first row that is no comment, or the last comment, names the columns."""
+    text = content.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace")
+    return _header(text.splitlines()) is not None
+
+
+def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
+    """A table with a row of names, in any order; others are passed over.
+
+    Names stand in the first row, or in the last row of comments (#, %), with blanks, tabs, commas
+    or semicolons between them. Angles are in degrees, unless a unit says (rad); places in um.
+    Without a phase all points are of phase 1. The table says no symmetry: give `laue`.
+
+    Raises
+    ------
+    FileFormatError
+        A column is missing, a row has another length, or the symmetry of a phase is not given.
+    """
+    laue = checks.table(given, "laue", FileFormatError)
+    text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
+    lines = re.split(r"\r\n|\r|\n", text)
+    found = _header(lines)
+    if found is None:
+        first = next((line for line in lines if line.strip()), "")
+        raise FileFormatError(
+            f"{path.name}: expected a row of names {', '.join(_NEEDED)} and phase, got "
+            f"{shown(cut(first.strip(), 80))}. Write these names above their columns, or export "
+            "the map as .ctf or .ang."
+        )
+    start, names, split, is_radian = found
+    kept = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
+    table = _table(path.name, lines, kept, len(names), split)
+    columns = {name: table[:, k] for k, name in reversed(list(enumerate(names)))}
+    euler = np.stack([columns[name] for name in ("phi1", "Phi", "phi2")], axis=1)
+    known = np.asarray(np.isfinite(euler).all(axis=1))
+    euler = np.where(known[:, None], euler if is_radian else np.radians(euler), 0.0)
+    far = (np.abs(euler) > 4 * np.pi + 1e-3).any(axis=1)
+    if far.any():
+        k = int(np.argmax(far))
+        unit = "radians, as its header says" if is_radian else "degrees"
+        raise FileFormatError(
+            f"{path.name}: line {kept[k] + 1}: expected Euler angles in {unit}, of at most two "
+            f"turns, got {shown(lines[kept[k]].strip())}. Correct the header or the row."
+        )
+    phase = columns.get("phase", np.ones(len(table)))
+    phase = np.where(known & np.isfinite(phase), phase, 0)
+    numbers = sorted(set(phase.tolist()) - {0.0})
+    odd = [x for x in numbers if x != int(x) or not 0 < x <= BOUNDS.phases]
+    if odd:
+        raise FileFormatError(
+            f"{path.name}: phase: expected whole numbers from 0 to {BOUNDS.phases}, got "
+            f"{odd[0]:g}. Number the phases from 1; 0 is a point without an orientation."
+        )
+    phases = {int(n): described(path.name, int(n), f"phase {n:g}", None, laue) for n in numbers}
+    check_laue(path.name, laue, phases)
+    x, y = columns["x"], columns["y"]
+    bad = ~(np.isfinite(x) & np.isfinite(y))
+    if bad.any():
+        raise FileFormatError(
+            f"{path.name}: line {kept[int(np.argmax(bad))] + 1}: expected numbers x and y, got "
+            f"{shown(lines[kept[int(np.argmax(bad))]].strip())}. Correct the row."
+        )
+    return gridded(
+        MapPoints(
+            path.name, len(text), x, y, euler, phase.astype(np.int64), phases,
+            start=kept[0] + 1 if kept else None,
+        )
+    )  # fmt: skip
+
+
+Header = tuple[int, list[str], str | None, bool]
+
+
+def _header(lines: Sequence[str]) -> Header | None:
+    """Row of the names, the names, what splits columns (None: blanks), whether in radians."""
+    for k, line in enumerate(lines[:1000]):
+        row = line.strip().lstrip(_MARKS).strip()
+        if not row:
+            continue
+        split = next((mark for mark in (",", ";", "\t") if mark in row), None)
+        words = [word.strip().strip("\"'") for word in row.split(split)]
+        if split is None:
+            # Units may stand apart from their names.
+            words = _UNIT.sub(lambda one: f"({one[1]})", re.sub(r"\s+([\[(])", r"\1", row)).split()
+        names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
+        if set(_NEEDED) <= set(names):
+            units = {unit[1].lower() for word in words for unit in _UNIT.finditer(word)}
+            said = " ".join([*lines[:k], row]).lower()
+            return k, names, split, bool({"rad", "radian", "radians"} & units) or "radian" in said
+        if not line.strip().startswith(tuple(_MARKS)) and k:
+            return None
+    return None
+
+
+def _table(
+    name: str, lines: Sequence[str], kept: Sequence[int], width: int, split: str | None
+) -> np.ndarray:
+    """The rows of numbers; nan where there is none."""
+    rows = [lines[k] for k in kept]
+    if not rows:
+        return np.zeros((0, width))
+    try:
+        found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=split, ndmin=2, comments=None)
+        if found.shape == (len(rows), width):
+            return found
+    except ValueError:
+        pass
+    values = []
+    for k in kept:
+        words = [word.strip() for word in lines[k].split(split)]
+        if len(words) != width:
+            raise FileFormatError(
+                f"{name}: line {k + 1}: expected {width} columns, as the row of names has, got "
+                f"{len(words)}. Is the file complete?"
+            )
+        values.append([_value(word) for word in words])
+    return np.array(values, dtype=float).reshape(-1, width)
+
+
+def _value(word: str) -> float:
+    """A number, or nan for a word, such as the name of a phase, or nothing."""
+    try:
+        return float(word) if word.isascii() and "_" not in word else float("nan")
+    except ValueError:
+        return float("nan")

@@ -1,0 +1,298 @@
+"""Readers: every format of measured files, by the end of its name and by its first bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geomtorsion import checks
+from geomtorsion.checks import shown
+from geomtorsion.errors import (
+    FileFormatError,
+    GeomtorsionError,
+    GridError,
+    ImageError,
+    OrientationError,
+)
+from geomtorsion.files import ending, opened
+from geomtorsion.hdf5 import HDF5, check_hdf5
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.fields.blocked_fields import (
+    BlockedField,
+    array_in_blocks,
+    frame_in_blocks,
+)
+from geomtorsion.materials.fields.grid_files import FORMATS as GRIDS
+from geomtorsion.materials.images import LatticeImage, LatticePhases
+from geomtorsion.materials.images.image_files import KINDS as IMAGES
+from geomtorsion.materials.maps import OrientationMap
+from geomtorsion.materials.maps.map_formats import FORMATS as MAPS
+from geomtorsion.materials.source import Source
+
+__all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_source"]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a measured file holds.
+
+    name, plural: in messages. options: of `open_source` that belong to it. error: class of the
+    errors about them. read: the source in a file, from its path and those options.
+    """
+
+    name: str
+    plural: str
+    options: tuple[str, ...]
+    error: type[GeomtorsionError]
+    read: Callable[..., Source]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A format of measured files.
+
+    suffix: end of the name. kind: what the file holds. begins: its first bytes; none for text that
+    may begin with anything. seems: whether bytes are the content of such a text file.
+    """
+
+    suffix: str
+    kind: Kind
+    begins: tuple[bytes, ...] = ()
+    seems: Callable[[bytes], bool] | None = None
+
+
+def _read_grid(path: Path, sigma: float | str | None = None, order: int = 4) -> SampledFrame:
+    """A sampled frame; its noise is estimated unless the file or the caller states it."""
+    frame = SampledFrame.read(path, order)
+    if sigma is None and frame.sigma is None:
+        sigma = "estimate"
+    return frame if sigma is None else replace(frame, sigma=sigma)
+
+
+def _read_map(path: Path, **options: Any) -> OrientationMap:
+    """An orientation map."""
+    if isinstance(options.get("sigma"), str):
+        checks.choice(options.pop("sigma"), ["estimate"], "sigma", OrientationError)
+    return OrientationMap.read(path, **options)
+
+
+def _read_image(
+    path: Path,
+    pixel: tuple[float, str] = (1.0, "px"),
+    spots: Sequence[Sequence[float]] | None = None,
+    resolution: float | None = None,
+) -> LatticePhases:
+    """The phases of a picture of a lattice."""
+    size = checks.entries(pixel, "pixel", ImageError)
+    if len(size) != 2:
+        raise ImageError(
+            f"pixel: expected a size and its unit, got {shown(pixel)}. Write it like (0.02, 'nm')."
+        )
+    return LatticeImage.read(path, *size).phases(spots, resolution)
+
+
+GRID = Kind("a sampled frame", "sampled frames", ("sigma", "order"), GridError, _read_grid)
+MAP = Kind(
+    "an orientation map",
+    f"orientation maps ({', '.join(end for end in MAPS if end not in GRIDS)})",
+    ("threshold", "laue", "sigma", "slip"), OrientationError, _read_map,
+)  # fmt: skip
+IMAGE = Kind(
+    "an image", f"lattice images ({', '.join(IMAGES)})", ("pixel", "spots", "resolution"),
+    ImageError, _read_image,
+)  # fmt: skip
+# First bytes of images.
+_PIXELS = {
+    ".png": (b"\x89PNG",),
+    **dict.fromkeys((".tif", ".tiff"), (b"II*\x00", b"MM\x00*")),
+    ".npy": (b"\x93NUMPY",),
+    **dict.fromkeys((".emd", ".hspy"), (HDF5,)),
+}
+# A new format is a line in FORMATS of grid_files or map_formats, or in KINDS of image_files.
+READERS = (
+    *(Reader(end, GRID, form.begins) for end, form in GRIDS.items()),
+    *(Reader(end, MAP, form.begins, form.seems) for end, form in MAPS.items()),
+    *(Reader(end, IMAGE, _PIXELS.get(end, ())) for end in IMAGES),
+)
+# Arrays in parts, of which maps are made in blocks, are read by other means.
+ARRAYS = (".zarr",)
+SUFFIXES = (*dict.fromkeys(reader.suffix for reader in READERS), *ARRAYS)
+# Bytes at the beginning of a text file that tell fields from maps.
+_BEGINNING = 100_000
+_LONGEST = max(len(mark) for reader in READERS for mark in reader.begins)
+
+
+def is_source(source: str | Path) -> bool:
+    """Whether the end of a name, or the first bytes of the file, are those of a measured file.
+
+    Examples
+    --------
+    >>> is_source("map.CTF"), is_source("field.npz"), is_source("so3"), is_source("a.toml")
+    (True, True, False, False)
+    """
+    path = Path(source)
+    return ending(path) in SUFFIXES or bool(_suffixes(path))
+
+
+def is_array(path: Path) -> bool:
+    """Whether a file is an array that is read only in parts: Zarr, or .npy of four axes or more."""
+    if path.suffix.lower() in ARRAYS:
+        return True
+    if path.suffix.lower() != ".npy" or not path.is_file():
+        return False
+    try:
+        return np.load(path, mmap_mode="r", allow_pickle=False).ndim > 3
+    except (OSError, ValueError, EOFError):
+        return False
+
+
+def open_source(
+    path: str | Path,
+    *,
+    sigma: float | str | None = None,
+    threshold: float | None = None,
+    order: int | None = None,
+    laue: Mapping[int, str] | None = None,
+    slip: str | None = None,
+    pixel: tuple[float, str] | None = None,
+    spots: Sequence[Sequence[float]] | None = None,
+    resolution: float | None = None,
+) -> Source:
+    """The sampled frame, orientation map or phases of a lattice image in a file.
+
+    Parameters
+    ----------
+    sigma
+        Standard deviation of the noise: of each value of a sampled frame; of an orientation in
+        degrees. Without it that of the file, or else "estimate", from the data.
+    threshold
+        Degrees, of orientation maps: neighbours that differ by less belong to one grain.
+    order
+        Of interpolation, of sampled frames.
+    laue
+        Of orientation maps: number of a phase -> name of its Laue group.
+    slip
+        Of orientation maps: the structure whose slip systems make up b, see `slip_families`.
+    pixel
+        Of images: size of a pixel, and the unit in which it is given.
+    spots, resolution
+        Of images: see `LatticeImage.phases`.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or damaged, or its content is of another kind than its name says.
+    GridError, OrientationError, ImageError
+        An option does not belong to this kind of file, or has no such value.
+    """
+    path = checks.file_name(path)
+    suffix, ends = ending(path), _suffixes(path)
+    if ends and suffix not in ends:
+        raise FileFormatError(
+            f"{path.name}: expected a name ending in {' or '.join(ends)}, as its content says, "
+            f"got {shown(path.suffix)}. Rename it."
+        )
+    if suffix not in SUFFIXES:
+        raise FileFormatError(
+            f"{path.name}: expected a name ending in {', '.join(SUFFIXES)}, got "
+            f"{shown(path.suffix)}. Rename or export the file."
+        )
+    if is_array(path):
+        raise GridError(
+            f"{path.name}: expected a file that is read whole, got an array, of which maps are "
+            "made in blocks: geomtorsion map FILE -o DIR. For single circuits save it by "
+            "SampledFrame.save."
+        )
+    kind = kind_of(path)
+    options = {
+        "sigma": sigma, "threshold": threshold, "order": order, "laue": laue or None, "slip": slip,
+        "pixel": pixel, "spots": spots, "resolution": resolution,
+    }  # fmt: skip
+    given = {name: value for name, value in options.items() if value is not None}
+    for name in given:
+        if name not in kind.options:
+            owner = next(one for one in (GRID, MAP, IMAGE) if name in one.options)
+            raise kind.error(
+                f"{name}: expected a file of {owner.plural}, got {kind.name} in {path.name}. Leave "
+                "the option out."
+            )
+    return kind.read(path, **given)
+
+
+def open_in_blocks(
+    path: Path,
+    *,
+    steps: Sequence[float] | None = None,
+    unit: str = "",
+    sigma: float | str | None = None,
+    order: int | None = None,
+) -> BlockedField:
+    """The field in an .npy or Zarr array, or in any file of a sampled frame, for maps in blocks.
+
+    steps, unit: of the axes, of arrays, which do not say them.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or damaged.
+    GridError
+        It is no grid, or its noise is not the same everywhere.
+    """
+    if is_array(path):
+        return array_in_blocks(path, steps, unit, sigma, order)
+    if steps is not None:
+        raise GridError(f"steps: expected them in {path.name}, got the option. Leave it out.")
+    source = open_source(path, sigma=sigma, order=order)
+    if not isinstance(source, SampledFrame):
+        raise GridError(
+            f"blocks: expected a sampled frame, got another kind of source in {path.name}, whose "
+            "map is made at once. Leave out blocks and resume."
+        )
+    return frame_in_blocks(source, path.name)
+
+
+def kind_of(path: Path) -> Kind:
+    """What a file holds, by the end of its name; where several share it, by its content."""
+    readers = [reader for reader in READERS if reader.suffix == ending(path)]
+    kinds = [reader.kind for reader in readers]
+    if GRID in kinds and MAP in kinds and path.is_file():
+        tests = [reader.seems for reader in readers if reader.seems is not None]
+        kinds.remove(GRID if _seems(path, tests) else MAP)
+    return kinds[0]
+
+
+def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
+    """Whether a file whose ending fields and maps share is a map."""
+    if not tests:
+        return not _has_grid(path)
+    with opened(path) as file:
+        content = file.read(_BEGINNING)
+    return any(seems(content) for seems in tests)
+
+
+def _has_grid(path: Path) -> bool:
+    """Whether an HDF5 file may hold a sampled frame; without its library the reader complains."""
+    try:
+        h5py = import_module("h5py")
+    except ImportError:
+        return True
+    return not {"coframe", "distortion"}.isdisjoint(check_hdf5(path, h5py))
+
+
+def suffixes_of(content: bytes) -> tuple[str, ...]:
+    """Ends of names of files that begin like this; none where no format has these first bytes."""
+    every = (reader.suffix for reader in READERS if content.startswith(reader.begins))
+    return tuple(dict.fromkeys(every))
+
+
+def _suffixes(path: Path) -> tuple[str, ...]:
+    """Ends of names that fit the first bytes of a file."""
+    if not path.is_file():
+        return ()
+    with opened(path) as file:
+        return suffixes_of(file.read(_LONGEST))

@@ -1,0 +1,359 @@
+"""Survey: Burgers vectors of circuits of one size at every place of a source, with their errors."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from geomtorsion.caching import cached_property
+from geomtorsion.files import written
+from geomtorsion.materials.burgers import (
+    Covariance,
+    Json,
+    Numbers,
+    counted_significances,
+    noise_level,
+    numbered,
+    significances,
+)
+from geomtorsion.npz import write_npz
+from geomtorsion.outgoing import csv_cell, one_line
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors of many Burgers vectors; each entry broadcasts to the places of the circuits.
+
+    covariance: of components by noise. systematic: bound on the largest component, of all errors
+    that are not noise. chance: that noise changed the whole numbers of b; None where b is measured.
+    """
+
+    covariance: Covariance
+    systematic: np.ndarray
+    chance: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Survey:
+    """Burgers vectors of circuits of one size at every place.
+
+    Errors are computed when they are first needed.
+
+    vectors: b^i, shape (rows, places...), NaN where a circuit has none. On a grid there is one axis
+        of places for each axis, in the order of `names`; circuits turn from the first axis of the
+        plane to the second, as coordinates increase.
+    centres: coordinates of the middles of the circuits, one array for each axis of the source, each
+        broadcasting to the places.
+    area: of each circuit, positive, in the square of `unit`.
+    size: cells along both sides; of scattered points the number of rings of triangles.
+    estimate: makes the errors. names: of the axes. plane: of the circuits. components: names of
+        those of b. unit, vector_unit: of lengths, and of b.
+    missing: why circuits have no b, in words. down: whether pictures show y downwards.
+    whole: b in lattice vectors where it is counted, shape (k, places...); empty otherwise.
+    directed: makes b along the axes of the source where `vectors` is along others.
+    """
+
+    vectors: np.ndarray
+    centres: tuple[np.ndarray, ...]
+    area: Numbers
+    size: tuple[int, ...]
+    estimate: Callable[[], Errors]
+    names: tuple[str, ...]
+    plane: tuple[int, int] = (0, 1)
+    components: tuple[str, ...] = ()
+    unit: str = ""
+    vector_unit: str = ""
+    missing: str = "touch a hole"
+    down: bool = False
+    whole: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    directed: Callable[[], np.ndarray] | None = None
+
+    def __post_init__(self) -> None:
+        """Components without names are numbered."""
+        if not self.components:
+            object.__setattr__(self, "components", numbered(len(self.vectors)))
+
+    # -- b ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def known(self) -> np.ndarray:
+        """Where a circuit has a Burgers vector, shape (places...)."""
+        return np.asarray(np.isfinite(self.vectors).all(axis=0))
+
+    @property
+    def magnitude(self) -> np.ndarray:
+        """|b|, shape (places...)."""
+        return np.linalg.norm(self.vectors, axis=0)
+
+    @property
+    def density(self) -> np.ndarray:
+        """b^i per area: the torsion 2 S_ab^i averaged over each circuit, (rows, places...)."""
+        return self.vectors / self.area
+
+    @property
+    def per_area(self) -> np.ndarray:
+        """|b| per area, shape (places...)."""
+        return self.magnitude / self.area
+
+    def gnd_density(self, burgers: float) -> np.ndarray:
+        """Density of geometrically necessary dislocations of a Burgers vector: |b| / (area b)."""
+        return self.per_area / burgers
+
+    @cached_property
+    def arrows(self) -> np.ndarray | None:
+        """b along both axes of the plane, (2, places...); None if it has no such components."""
+        found = self.vectors if self.directed is None else self.directed()
+        return found[list(self.plane)] if len(found) > max(self.plane) else None
+
+    @property
+    def density_unit(self) -> str:
+        """The unit of `density`."""
+        if not self.unit:
+            return self.vector_unit
+        if self.unit == self.vector_unit:
+            return f"1/{self.unit}"
+        return f"{self.vector_unit}/{self.unit}^2"
+
+    # -- errors -----------------------------------------------------------------------------------
+
+    @cached_property
+    def estimated(self) -> Errors:
+        """Covariance by noise, systematic errors, and chances of other whole numbers."""
+        return self.estimate()
+
+    @cached_property
+    def sigmas(self) -> np.ndarray:
+        """Standard deviation of each component by noise, shape of the vectors."""
+        found = np.zeros(self.vectors.shape)
+        for i, row in enumerate(found):
+            # Rounding may leave less than nothing where noise cancels.
+            row += np.sqrt(np.maximum(self.estimated.covariance.get((i, i), 0.0), 0.0))
+        found[:, ~self.known] = np.nan
+        return found
+
+    @property
+    def noise(self) -> np.ndarray:
+        """Root mean square of |b| by noise alone, shape (places...)."""
+        return np.linalg.norm(self.sigmas, axis=0)
+
+    @property
+    def systematic_error(self) -> np.ndarray:
+        """All errors that are not noise together, of the largest component, shape (places...)."""
+        return np.where(self.known, self.estimated.systematic, np.nan)
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Noise and systematic errors together, as `Burgers.error`, shape (places...)."""
+        return np.hypot(self.noise, self.systematic_error)
+
+    @property
+    def floor(self) -> np.ndarray:
+        """What noise alone makes of `per_area`, shape (places...)."""
+        return self.noise / self.area
+
+    @cached_property
+    def significance(self) -> np.ndarray:
+        """|b| in units of its errors, as `Burgers.significance`; NaN where b is not known."""
+        if self.estimated.chance is not None:
+            found = counted_significances(self.whole, self.estimated.chance, len(self.vectors))
+        else:
+            found = significances(
+                self.vectors, self.estimated.covariance, self.estimated.systematic
+            )
+        return np.where(self.known, found, np.nan)
+
+    @property
+    def level(self) -> float:
+        """The significance that noise alone passes in one circuit of a thousand."""
+        return float(noise_level(len(self.vectors)))
+
+    @property
+    def significant(self) -> np.ndarray:
+        """Where |b| is more than noise explains, shape (places...)."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.significance > self.level)
+
+    # -- places -----------------------------------------------------------------------------------
+
+    @property
+    def places(self) -> np.ndarray:
+        """Coordinates of the middles of all circuits, shape (d, places...)."""
+        return np.array(np.broadcast_arrays(*self.centres))
+
+    @property
+    def on_grid(self) -> bool:
+        """Whether the places are those of a grid, with one axis for each axis of the source."""
+        return self.vectors.ndim - 1 == len(self.centres)
+
+    @property
+    def lines(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates of the middles along both axes of the plane; of each point off a grid."""
+        one, two = (self.centres[k].ravel() for k in self.plane)
+        return one, two
+
+    @property
+    def axes(self) -> tuple[str, str]:
+        """Names of both axes of the plane."""
+        return self.names[self.plane[0]], self.names[self.plane[1]]
+
+    @cached_property
+    def _others(self) -> list[int]:
+        return [k for k in range(len(self.centres)) if k not in self.plane] if self.on_grid else []
+
+    @cached_property
+    def layers(self) -> tuple[str, ...]:
+        """Where each plane is on all other axes, in words; one empty text if there are none."""
+        names = [self.names[k] for k in self._others]
+        lines = (self.centres[k].ravel().tolist() for k in self._others)
+        return tuple(place_name(names, at) for at in product(*lines))
+
+    def laid(self, values: np.ndarray) -> np.ndarray:
+        """Values of the places by both axes of the plane and by layer, (..., p, q, layers).
+
+        Off a grid p counts the circuits, and q is one.
+        """
+        if not self.on_grid:
+            return values[..., None, None]
+        order = [*self.plane, *self._others]
+        ahead = values.ndim - len(order)
+        turned = values.transpose(*range(ahead), *(ahead + k for k in order))
+        return turned.reshape(*turned.shape[: ahead + 2], -1)
+
+    @property
+    def strongest_layer(self) -> int:
+        """Number of the layer with the largest |b|."""
+        sizes = np.where(self.known, self.magnitude, -1.0)
+        return int(np.argmax(self.laid(sizes).max(axis=(0, 1))))
+
+    @property
+    def extent(self) -> str:
+        """Size of the circuits, in words."""
+        if self.on_grid:
+            return f"{' x '.join(map(str, self.size))} cells"
+        return f"{self.size[0]} rings of triangles" if self.size[0] else "one triangle"
+
+    # -- numbers and files ------------------------------------------------------------------------
+
+    def summary(self) -> Json:
+        """A few numbers, as plain data; numbers that do not exist are None.
+
+        circuits, known, significant: how many. median, largest: of |b| per area; floor: median of
+        what noise alone makes of it; level: the significance that noise passes once in a thousand
+        times. place: coordinates of the largest.
+        """
+        known, area = self.known, np.broadcast_to(self.area, self.known.shape)
+        found: Json = {
+            "size": list(self.size),
+            "area": float(area.mean()),
+            "circuits": known.size,
+            "known": int(known.sum()),
+            "significant": int((self.significant & known).sum()),
+            "level": self.level,
+            "unit": self.unit,
+            "vector_unit": self.vector_unit,
+            "density_unit": self.density_unit,
+            "median": None,
+            "largest": None,
+            "floor": None,
+            "place": None,
+        }
+        if known.any():
+            density = self.per_area
+            laid = self.laid(np.where(known, density, -1.0))
+            p, q, layer = np.unravel_index(np.argmax(laid), laid.shape)
+            one, two = self.lines
+            found |= {
+                "median": float(np.median(density[known])),
+                "largest": float(laid[p, q, layer]),
+                "floor": float(np.median(self.floor[known])),
+                "place": [float(one[p]), float(two[q if self.on_grid else p])],
+                "layer": self.layers[layer],
+            }
+        return found
+
+    def write_table(self, path: Path) -> None:
+        """One line for each circuit with a b, as CSV; numbers read back as the same doubles."""
+        layered = self.layers != ("",)
+        places = self.axes if self.on_grid else self.names
+        header = [f"{name}_centre" for name in places] + ["layer"] * layered
+        header += [*self.components, "b_per_area", "noise_floor", "grid_error", "significance"]
+        columns = [
+            *self.vectors, self.per_area, self.floor, self.systematic_error / self.area,
+            self.significance,
+        ]  # fmt: skip
+        table = np.stack([self.laid(column) for column in columns], axis=-1)
+        one, two = self.lines
+        with written(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+            file.write(f"# unit: {one_line(self.unit)}\n")
+            file.write(f"# vector_unit: {one_line(self.vector_unit)}\n")
+            area = f"{self.area!r}" if np.ndim(self.area) == 0 else "by circuit"
+            file.write(f"# area: {area}\n")
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(map(csv_cell, header))
+            for p, q, layer in np.argwhere(self.laid(self.known)).tolist():
+                at: Iterable[float] = (one[p], two[q])
+                if not self.on_grid:
+                    at = (line[p] for line in self.centres)
+                writer.writerow(
+                    [
+                        *(repr(float(x)) for x in at),
+                        *([csv_cell(self.layers[layer])] * layered),
+                        *(repr(float(x)) for x in table[p, q, layer]),
+                    ]
+                )
+
+    def write_arrays(self, path: Path) -> None:
+        """All arrays as NPZ: axes of the plane first, then layers."""
+        one, two = self.lines
+        arrays: Json = {
+            "vectors": self.laid(self.vectors),
+            "density": self.laid(self.per_area),
+            "noise_floor": self.laid(self.floor),
+            "grid_error": self.laid(self.systematic_error),
+            "significance": self.laid(self.significance),
+            "known": self.laid(self.known),
+            "area": self.area,
+            "size": self.size,
+            "names": list(self.axes),
+            "layers": list(self.layers),
+            "components": list(self.components),
+            "unit": self.unit,
+            "vector_unit": self.vector_unit,
+            "first_centres": one,
+            "second_centres": two,
+        }
+        if self.arrows is not None:
+            arrays["in_plane"] = self.laid(self.arrows)
+        with written(path) as part:
+            write_npz(part, arrays)
+
+    def __repr__(self) -> str:
+        where = "" if self.known.all() else f", {int((~self.known).sum())} {self.missing}"
+        units = ""
+        if self.unit or self.vector_unit:
+            units = f", in {self.vector_unit}, lengths in {self.unit}"
+        count = " x ".join(map(str, self.known.shape))
+        return f"Survey({count} circuits of {self.extent}{where}{units})"
+
+
+def middles(
+    starts: Sequence[float], steps: Sequence[float], counts: Sequence[int], sides: Sequence[int]
+) -> tuple[np.ndarray, ...]:
+    """Coordinates of the middles of circuits on a grid, one open array for each axis.
+
+    starts, steps: of the first node and from one to the next. counts: places. sides: cells of a
+    circuit along each axis.
+    """
+    every = zip(starts, steps, counts, sides, strict=True)
+    lines = [start + step * (np.arange(n) + side / 2) for start, step, n, side in every]
+    return tuple(np.meshgrid(*lines, indexing="ij", sparse=True))
+
+
+def place_name(names: Sequence[str], values: Sequence[float]) -> str:
+    """Where a plane is on other axes, in words."""
+    return ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))

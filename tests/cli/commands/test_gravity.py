@@ -1,0 +1,46 @@
+"""gravity: field equations from one line."""
+
+import json
+
+import sympy as sp
+
+from geomtorsion.exact import parse_expression
+from tests.cli.running import run
+
+
+def test_equations_of_a_tetrad() -> None:
+    """f(T) of a cosmos: scalar, equations, antisymmetric part, identities."""
+    text = run("gravity", "frw", "-L", "T + c*T**2").stdout
+    assert text.startswith("frw: L = T + c*T**2\nCartan connection\nT = ")
+    assert "\nE[0, 0] = " in text
+    assert "translations: holds" in text
+    assert "rotations: holds" in text
+
+
+def test_a_solution_is_one_line() -> None:
+    """Kerr solves TEGR, Schwarzschild solves R + alpha GB."""
+    assert "\nE = 0\n" in run("gravity", "kerr").stdout
+    made = run("gravity", "schwarzschild", "-c", "levi-civita", "-L", "R + alpha*GB")
+    assert "\nE = 0\n" in made.stdout
+
+
+def test_two_connections_and_json() -> None:
+    """f(T, Rbar) as data that is read back."""
+    made = run(
+        *("gravity", "frw", "-c", "cartan", "-c", "levi-civita"),
+        *("-L", "T*Rbar", "--format", "json"),
+    )
+    data = json.loads(made.stdout)
+    assert data["connections"] == ["Cartan connection", "Levi-Civita connection"]
+    assert data["identities"] == {"translations": True, "rotations": True}
+    assert set(data["scalars"]) == {"T", "Rbar"}
+    names = {"t": sp.Symbol("t"), "r": sp.Symbol("r"), "theta": sp.Symbol("theta")}
+    names |= {"k": sp.Symbol("k")}
+    for text in data["equations"]["E"].values():
+        parse_expression(text, names)
+
+
+def test_refusals_of_the_command() -> None:
+    """An unknown name and a connection that does not fit end with 2 and a message."""
+    assert "Did you mean T1" in run("gravity", "s2", "-L", "t1", code=2).stderr
+    assert "not flat" in run("gravity", "s2", "-L", "tegr", "-c", "levi-civita", code=2).stderr

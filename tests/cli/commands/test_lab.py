@@ -1,0 +1,44 @@
+"""The command for the classroom page: what it prints for other machines."""
+
+import ipaddress
+import re
+
+import pytest
+
+from geomtorsion.cli.commands import lab as command
+from tests.cli.running import run
+
+
+def printed(monkeypatch, *options: str) -> str:
+    """What the command prints when the page is ready; nothing is served."""
+
+    def served(address, ready, _sessions):
+        ready(address.guarded().url(2718))
+
+    monkeypatch.setattr(command, "serve", served)
+    return run("lab", *options).stdout
+
+
+def test_this_machine_alone_needs_no_code(monkeypatch):
+    """One line."""
+    assert printed(monkeypatch) == "Torsion lab: http://127.0.0.1:2718/  (Ctrl-C ends it)\n"
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::"])
+def test_other_machines_get_address_and_code(monkeypatch, host):
+    """The address on the network and not the name of all interfaces, and a code of 8 letters."""
+    text = printed(monkeypatch, "--host", host)
+    found = re.search(r"Other machines: open http://([^:/]+):2718/ and type the code (\w+)", text)
+    assert found is not None
+    assert len(found[2]) == 8
+    assert f"?access_token={found[2]}" in text
+    assert host not in text.split()
+    if re.fullmatch(r"[0-9.]+", found[1]):
+        assert not ipaddress.ip_address(found[1]).is_unspecified
+
+
+def test_the_code_is_drawn(monkeypatch):
+    """A square of half blocks, or how to get it."""
+    monkeypatch.setattr(command, "shows_greek", lambda: True)
+    text = printed(monkeypatch, "--host", "0.0.0.0")
+    assert "█▀" in text or "pip install 'geomtorsion[lab]'" in text

@@ -1,0 +1,151 @@
+"""Symmetry: dimensions of known spaces, vectors that are exact, good and bad tetrads."""
+
+import pytest
+import sympy as sp
+from hypothesis import HealthCheck, given, settings
+
+import geomtorsion as gt
+from geomtorsion.errors import GeomtorsionError
+from tests.laws.frames import frames
+
+t, x, y, z, r, theta, phi = sp.symbols("t x y z r theta phi", positive=True)
+a = sp.Function("a")(t)
+S = sp.sin(theta)
+
+
+def diagonal(symbols: list, *entries: sp.Expr) -> gt.Frame:
+    """A diagonal coframe with the signature (-+++)."""
+    return gt.Frame(symbols, sp.diag(*entries), signature=(-1, 1, 1, 1))
+
+
+def shipped(name: str) -> gt.Frame:
+    """The frame of a shipped space."""
+    return gt.spaces.load(name).frame
+
+
+SPHERICAL = diagonal([t, r, theta, phi], 1, a, a * r, a * r * S)
+CARTESIAN = diagonal([t, x, y, z], 1, a, a, a)
+FLAT = diagonal([t, x, y, z], 1, 1, 1, 1)
+BALL = diagonal([t, r, theta, phi], 1, 1, r, r * S)
+
+# Frame, what is kept, dimension, dimension of the orbits, how many are found.
+KNOWN = {
+    "Minkowski": (FLAT, "metric", 10, 4, 10),
+    "Minkowski, spherical": (BALL, "metric", 10, 4, 8),
+    "FLRW": (CARTESIAN, "metric", 6, 3, 6),
+    "FLRW, spherical": (SPHERICAL, "metric", 6, 3, 6),
+    "FLRW, good tetrad": (CARTESIAN, "teleparallel", 6, 3, 6),
+    "FLRW, bad tetrad": (SPHERICAL, "teleparallel", 1, 1, 1),
+    "Schwarzschild": (shipped("schwarzschild"), "metric", 4, 3, 4),
+    "static tetrad": (shipped("schwarzschild"), "teleparallel", 2, 2, 2),
+    "Kerr": (shipped("kerr"), "metric", 2, 2, 2),
+    "Kerr, null tetrad": (shipped("kerr_kinnersley"), "metric", 2, 2, 2),
+    "S3": (shipped("s3"), "metric", 6, 3, 6),
+    "so3": (shipped("so3"), "metric", 6, 3, 6),
+    # Turns from the left and from the right keep its torsion.
+    "so3, parallel legs": (shipped("so3"), "teleparallel", 6, 3, 6),
+    "Goedel": (shipped("goedel"), "metric", 5, 4, 5),
+    "Heisenberg": (shipped("heisenberg"), "metric", 4, 3, 4),
+    "Heisenberg, parallel legs": (shipped("heisenberg"), "teleparallel", 4, 3, 4),
+    "Sol": (shipped("sol"), "metric", 3, 3, 3),
+    "half plane": (gt.Frame([x, y], sp.diag(1 / y, 1 / y)), "metric", 3, 2, 3),
+    "hyperbolic plane": (gt.Frame([r, phi], sp.diag(1, sp.sinh(r))), "metric", 3, 2, 3),
+    "a line": (gt.Frame([x], [[1 + x**2]]), "metric", 1, 1, 1),
+    "none": (gt.Frame([x, y], [[1, x * y], [0, 1 + x**3 + y]]), "metric", 0, 0, 0),
+}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_dimensions(name: str) -> None:
+    """Killing vectors of the metric, and of the metric with the connection of the tetrad."""
+    frame, keep, dimension, orbits, count = KNOWN[name]
+    found = gt.symmetries(frame, keep)
+    assert found.dimension == dimension
+    assert found.orbits == orbits
+    assert found.isotropy == dimension - orbits
+    assert found.ranks[-1] == found.ranks[-2]
+    assert len(found.vectors) == count
+    for xi in found.vectors:
+        assert gt.lie(xi, frame).is_zero
+        assert gt.lie(xi, found.connection).is_zero
+
+
+def test_vectors_form_an_algebra() -> None:
+    """Brackets of the symmetries of Schwarzschild are symmetries; three directions at a point."""
+    frame = shipped("schwarzschild")
+    vectors = gt.symmetries(frame).vectors
+    for one in vectors:
+        for two in vectors:
+            assert gt.lie(gt.lie_bracket(frame, one, two), frame).is_zero
+    point = {"t": 1, "r": 5, "theta": 1, "phi": 2}
+    rows = sp.Matrix([one.at(point).tolist() for one in vectors])
+    assert rows.rank(iszerofunc=lambda value: abs(value) < 1e-12) == 3
+
+
+def test_a_connection_over_a_flat_metric() -> None:
+    """T_12^3 = 1 leaves the translations and the turn about z; Gamma_00^0 = x leaves fewer."""
+    torsion = [[[0] * 4 for _ in range(4)] for _ in range(4)]
+    torsion[1][2][3], torsion[2][1][3] = 1, -1
+    found = gt.symmetries(FLAT, gt.from_torsion(FLAT, torsion))
+    assert (found.dimension, len(found.vectors)) == (5, 5)
+    assert "connection from torsion" in str(found)
+    coefficients = [[[0] * 4 for _ in range(4)] for _ in range(4)]
+    coefficients[0][0][0] = x
+    # Translations along t, y, z and the turn about x.
+    assert gt.symmetries(FLAT, gt.from_coefficients(FLAT, coefficients)).dimension == 4
+    assert gt.symmetries(FLAT, gt.levi_civita(FLAT)).dimension == 10
+
+
+def test_dimension_does_not_depend_on_the_legs() -> None:
+    """A turned tetrad has the metric's dimension; S7 has 28."""
+    assert gt.symmetries(shipped("s7")).dimension == 28
+    turned = gt.Frame([x, y], [[sp.cos(x * y), -sp.sin(x * y)], [sp.sin(x * y), sp.cos(x * y)]])
+    assert gt.symmetries(turned).dimension == 3
+    # It turns by an angle that only the hyperbolas x y = const keep: no motion of the plane does.
+    assert gt.symmetries(turned, keep="teleparallel").dimension == 0
+
+
+@settings(
+    max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+@given(frames(largest=3))
+def test_no_more_vectors_than_dimensions(frame: gt.Frame) -> None:
+    """What is found is counted by the ranks, and parallel legs keep no more than the metric."""
+    metric, legs = gt.symmetries(frame), gt.symmetries(frame, keep="teleparallel")
+    assert len(metric.vectors) <= metric.dimension
+    assert len(legs.vectors) <= legs.dimension <= metric.dimension
+    assert 0 <= metric.orbits <= frame.dimension
+
+
+def test_report() -> None:
+    """Both dimensions are reported, and what was searched where some are missing."""
+    text = str(gt.symmetries(BALL))
+    assert text.startswith("10 symmetries of the metric, orbits of dimension 4\nfound 8 of 10:")
+    assert "searched: rational combinations" in text
+    assert "searched" not in repr(gt.symmetries(CARTESIAN))
+
+
+def test_killing_equations() -> None:
+    """A turn about a horizontal axis solves those of the sphere."""
+    sphere = shipped("s2")
+    q = sphere.coordinates
+    equations = gt.killing_equations(sphere)
+    assert len(equations) == 3
+    names = [sp.Function(f"xi^{one.name}")(*q) for one in q]
+    turn = dict(zip(names, (sp.sin(q[1]), sp.cos(q[1]) * sp.cot(q[0])), strict=True))
+    for one in equations:
+        assert sp.simplify(one.lhs.subs(turn).doit()) == 0
+
+
+REFUSALS = [
+    (lambda: gt.symmetries(CARTESIAN, "metrics"), "metric"),
+    (lambda: gt.symmetries(CARTESIAN, gt.cartan(SPHERICAL)), "over the frame"),
+    (lambda: gt.symmetries(3), "frame"),  # pyright: ignore[reportArgumentType]
+]
+
+
+@pytest.mark.parametrize(("call", "words"), REFUSALS)
+def test_what_has_no_symmetries_is_refused(call, words):
+    """Each error says what was expected."""
+    with pytest.raises(GeomtorsionError, match=words):
+        call()

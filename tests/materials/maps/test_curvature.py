@@ -1,0 +1,106 @@
+"""Curvature: bent crystals of known dislocation density, on both kinds of grids, with noise."""
+
+import numpy as np
+import pytest
+
+from geomtorsion.errors import OrientationError
+from geomtorsion.materials.maps import OrientationMap, Phase
+from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector
+from tests.real import real
+
+RATE, STEP = 3e-3, 0.5
+STEEL = Phase("steel", "m-3m", (2.87, 2.87, 2.87))
+BASE = quaternion_from_rotation_vector([0.3, -0.7, 0.4])
+
+
+def bent(kappa: np.ndarray, shift: float = 0.0, shape=(9, 11), noise: float = 0.0):
+    """A map that turns by kappa_ij x_j (small angles), from an orientation of its own."""
+    rows, columns = np.indices(shape)
+    x = STEP * (columns + shift * (rows % 2)) - 2.0
+    y = STEP * rows - 2.0
+    theta = np.stack([x, y], axis=-1) @ kappa.T
+    theta = theta + noise * np.random.default_rng(0).normal(size=theta.shape)
+    q = product(quaternion_from_rotation_vector(theta), np.broadcast_to(BASE, (*shape, 4)))
+    return OrientationMap(
+        q, np.ones(shape, dtype=int), {1: STEEL}, (STEP, STEP), shift,
+        sigma=float(np.degrees(noise)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.5, -0.5])
+@pytest.mark.parametrize("component", range(6))
+def test_a_bent_crystal(component: int, shift: float):
+    """Each component of the curvature is found everywhere, and the Nye tensor is its own."""
+    kappa = np.zeros((3, 2))
+    kappa.ravel()[component] = RATE
+    made = bent(kappa, shift)
+    inner = made.curvature.tensor[1:-1, 1:-1]
+    assert inner == pytest.approx(np.broadcast_to(kappa, inner.shape), abs=1e-9)
+    full = np.zeros((3, 3))
+    full[:, :2] = kappa
+    alpha = full.T - np.trace(full) * np.eye(3)
+    nye = made.curvature.nye[4, 5]
+    known = np.array([[0, 1, 1], [1, 0, 1], [0, 0, 1]], dtype=bool)
+    assert nye[known] == pytest.approx(alpha[known], abs=1e-9)
+    assert np.isnan(nye[~known]).all()
+    density, floor = made.gnd_density(0.25e-3)
+    assert density[4, 5] == pytest.approx(RATE / 0.25e-3, rel=1e-6)
+    assert (floor[1:-1, 1:-1] == 0).all()
+    # On hexagonal grids corners have but one neighbour in the next row.
+    assert np.isfinite(density).all() or shift
+
+
+def test_the_density_of_a_known_bend():
+    """About y along x by 0.02 degrees per um, b = 0.25 nm: 1.396 per um^2, which a frame misses."""
+    made = bent(np.array([[0, 0], [np.radians(0.02), 0], [0, 0]]))
+    density, _ = made.gnd_density(0.25e-3)
+    assert density == pytest.approx(np.full(density.shape, 1.396), abs=5e-4)
+    assert made.frame(0).gnd_density(0.25e-3)[0].max() < 1e-2
+
+
+def test_the_nye_tensor_is_that_of_the_coframe():
+    """Lines across the map: curvature and the curl of the coframe agree, to first order."""
+    kappa = 1e-3 * np.array([[1.0, -2.0], [0.5, 3.0], [4.0, -1.5]])
+    made = bent(kappa)
+    crystal = made.frame(0).nye[:, 0, 5, 4]
+    rotation = made.coframe[4, 5]
+    third = np.cross(rotation[:, 0], rotation[:, 1])
+    specimen = np.column_stack([rotation, third]).T @ crystal
+    assert made.curvature.nye[4, 5, :, 2] == pytest.approx(specimen, rel=2e-2, abs=1e-5)
+
+
+def test_noise_alone_reaches_its_floor():
+    """The root mean square of the density of a straight crystal is the floor that is told."""
+    made = bent(np.zeros((3, 2)), shape=(40, 50), noise=1e-3)
+    density, floor = made.gnd_density(0.25e-3)
+    inner = (slice(1, -1), slice(1, -1))
+    rms = np.sqrt((density[inner] ** 2).mean())
+    assert rms == pytest.approx(floor[inner].mean(), rel=0.05)
+    assert floor[0, 0] > 1.9 * floor[5, 5]
+
+
+def test_walls_are_no_curvature():
+    """Neighbours across a wall do not count; a pixel without any has no density."""
+    angles = np.zeros((5, 6, 3))
+    angles[:, 3:, 0] = 20.0
+    angles[2, 1] = np.nan
+    made = OrientationMap.from_euler(angles, 1.0, "m-3m", sigma=0)
+    density, _ = made.gnd_density(1e-3)
+    known = np.isfinite(angles[..., 0])
+    # Beside the gap, these two have no neighbour along x: a surface and the wall.
+    known[2, [0, 2]] = False
+    assert (density[known] == 0).all()
+    assert np.isnan(density[~known]).all()
+    with pytest.raises(OrientationError, match="burgers"):
+        made.gnd_density(-1)
+
+
+def test_real_maps():
+    """Grains print as one line; the wafer of silicon is hardly bent."""
+    made = OrientationMap.read(real("ebsd/si_wafer.ctf"))
+    density, floor = made.gnd_density(0.384e-3)
+    assert np.nanmedian(density) < 2 * np.nanmedian(floor)
+    assert repr(made.grains).count("\n") == 0
+    assert "grains in 1,680 of 1,680 pixels" in repr(made.grains)
+    steel = OrientationMap.read(real("ebsd/sdss_ferrite_austenite.ang"))
+    assert len(repr(steel.grains)) < 100

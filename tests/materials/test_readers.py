@@ -1,0 +1,143 @@
+"""Readers: files are told by name and content; options that do not belong are named."""
+
+# Tests give what users give, wrong things included, and read what may be missing.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false
+
+import re
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import (
+    ArgumentError,
+    FileFormatError,
+    GridError,
+    ImageError,
+    OrientationError,
+)
+from geomtorsion.materials.fields import SampledFrame
+from geomtorsion.materials.images import LatticePhases
+from geomtorsion.materials.maps import OrientationMap
+from geomtorsion.materials.readers import is_source, open_source
+from tests.materials.images.atoms import crystal
+from tests.materials.maps.test_map_files import ctf, write
+
+
+def grid(folder, name="field.npz", **options):
+    """A plane grid of constant torsion 1, as a file."""
+    axes = [np.linspace(0, 5, 11), np.linspace(0, 6, 13)]
+    x, y = np.meshgrid(*axes, indexing="ij")
+    SampledFrame(axes, np.array([[-y, x]]) / 2, **options).save(folder / name)
+    return folder / name
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.nc", "a.csv"])
+def test_grids_of_every_kind(tmp_path, name):
+    """What is saved is opened; its noise is that of the file."""
+    field = open_source(grid(tmp_path, name, sigma=0.25, unit="nm"))
+    assert isinstance(field, SampledFrame)
+    assert field.unit == "nm"
+    assert field.sigma.max() == 0.25
+
+
+def test_noise_is_given_or_estimated(tmp_path):
+    """Without noise in the file it is estimated, and said so; a given value wins."""
+    path = grid(tmp_path)
+    assert "median of sixth differences" in open_source(path).description[1]
+    assert open_source(path, sigma=0.5).sigma.max() == 0.5
+    assert open_source(path, order=2).order == 2
+
+
+def test_orientation_maps(tmp_path):
+    """A .ctf file is an orientation map with a threshold and a noise."""
+    path = write(tmp_path, ctf(), "a.ctf")
+    field = open_source(path, sigma=0.5, threshold=7)
+    assert isinstance(field, OrientationMap)
+    assert field.threshold == 7
+    assert "0.5 degrees in Nickel (given)" in field.description[2]
+
+
+def test_content_against_name(tmp_path):
+    """A renamed file is told by its first bytes, with the remedy."""
+    path = grid(tmp_path).rename(tmp_path / "map.ctf")
+    with pytest.raises(
+        FileFormatError, match=re.escape("ending in .npz, as its content says, got '.ctf'")
+    ):
+        open_source(path)
+    path = write(tmp_path, ctf(), "map.txt")
+    assert is_source(path)
+    with pytest.raises(FileFormatError, match=re.escape("ending in .ctf") + ".*Rename it"):
+        open_source(path)
+
+
+def test_names_that_mean_nothing(tmp_path):
+    """Spaces are none, and unknown ends are refused."""
+    assert not is_source("so3")
+    (tmp_path / "a.doc").write_text("nothing")
+    with pytest.raises(FileFormatError, match="a name ending in"):
+        open_source(tmp_path / "a.doc")
+
+
+def test_options_that_do_not_belong(tmp_path):
+    """Each is named, with what to do."""
+    with pytest.raises(
+        GridError, match="threshold: expected a file of orientation maps.*Leave the"
+    ):
+        open_source(grid(tmp_path), threshold=3)
+    with pytest.raises(
+        OrientationError, match="order: expected a file of sampled frames, got an orientation map"
+    ):
+        open_source(write(tmp_path, ctf(), "a.ctf"), order=4)
+    with pytest.raises(OrientationError, match="sigma"):
+        open_source(write(tmp_path, ctf(), "a.ctf"), sigma="guess")
+
+
+def test_images(tmp_path):
+    """An array of grey values becomes phases; what belongs to others is refused."""
+    image = crystal(96, "square", dislocated=False)
+    path = tmp_path / "atoms.npy"
+    np.save(path, image.values)
+    field = open_source(
+        path, pixel=(0.05, "nm"), spots=(image.vectors / 0.05).tolist(), resolution=0.5
+    )
+    assert isinstance(field, LatticePhases)
+    assert (field.unit, field.resolution) == ("nm", 0.5)
+    with pytest.raises(ImageError, match="sigma: expected a file of sampled frames, got an image"):
+        open_source(path, sigma=1)
+    with pytest.raises(GridError, match="pixel: expected a file of lattice images"):
+        open_source(grid(tmp_path), pixel=(1, "nm"))
+    np.save(path, np.random.default_rng(0).normal(size=(128, 128)))
+    with pytest.raises(ImageError, match="no lattice that can be seen"):
+        open_source(path)
+
+
+def test_hdf5_is_told_by_what_is_in_it(tmp_path):
+    """A sampled frame by its data set; anything else is asked of orix."""
+    h5py = pytest.importorskip("h5py")
+    assert isinstance(open_source(grid(tmp_path, "field.h5")), SampledFrame)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["numbers"] = np.arange(5)
+    with pytest.raises(gt.GeomtorsionError, match=r"orix|coframe"):
+        open_source(tmp_path / "other.h5")
+
+
+def test_orientations_in_hdf5(tmp_path):
+    """A map that orix writes is an orientation map."""
+    io = pytest.importorskip("orix.io")
+    path = write(tmp_path, ctf(), "a.ctf")
+    io.save(str(tmp_path / "a.h5"), io.load(str(path)))
+    field = open_source(tmp_path / "a.h5", threshold=7)
+    assert isinstance(field, OrientationMap)
+    assert field.shape == open_source(path).shape
+
+
+def test_sizes_of_pixels_and_names_of_files(tmp_path):
+    """A pixel size that is not a pair and a path that is not a name are refused."""
+    path = tmp_path / "atoms.npy"
+    np.save(path, np.eye(40))
+    for pixel in (0.5, (0.5,), (0.5, "nm", 1)):
+        with pytest.raises(ImageError, match="pixel: "):
+            open_source(path, pixel=pixel)
+    with pytest.raises(ArgumentError, match="path: expected the name of a file, got 5"):
+        open_source(5)

@@ -1,0 +1,147 @@
+"""Sources: whatever measured b, one circuit and the survey agree, and both can be shown."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.materials import Source
+from geomtorsion.pictures.measured import draw_circuits, draw_survey
+from tests.materials.images.atoms import crystal
+from tests.materials.maps.synthetic import wall
+
+LINES = [np.linspace(0, 5, 11), np.linspace(0, 6, 13)]
+X, Y = np.meshgrid(*LINES, indexing="ij")
+
+
+def twist(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """A coframe of torsion 1 in its first row, bent."""
+    return np.array([[-y, x + x**2 / 9], [np.sin(y), 0 * x]]) / 2
+
+
+def displaced() -> gt.SampledFrame:
+    """Noisy displacements around an edge dislocation."""
+    u = 0.286 / (2 * np.pi) * np.arctan2(Y - 2.9, X - 2.3)
+    noise = np.random.default_rng(1).normal(0, 1e-3, (2, *X.shape))
+    return gt.SampledFrame.from_displacement(
+        LINES, np.array([u, 0 * u]) + noise, branch=0.286, sigma=0.05, unit="nm"
+    )
+
+
+def scattered(dimension: int = 2) -> gt.ScatteredFrame:
+    """Points of a twist in the plane, or in space."""
+    points = np.random.default_rng(0).uniform(0, 5, (300, dimension))
+    values = twist(*points.T[:2])
+    if dimension == 3:
+        values = np.concatenate([values, 0 * values[:, :1]], axis=1)
+    return gt.ScatteredFrame.from_coframe(points, values, sigma=0.01, unit="um")
+
+
+SOURCES = {
+    "grid": lambda: gt.SampledFrame(LINES, twist(X, Y), sigma=0.01, unit="nm"),
+    "correlated": lambda: gt.SampledFrame(
+        LINES, twist(X, Y), covariance=1e-4 * (np.eye(4) + 0.5).reshape(2, 2, 2, 2), unit="nm"
+    ),
+    "displacement": displaced,
+    "map": lambda: wall(2.0, (20, 30), 0.5, sigma=0.1),
+    "image": lambda: gt.LatticeImage(crystal(96, "square").noisy(0.3, 1), 0.5, "nm").phases(),
+    "points": scattered,
+}
+
+
+@pytest.fixture(scope="module", params=SOURCES)
+def source(request: pytest.FixtureRequest) -> Source:
+    """One of each kind."""
+    return SOURCES[request.param]()
+
+
+def single(source: Source, survey: gt.materials.Survey, place: tuple[int, ...]):
+    """The circuit of a survey at a place, on its own."""
+    if isinstance(source, gt.ScatteredFrame):
+        row = source.mesh.complex.boundary(1).tocsr()[[place[0]]].tocoo()
+        chain = dict(zip(row.coords[1].tolist(), row.data.tolist(), strict=True))
+        return source.burgers(chain)
+    one, two = (line[k] for line, k in zip(survey.lines, place, strict=True))
+    step = [line[1] - line[0] for line in survey.lines]
+    half = [side * h / 2 for side, h in zip(survey.size, step, strict=True)]
+    low, high = (one - half[0], two - half[1]), (one + half[0], two + half[1])
+    corners = [low, (high[0], low[1]), high, (low[0], high[1])]
+    return source.burgers(gt.Loop.polygon([list(map(float, c)) for c in corners], name="square"))
+
+
+def test_a_survey_holds_what_each_circuit_gives(source):
+    """b, its noise, its other errors and its significance, at places drawn by lot."""
+    scatter = isinstance(source, gt.ScatteredFrame)
+    survey = source.burgers_map(0 if scatter else 4)
+    places = np.argwhere(survey.known)
+    for place in map(tuple, np.random.default_rng(2).choice(places, 5, replace=False)):
+        b = single(source, survey, place)
+        at = (slice(None), *place)
+        scale = b.magnitude + b.error
+        assert survey.vectors[at] == pytest.approx(b.vector, rel=1e-6, abs=1e-9 * scale)
+        if b.whole.size:
+            assert survey.whole[at].tolist() == b.whole.tolist()
+        else:
+            assert survey.noise[place] == pytest.approx(b.noise, rel=1e-6)
+            assert survey.sigmas[at] == pytest.approx(b.sigmas, rel=1e-6)
+        # Grids take their other rule along lines of nodes, circuits along the curve.
+        assert survey.systematic_error[place] == pytest.approx(
+            b.systematic_error, rel=0.5, abs=1e-3 * scale
+        )
+        assert survey.significance[place] == pytest.approx(b.significance, rel=0.1, abs=0.05)
+        assert survey.errors[place] == pytest.approx(
+            np.hypot(survey.noise[place], survey.systematic_error[place])
+        )
+
+
+def test_results_are_plain_data(source):
+    """Lines of text, a summary, a table, arrays; a copy by pickle gives the same bits."""
+    scatter = isinstance(source, gt.ScatteredFrame)
+    survey = source.burgers_map(0 if scatter else 4)
+    again = pickle.loads(pickle.dumps(survey))
+    assert np.array_equal(again.significance, survey.significance, equal_nan=True)
+    numbers = survey.summary()
+    assert numbers["known"] == survey.known.sum() > 0
+    assert numbers["largest"] == pytest.approx(np.nanmax(survey.per_area))
+    assert all(isinstance(line, str) and line for line in source.description)
+
+
+def test_every_source_can_be_drawn(source):
+    """A survey in two panels; circuits on what lies below them."""
+    scatter = isinstance(source, gt.ScatteredFrame)
+    survey = source.burgers_map(2 if scatter else 4)
+    assert len(draw_survey(survey).axes) == 4
+    middle = [float(line.mean()) for line in survey.lines]
+    radius = (0.3 if scatter else 0.5) * float(min(np.ptp(line) for line in survey.lines))
+    b = source.burgers(gt.Loop.circle(middle, radius))
+    figure = draw_circuits(source, [b])
+    assert len(figure.axes[0].lines) == 2
+    assert b.to_json()["loop"] == b.name
+
+
+def test_points_in_space():
+    """Circuits lie in the plane of their largest area; faces near it are below them."""
+    source = scattered(3)
+    b = source.burgers(gt.Loop.circle([2.5, 2.5, 2.5], 1.5, plane=(1, 2)))
+    assert b.section.plane == (1, 2)
+    assert b.path.shape[0] == 2
+    below = source.backdrop(b.section)
+    assert 20 < len(below.values) < len(source.mesh.corners)
+    assert draw_circuits(source, [b]).axes[0].get_ylabel().startswith("$z$")
+    with pytest.raises(gt.GeomtorsionError, match="plane: expected two different axes from 0 to 2"):
+        source.burgers_map(0, (0, 3))
+
+
+def test_tables_of_scattered_points(tmp_path):
+    """Each circuit is a line with its middle; numbers come back as the same doubles."""
+    survey = scattered().burgers_map(1)
+    survey.write_table(tmp_path / "t.csv")
+    text = (tmp_path / "t.csv").read_text().splitlines()
+    assert text[3].startswith("x_centre,y_centre,b0,b1,b_per_area")
+    assert len(text) == 4 + survey.known.sum()
+    first = list(map(float, text[4].split(",")))
+    assert first[:4] == [*survey.places[:, 0], *survey.vectors[:, 0]]
+    survey.write_arrays(tmp_path / "t.npz")
+    with np.load(tmp_path / "t.npz") as arrays:
+        assert (arrays["area"] == survey.area).all()

@@ -1,0 +1,130 @@
+"""Kerr orbits: constants and frequencies against published values and long integrations."""
+
+import math
+
+import numpy as np
+import pytest
+
+import geomtorsion as gt
+from geomtorsion.errors import StartError
+
+# KerrGeodesics (Black Hole Perturbation Toolkit), KerrGeoConstantsOfMotion and KerrGeoFrequencies.
+PUBLISHED_CONSTANTS = (0.95426997475311240549, 1.79647169810973255845, 9.73622324161324995960)
+PUBLISHED_FREQUENCIES = (0.037645648405229756, 0.05262560724893245, 0.05816122061091471)
+ORBITS = [(0.9, 6, 0.3, 0.5), (0.998, 2.5, 0.4, 0.9), (0.5, 10, 0.6, -0.7), (0.0, 9, 0.2, 0.4)]
+
+
+def test_published_constants():
+    """E, L and Q of a = 0.9, p = 10, e = 0.1 at 60 degrees, to the last digit of a double."""
+    orbit = gt.kerr_orbit(0.9, 10, 0.1, math.cos(math.pi / 3))
+    found = (orbit.energy, orbit.angular_momentum, orbit.carter)
+    assert found == pytest.approx(PUBLISHED_CONSTANTS, rel=1e-15)
+
+
+def test_published_frequencies():
+    """Omega of a = 0.9, p = 6, e = 0.3 in the equator."""
+    found = gt.kerr_orbit(0.9, 6, 0.3, 1).frequencies
+    assert (found.radial, found.polar, found.azimuthal) == pytest.approx(
+        PUBLISHED_FREQUENCIES, rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("r", [6.5, 10, 1e3, 1e6])
+@pytest.mark.parametrize("x", [1, 0.3, 0, -1])
+def test_circles_without_spin(r, x):
+    """Omega = r^(-3/2), radial r^-2 sqrt(r - 6): Schwarzschild's, however they are inclined."""
+    orbit = gt.kerr_orbit(0, r, 0, x)
+    found = orbit.frequencies
+    assert found.radial == pytest.approx(math.sqrt(r - 6) / r**2, rel=1e-14)
+    assert found.polar == pytest.approx(r**-1.5, rel=1e-14)
+    assert found.azimuthal == pytest.approx((1 if x >= 0 else -1) * r**-1.5, rel=1e-14)
+    assert orbit.energy == pytest.approx((1 - 2 / r) / math.sqrt(1 - 3 / r), rel=1e-15)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("a", [0.3, 0.95])
+def test_circles_in_the_equator(a, sense):
+    """Omega = +-1 / (r^(3/2) +- a) [Bardeen, Press, Teukolsky 1972]; both senses."""
+    found = gt.kerr_orbit(a, 12, 0, sense).frequencies
+    assert found.azimuthal == pytest.approx(sense / (12**1.5 + sense * a), rel=1e-14)
+    radial = 1 - 6 / 12 + sense * 8 * a / 12**1.5 - 3 * a**2 / 144
+    assert found.radial == pytest.approx(abs(found.azimuthal) * math.sqrt(radial), rel=1e-13)
+
+
+@pytest.mark.parametrize("shape", ORBITS)
+def test_the_orbit_in_mino_time_is_the_geodesic(shape):
+    """The curve of gt.geodesic, solved in proper time, is where Mino's equations lead."""
+    orbit = gt.kerr_orbit(*shape)
+    mino = gt.solve(orbit.mino(), 3 * 2 * math.pi / orbit.mino_frequencies.radial)
+    curve = gt.solve(orbit.geodesic(), float(mino["tau"][-1]))
+    expected = [float(mino[name][-1]) for name in ("t", "r", "theta", "phi")]
+    turns = 2 * math.pi * round((expected[3] - curve.coordinates[-1, 3]) / (2 * math.pi))
+    assert curve.coordinates[-1] + [0, 0, 0, turns] == pytest.approx(expected, rel=1e-7)
+    assert mino["r"][-1] == pytest.approx(orbit.radii[1], rel=1e-8)
+    # The largest and smallest radius of the curve are those of the shape.
+    r = curve.at(np.linspace(0, curve.times[-1], 4001)).coordinates[:, 1]
+    p, e = shape[1:3]
+    assert (r.min(), r.max()) == pytest.approx((p / (1 + e), p / (1 - e)), rel=1e-5)
+
+
+@pytest.mark.parametrize("shape", ORBITS)
+def test_frequencies_of_a_long_integration(shape):
+    """Means over a few hundred radial periods come as near as their length allows."""
+    orbit = gt.kerr_orbit(*shape)
+    slow, fast = orbit.mino_frequencies, orbit.frequencies
+    turns = 300
+    end = turns * 2 * math.pi / slow.radial
+    solution = gt.solve(orbit.mino(), [end], accuracy=1e-9)
+    last = {name: float(solution[name][-1]) for name in ("psi", "chi", "t", "phi", "tau")}
+    assert last["psi"] == pytest.approx(2 * math.pi * turns, rel=1e-8)
+    near = 1 / turns
+    assert (last["chi"] - math.pi / 2) / end == pytest.approx(slow.polar, rel=near)
+    assert last["phi"] / end == pytest.approx(slow.azimuthal, rel=near)
+    assert last["t"] / end == pytest.approx(fast.rate, rel=near)
+    assert last["tau"] / end == pytest.approx(orbit.proper_frequencies.rate, rel=near)
+    assert fast.azimuthal == pytest.approx(slow.azimuthal / fast.rate, rel=1e-15)
+
+
+def test_through_the_equator_and_over_the_poles():
+    """Frequencies are smooth where orbits become circular, polar or equatorial."""
+    for shape, beside in [
+        ((0.9, 6, 0, 0.5), (0.9, 6, 1e-9, 0.5)),
+        ((0.9, 6, 0.3, 0), (0.9, 6, 0.3, 1e-10)),
+        ((0.9, 6, 0.3, 1), (0.9, 6, 0.3, 1 - 1e-15)),
+        ((0, 9, 0.2, 0.4), (1e-12, 9, 0.2, 0.4)),
+    ]:
+        one, two = (gt.kerr_orbit(*x).frequencies for x in (shape, beside))
+        for name in ("radial", "polar", "azimuthal"):
+            assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-8)
+
+
+def test_constants_are_those_of_the_curve():
+    """E, L and Carter's constant, read off the frame velocities of the geodesic."""
+    orbit = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
+    a, r = orbit.a, orbit.radii[1]
+    u = orbit.geodesic().frame_velocity
+    assert -(u[0] ** 2) + u[1] ** 2 + u[2] ** 2 + u[3] ** 2 == pytest.approx(-1, abs=1e-14)
+    shifted = orbit.carter + (orbit.angular_momentum - a * orbit.energy) ** 2
+    assert r**2 * (u[2] ** 2 + u[3] ** 2) == pytest.approx(shifted, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ((0.9, 2, 0.3, 1), "stable bound orbit, got p = 2 inside the separatrix"),
+        ((0, 6.99, 0.5, 1), "inside the separatrix"),
+        ((0.9, 8, 0.2, -1), "inside the separatrix"),
+        ((1.2, 6, 0, 1), "0 <= a <= 1, got a = 1.2. For motion against the spin give x < 0"),
+        ((-0.5, 6, 0, 1), "0 <= a <= 1, got a = -0.5"),
+        ((0.9, 6, 1, 1), "0 <= e < 1"),
+        ((0.9, 6, 0.1, 1.1), "-1 <= x <= 1"),
+        ((0.9, -6, 0.1, 1), "p > 0"),
+        ((0.9, "six", 0.1, 1), "p: expected a finite number"),
+        ((float("nan"), 6, 0.1, 1), "a: expected a finite number"),
+    ],
+)
+def test_refusals(shape, words):
+    """Shapes that no bound orbit has."""
+    with pytest.raises(StartError, match=words):
+        gt.kerr_orbit(*shape)
+    assert gt.kerr_orbit(0, 7.01, 0.5, 1).energy < 1
