@@ -317,7 +317,7 @@ def test_texts_of_hdf5_may_be_bytes_and_lists(tmp_path):
     assert (found.unit, found.names, found.periodic) == ("nm", ("x", "y"), (False, True))
     with square(tmp_path / "a.h5") as file:
         file.attrs["unit"] = 3
-    with pytest.raises(FileFormatError, match="unit: a text was needed"):
+    with pytest.raises(FileFormatError, match="unit: expected a text, got "):
         SampledFrame.read(tmp_path / "a.h5")
 
 
@@ -397,7 +397,7 @@ def test_links_in_netcdf_are_not_followed(tmp_path):
     assert SampledFrame.read(tmp_path / "a.nc").coframe.shape == (1, 2, 8, 8)
     with h5py.File(tmp_path / "a.nc", "a") as file:
         file["other"] = h5py.ExternalLink("/etc/hostname", "/x")
-    with pytest.raises(FileFormatError, match="other is a link to /etc/hostname"):
+    with pytest.raises(FileFormatError, match="got a link to /etc/hostname"):
         SampledFrame.read(tmp_path / "a.nc")
 
 

@@ -238,7 +238,7 @@ def test_correlated_noise_is_told():
         (np.triu(np.ones((4, 4))), "symmetric matrices without negative eigenvalues"),
         (np.ones((4, 4)) - 2 * np.eye(4), "but the least one is -"),
         (np.full((4, 4), np.inf), "covariance: finite numbers"),
-        ("guess", "covariance: one of estimate"),
+        ("guess", "covariance: expected one of estimate"),
     ],
 )
 def test_covariances_that_are_none(covariance, message):
@@ -323,7 +323,7 @@ def test_sigma_of_nodes_may_differ():
         (np.inf, "0 or more were needed, but inf"),
         (np.where(X > 0.5, -1.0, 1.0), r"but -1 came at node \(23, 0\)"),
         (np.ones(3), r"shape \(31, 29\) \(nodes\), \(2, 2\) \(components\)"),
-        ("guess", "sigma: one of estimate"),
+        ("guess", "sigma: expected one of estimate"),
         ([["1"]], "sigma: an array of real numbers"),
     ],
 )

@@ -161,7 +161,7 @@ def test_circuits_that_are_none_are_refused():
         phases.burgers(gt.Loop.circle([128, 128], 60).times(10**9))
     with pytest.raises(LoopError, match="3 coordinates, an image 2"):
         phases.burgers(gt.Loop.circle([128, 128, 0], 60))
-    with pytest.raises(gt.errors.ArgumentError, match="loop: a Loop was needed"):
+    with pytest.raises(gt.errors.ArgumentError, match="loop: expected a Loop"):
         phases.burgers([[0, 0], [1, 1]])
-    with pytest.raises(ImageError, match="risk: a positive number was needed"):
+    with pytest.raises(ImageError, match="risk: expected a positive number"):
         phases.burgers(gt.Loop.circle([128, 128], 60), risk=-1)

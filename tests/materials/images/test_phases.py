@@ -165,8 +165,8 @@ def test_equal_calls_give_equal_bits():
         ([[0, 0], [0, 0.1]], "6 periods across the image or more were needed, but a spot has 0"),
         ([[0.02, 0], [0, 0.02]], "but a spot has 5.12: it lies at the origin"),
         ([[0.1, 0], [0.2, 0]], "both lie on one line"),
-        ([[0.1, 0]], r"shape \(2, 2\) was needed"),
-        ([[0.1, "x"], [0, 1]], "an array of real numbers was needed"),
+        ([[0.1, 0]], r"expected shape \(2, 2\)"),
+        ([[0.1, "x"], [0, 1]], "expected an array of real numbers, got "),
         ([[0.1, np.nan], [0, 1]], "is not finite"),
     ],
 )

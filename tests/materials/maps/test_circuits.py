@@ -69,8 +69,8 @@ HALF: Any = ((1.5, 1), 2)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Circuit.square((1, 1), 0), "rows: a whole number from 1 on"),
-        (lambda: Circuit.square(*HALF), "pixel: a whole number"),
+        (lambda: Circuit.square((1, 1), 0), "rows: expected a whole number from 1 on"),
+        (lambda: Circuit.square(*HALF), "pixel: expected a whole number"),
         (lambda: Circuit.square((1,), 2), "a row and a column were needed"),
         (lambda: Circuit.of_cells(np.zeros((2, 2), dtype=int)), "not all zero"),
         (lambda: Circuit.of_cells([[True], [True, False]]), "whole numbers or truth values"),

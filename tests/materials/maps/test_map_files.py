@@ -167,7 +167,7 @@ def test_groups_of_phases_that_are_not_there(tmp_path):
         with pytest.raises(FileFormatError, match="is that of no phase. Those of the file are 1."):
             read_map_file(path, laue)
     word: Any = "6/mmm"
-    with pytest.raises(FileFormatError, match="laue: .*'6/mmm' came"):
+    with pytest.raises(FileFormatError, match="laue: expected .*'6/mmm'"):
         OrientationMap.read(path, laue=word)
 
 

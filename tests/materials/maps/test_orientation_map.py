@@ -313,7 +313,7 @@ def test_a_grain_as_a_sampled_frame():
     assert inside[:5].all()
     assert theirs.vectors[:, inside] == pytest.approx(ours.vectors[:, inside], abs=1e-13)
     assert np.isnan(theirs.vectors[:, 5:8]).all()
-    with pytest.raises(OrientationError, match="grain: a whole number from 0 to 1"):
+    with pytest.raises(OrientationError, match="grain: expected a whole number from 0 to 1"):
         crystal.frame(2)
     hexagonal = OrientationMap(
         crystal.quaternions, crystal.phase, crystal.phases, (1, 1), 0.5, sigma=0
@@ -412,17 +412,17 @@ def test_steel():
 
 
 BAD = {
-    "quaternions: shape": {"quaternions": np.zeros((3, 3))},
+    "quaternions: expected shape": {"quaternions": np.zeros((3, 3))},
     r"phase: shape \(3, 3\)": {"phase": np.ones((2, 2))},
     "phase 7 of a pixel is none of": {"phase": np.full((3, 3), 7)},
     "nothing is known at any": {"phase": np.zeros((3, 3))},
     r"pixel \(1, 2\) has no finite one": {"hole": (1, 2)},
-    "steps: a positive number": {"steps": (1.0, 0.0)},
-    "threshold: a positive number": {"threshold": -1},
+    "steps: expected a positive number": {"steps": (1.0, 0.0)},
+    "threshold: expected a positive number": {"threshold": -1},
     "sigma: standard deviations of 0 or more": {"sigma": -0.1},
-    "sigma: 3 numbers were needed": {"sigma": [0.1, 0.2]},
+    "sigma: expected 3 numbers, got ": {"sigma": [0.1, 0.2]},
     "unit: 'inch' is not known": {"unit": "inch"},
-    "phase 1: a Phase was needed": {"phases": {1: "m-3m"}},
+    "phase 1: expected a Phase, got ": {"phases": {1: "m-3m"}},
 }
 
 
@@ -442,7 +442,7 @@ def test_bad_maps_are_refused(message):
 def test_sizes_and_places_are_checked():
     """A circuit larger than the map, or outside of it."""
     crystal = two_grains()
-    with pytest.raises(OrientationError, match="size: a whole number from 1 to 7 was needed"):
+    with pytest.raises(OrientationError, match="size: expected a whole number from 1 to 7, got "):
         crystal.burgers_map(8)
     with pytest.raises(OrientationError, match=r"pixel \(9, .*lies outside of the map of 8 x 10"):
         crystal.burgers(Circuit.square((6, 0), 3))
