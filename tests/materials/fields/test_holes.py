@@ -144,11 +144,11 @@ def test_circuits_in_three_dimensions_surround_tubes():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda g: g.loop_around(7), "hole: a whole number from 0 to 1"),
+        (lambda g: g.loop_around(7), "hole: expected a whole number from 0 to 1"),
         (lambda g: g.loop_around(), "which of 2 holes"),
         (lambda g: g.loop_around(0, 30), "reaches the edge"),
         (lambda g: g.loop_around(0, 8), r"touches another hole at node \(30, 21\)"),
-        (lambda g: g.loop_around(0, 0), "margin: a whole number from 1"),
+        (lambda g: g.loop_around(0, 0), "margin: expected a whole number from 1"),
         (lambda g: g.loop_around(0, plane=(0, 0)), "two different axes"),
         (lambda g: g.cochain, "the grid has holes"),
     ],

@@ -56,5 +56,5 @@ def test_every_square_is_what_its_circuit_is(size):
 def test_sizes_that_are_none_are_refused(size):
     """With the range of those that are."""
     phases = gt.LatticeImage(made(256, "square").values).phases()
-    with pytest.raises(ImageError, match="size: a whole number from 2 to 255"):
+    with pytest.raises(ImageError, match="size: expected a whole number from 2 to 255"):
         phases.burgers_map(size)
