@@ -289,7 +289,7 @@ FLAT = np.ones((1, 2, len(X)))
         (lambda: ScatteredFrame.from_coframe(POINTS[:, :1], FLAT), r"shape \(N, 2\) or \(N, 3\)"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT[:, :, 1:]), r"coframe: shape \(rows, 2"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: 2 or 4"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1), "longest: expected a positive"),
+        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1), "expected a positive"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=1e-3), "no triangle is left"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.nan), "no triangle is left"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.inf), "infinite at point 0"),
