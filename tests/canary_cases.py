@@ -134,6 +134,19 @@ def public_functions() -> list[Case]:
         _public("levi_civita", frame=PLANE),
         _public("identities", connection=CARTAN),
         *gravity_functions(),
+        _public("Form", frame=PLANE, degree=1, source={0: X}, values="", symbol="alpha"),
+        _public("lie", xi=[X, Y], field=PLANE),
+        _public("lie_bracket", frame=PLANE, first=[X, Y], second=[Y, X]),
+        _public(
+            "surface", frame=PLANE, coordinates=["u"], embedding={"x": 1, "y": "u"},
+            domain=None, orientation=1,
+        ),
+        _public("symmetries", frame=PLANE, keep="metric"),
+        _public("killing_equations", frame=PLANE),
+        _public(
+            "spinning", connection=RIEMANN, start=[0, 0], velocity=[1, 1],
+            spin=[[0, 0], [0, 0]], coupling="orbital", parameters={},
+        ),
         _of("contract", _contracted, letters="ab,b->a"),
         _public("from_coefficients", frame=PLANE, coefficients=[[[0, X], [0, 0]]] * 2),
         _public("from_contortion", frame=PLANE, contortion=[[[0, 0], [0, 0]]] * 2),
@@ -596,5 +609,5 @@ RESULTS = frozenset(
     "EquationsOfMotion ExactBurgersVector IdentityCheck LogMap NodeRule SavedSolution SceneCost "
     "SceneResult Solution StateSelection Variation Atlas Chart CurveProblem DislocationNetwork "
     "Engine LatticeBurgers LatticePhases Certainty Proof Linearization KerrOrbit "
-    "Frequencies".split()
+    "Frequencies Surface Symmetries".split()
 )

@@ -30,15 +30,15 @@ def test_a_whole_file_says_what_it_holds(tmp_path):
     [
         (
             lambda file: file.__setitem__("group/x", h5py.ExternalLink("/etc/hosts", "/x")),
-            "group/x is a link to /etc/hosts",
+            "group/x: expected data in this file, got a link to /etc/hosts",
         ),
         (
             lambda file: file.create_dataset("x", (9,), "f8", external=[("b", 0, 72)]),
-            "x lies in other files",
+            "x: expected data in this file, got a reference",
         ),
         (
             lambda file: file.create_virtual_dataset("x", virtual_layout("other.h5")),
-            "x lies in other files",
+            "x: expected data in this file, got a reference",
         ),
     ],
 )

@@ -91,8 +91,8 @@ CEILINGS = {
     "inner imports without a reason": 0,
     "percent of Any": 3.6,
     # Of these 17 choose steps and precision in proofs; no ball depends on them.
-    "tuned constants": 142,
-    "tests of no module": 34,
+    "tuned constants": 146,
+    "tests of no module": 35,
     "files of a first motion": 40,
     "frames of a first motion": 24,
 }
@@ -104,9 +104,9 @@ BUDGET = {
     "cli": 3300,
     "codegen": 2350,
     "curves": 3350,
-    "exact": 6700,
+    "exact": 6750,
     "geometry": 5150,
-    "gravity": 2000,
+    "gravity": 2100,
     "loops": 5750,
     "materials": 14900,
     "ode": 5100,
@@ -115,7 +115,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3850,
-    "spaces": 3850,
+    "spaces": 4000,
     "support files": 2200,
     "teaching": 10950,
 }

@@ -46,8 +46,7 @@ extensions = [
 ]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
 exclude_patterns = ["extensions", "style"]
-# Tutorials of the glob are those that the list above it does not name, perhaps none.
-suppress_warnings = ["misc.highlighting_failure", "toc.empty_glob"]
+suppress_warnings = ["misc.highlighting_failure"]
 # A link that leads nowhere is a warning, but for names of other packages.
 nitpicky = True
 nitpick_ignore_regex = [("py:.*", r"(?!geomtorsion\b).*")]

@@ -22,6 +22,7 @@ from geomtorsion.action.principles import Principle, principle_named
 from geomtorsion.action.steady import Linearization
 from geomtorsion.action.tangent_bundle import TangentBundle, bundle_over
 from geomtorsion.caching import cached_property
+from geomtorsion.displays import drawn_by
 from geomtorsion.errors import LagrangianError, LimitError
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ class Reduced:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return self.text
@@ -248,6 +251,8 @@ class EquationsOfMotion:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return self.text

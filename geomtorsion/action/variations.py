@@ -13,7 +13,7 @@ from geomtorsion.action.hamel import coefficients_of, torsion_over
 from geomtorsion.action.principles import principle_named
 from geomtorsion.action.tangent_bundle import bundle_over, free_pattern, symbols_of
 from geomtorsion.caching import cached_property
-from geomtorsion.displays import latex_of
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.geometry import Tensor
 
 if TYPE_CHECKING:
@@ -177,6 +177,8 @@ class Variation:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return self.text

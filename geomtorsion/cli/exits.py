@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import typer
 
@@ -18,8 +18,10 @@ from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import GeomtorsionError
 
 # The base of the errors for wrong options; typer brings its own click, and names this one alone.
-UsageError = typer.BadParameter.__bases__[0]
+UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 _INVALID = re.compile(r"^Invalid value for '([^']*)': ")
+# An entry of a matrix, as Python counts.
+_ENTRY = re.compile(r"\b(coframe|frame|metric|signature|eta|spin_connection)\[(\d+), (\d+)\]")
 _PARAMETERS = re.compile(r"parameters=\{([^{}]*)\}")
 # In a checkout and in the source distribution; a wheel has no pages.
 SITE = Path(__file__).parents[2] / "examples/site"
@@ -116,7 +118,7 @@ def clean_exits() -> Iterator[None]:
         raise
 
 
-def wrong_usage(error: Any) -> str:
+def wrong_usage(error: typer.BadParameter) -> str:
     """What is wrong with the words of a command, and where its options are listed."""
     message = _INVALID.sub(r"\1: ", error.format_message()).replace("Value error, ", "")
     path = error.ctx.command_path if error.ctx else "geomtorsion"
@@ -125,7 +127,7 @@ def wrong_usage(error: Any) -> str:
 
 
 def in_options(message: str) -> str:
-    """A message that names arguments of Python, with the options of the command line.
+    """A message of the library in words of the command line: options, and counting from 1.
 
     Examples
     --------
@@ -133,8 +135,13 @@ def in_options(message: str) -> str:
     'the frame contains b: give values, --set b=1.'
     >>> in_options("Name another file, or give overwrite=True.")
     'Name another file, or give --overwrite.'
+    >>> in_options("coframe[1, 0]: this bracket is never closed")
+    'coframe, row 2, column 1: this bracket is never closed'
     """
     message = message.replace("overwrite=True", "--overwrite")
+    message = _ENTRY.sub(
+        lambda found: f"{found[1]}, row {int(found[2]) + 1}, column {int(found[3]) + 1}", message
+    )
     return _PARAMETERS.sub(lambda found: _settings(found[1]), message)
 
 

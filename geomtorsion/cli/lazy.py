@@ -70,11 +70,12 @@ class LazyGroup(TyperGroup):
                 with formatter.section(title):
                     formatter.write_dl([(name, self.summaries[name]) for name in names])
 
-    def make_context(self, info_name: Any, args: Any, parent: Any = None, **extra: Any) -> Any:
-        """The context of the group; a wrong option of the group ends as any other error."""
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments of the group; a wrong option of the group ends as any other error."""
         # Without arguments help is shown, which typer raises as an error.
         with clean_exits() if args else nullcontext():
-            return super().make_context(info_name, args, parent, **extra)
+            found: list[str] = super().parse_args(ctx, args)
+        return found
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was named."""

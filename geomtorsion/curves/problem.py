@@ -30,7 +30,7 @@ from geomtorsion.curves.stops import (
     with_stops,
 )
 from geomtorsion.curves.transported import Carried, carrying
-from geomtorsion.displays import latex_of
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AccuracyError,
     BranchError,
@@ -242,6 +242,8 @@ class CurveProblem:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         where = f" on {self.frame.name}" if self.frame.name else ""

@@ -54,8 +54,8 @@ def spinning(
         the vector s^i, shape (4,), with S^12 = s^3 at rest. The part that is not orthogonal to the
         momentum is dropped.
     coupling
-        "orbital": rotation of a body made of spinless matter, which feels no torsion: D and R are
-        those of the metric. "intrinsic": spin of the matter itself, which does.
+        "orbital": rotation of a body made of spinless matter, which feels no torsion: D and R
+        belong to the metric. "intrinsic": spin of the matter itself, which does.
 
     Returns
     -------
@@ -165,7 +165,7 @@ class _Motion:
         return [(self.upper[i] + turned[i] / below) / size for i in span]
 
     def _sign(self) -> int:
-        """The sign of p_i p^i for momenta of bodies: that of the first leg."""
+        """The sign of p_i p^i for momenta of bodies: the sign of the first leg."""
         return 1 if self.eta[0][0].is_positive else -1
 
     def velocity(self) -> list[sp.Expr]:
@@ -226,7 +226,7 @@ def _unit(frame: Frame, speeds: list[float]) -> np.ndarray:
 
 
 def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray:
-    """S^ij from what was given."""
+    """S^ij from a matrix or a vector."""
     n = frame.dimension
     rows: Any = checks.rows(spin)
     if not isinstance(rows, list | tuple) or len(rows) != n:

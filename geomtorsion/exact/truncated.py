@@ -330,7 +330,7 @@ class TruncatedField:
         return self.symbol in free
 
     def _expanded(self, value: sympy.Expr, where: str) -> Truncated:
-        """The series of an expression, from those of its parts."""
+        """The series of an expression, from the series of its parts."""
         if not self._is_moving(value):
             return self.raised(self.base.read(value, where))
         if value == self.symbol:

@@ -18,6 +18,7 @@ from geomtorsion.geometry.components import Index, change_slot, effective, inver
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import cartan, levi_civita
 from geomtorsion.geometry.derived import derived
+from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.tensor import Tensor
 
@@ -128,6 +129,9 @@ def moved_domain(frame: Frame, way: Map, domain: object) -> list[sp.Basic]:
 @derived
 def _frame_in(frame: Frame, way: Map, domain: tuple[sp.Basic, ...]) -> Frame:
     """The frame in new coordinates, made from its metric or its coframe."""
+    whole = whole_of(frame)
+    if whole is not frame:
+        return again(_frame_in(whole, way, domain), frame)
     n = frame.dimension
     shape = "metric" if frame.shape == "metric" else "coframe"
     matrix = frame.metric if shape == "metric" else frame.coframe
@@ -198,7 +202,7 @@ def _tensor_in(tensor: Tensor, over: Frame, way: Map) -> Tensor:
             "Change the connection itself: connection.in_coordinates(new, old)."
         )
     frame, n = tensor.frame, over.dimension
-    # Legs of a metric are chosen anew, so that frame indices go through coordinates.
+    # A metric chooses its legs again, so that frame indices go through coordinates.
     plain = tensor.in_coordinates()
 
     def moved(index: Index, value: Element) -> Element:

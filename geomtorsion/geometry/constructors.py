@@ -142,7 +142,7 @@ def named(frame: Frame, meanings: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> Fram
 @derived
 def names(frame: Frame) -> Names:
     """The names of a frame as they are written, with exact elements."""
-    return naming.names(frame.field, frame.names)
+    return naming.names(frame.field.exact, frame.names)
 
 
 def from_structure_constants(

@@ -75,6 +75,19 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
     return _filled(frame, field, given, (expanded, (frame, symbol, order)))
 
 
+def again(whole: Frame, series: Frame) -> Frame:
+    """A frame made from the whole of an expanded one, expanded as this one was."""
+    _, symbol, order = cast("tuple[Frame, sp.Symbol, int]", series._plain[1])
+    return expanded(whole, symbol, order)
+
+
+def whole_of(frame: Frame) -> Frame:
+    """The exact frame that was expanded; an exact frame is its own."""
+    if not isinstance(frame.field, TruncatedField):
+        return frame
+    return cast("tuple[Frame, sp.Symbol, int]", frame._plain[1])[0]
+
+
 @derived
 def background(frame: Frame) -> Frame:
     """The frame at order zero of an expanded frame."""

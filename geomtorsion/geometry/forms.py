@@ -39,7 +39,7 @@ class Form:
     frame: the frame over which the form lives.
     degree: number p of the form indices, which are coordinate indices.
     source: {index: component}, or a rule index -> Element asked at increasing form indices. An
-        index lists the value indices first, then the p form indices; a component is that of the
+        index lists the value indices first, then the p form indices; a component belongs to the
         antisymmetric tensor: alpha = sum over a1 < ... < ap of alpha_{a1...ap} dq^a1 ^ ... ^ dq^ap.
     values: slots of the value indices (see Tensor), empty for a form with values in numbers.
     symbol: how the form is written.
@@ -277,7 +277,7 @@ class Form:
         return hash((self.degree, self.values, frozenset(self.components.items())))
 
     def wedge(self, other: Form) -> Form:
-        """Exterior product; value indices of this form come before those of the other.
+        """Exterior product; value indices of this form come before the others.
 
         Equation
         --------
@@ -345,7 +345,7 @@ class Form:
     def star(self) -> Form:
         """Hodge dual: (*alpha)_{b...} = alpha^{a...} epsilon_{a... b...} / p!.
 
-        Applied twice it is (-1)^(p (n - p)) times the sign of det g. The orientation is that of the
+        Applied twice it is (-1)^(p (n - p)) times the sign of det g. The orientation follows the
         coframe: `frame.volume` is negative where det e is.
 
         Examples
@@ -359,7 +359,7 @@ class Form:
         """
         frame, n, p, head = self.frame, self.frame.dimension, self.degree, len(self.values)
         volume, field = frame.volume.element(), frame.field
-        # Minors of the inverse metric are those of the metric over its determinant (Jacobi).
+        # A minor of the inverse metric is a minor of the metric over its determinant (Jacobi).
         is_upper = 2 * p <= n
         matrix = frame.inverse_metric if is_upper else frame.metric
         entries = matrix.components.nonzero
@@ -395,7 +395,7 @@ class Form:
 
     @cached_property
     def d(self) -> Form:
-        """Exterior derivative; of a form with values in tensors, that of each component.
+        """Exterior derivative; with values in tensors, of each component.
 
         Equation
         --------

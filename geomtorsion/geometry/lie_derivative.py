@@ -59,9 +59,8 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
     xi
         xi^a, shape (n,), expressions in the coordinate basis; or a tensor with slot u or U.
     field
-        What is differentiated. Frame indices of a tensor are those of the result: the derivative
-        is taken in coordinates, and its components are then referred to the legs. A frame stands
-        for its metric.
+        The object to differentiate; a frame means its metric. The result has the slots of the
+        tensor: the derivative is taken in coordinates and then referred to the legs.
 
     Returns
     -------

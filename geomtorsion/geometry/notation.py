@@ -189,7 +189,7 @@ def _marks(tensor: Tensor, index: tuple[int, ...]) -> list[str]:
     marks = []
     for slot, k in zip(tensor.slots, index, strict=True):
         if slot in "DU":
-            marks.append(rf"\hat{{{k}}}")
+            marks.append(rf"\hat{{{k + 1}}}")
         else:
             marks.append(latex_of(tensor.frame.coordinates[k]) + " ")
     return marks
@@ -254,7 +254,7 @@ def frame_text(frame: Frame) -> str:
     """Name, coordinates and the one-forms of a coframe."""
     names = ", ".join(symbol.name for symbol in frame.coordinates)
     lines = [f"{frame.name or 'frame'} (coordinates {names})"]
-    lines += [f"  e^{i} = {_one_form(frame, i, str, ' ')}" for i in range(frame.dimension)]
+    lines += [f"  e^{i + 1} = {_one_form(frame, i, str, ' ')}" for i in range(frame.dimension)]
     lines += [f"  {symbol} = {quantity}" for symbol, quantity in frame.names.items()]
     lines += [f"  {branch}" for branch in frame.branches]
     return "\n".join(lines)
@@ -263,7 +263,7 @@ def frame_text(frame: Frame) -> str:
 def frame_latex(frame: Frame) -> str:
     """The one-forms of a coframe in LaTeX."""
     lines = [
-        rf"e^{{\hat{{{i}}}}} &= {_one_form(frame, i, latex_of, chr(92) + ', ')}"
+        rf"e^{{\hat{{{i + 1}}}}} &= {_one_form(frame, i, latex_of, chr(92) + ', ')}"
         for i in range(frame.dimension)
     ]
     body = r" \\ ".join(lines)
@@ -339,9 +339,9 @@ class ComponentTable:
         )
 
     def marks(self, index: tuple[int, ...]) -> list[str]:
-        """What the indices of one component are called; legs have numbers, or the chosen names."""
+        """Names of the indices of one component; legs have numbers from 1, or the chosen names."""
         return [
-            self.names[k] if self.chosen or slot in "du" else str(k)
+            self.names[k] if self.chosen or slot in "du" else str(k + 1)
             for slot, k in zip(self.tensor.slots, index, strict=True)
         ]
 

@@ -16,6 +16,7 @@ from geomtorsion.geometry.change import Map, coordinate_map, moved_domain
 from geomtorsion.geometry.components import Components, Index, determinant, symmetric
 from geomtorsion.geometry.connections import levi_civita
 from geomtorsion.geometry.evaluation import sample_point
+from geomtorsion.geometry.expansion import again, whole_of
 from geomtorsion.geometry.forms import Form
 from geomtorsion.geometry.frame import Frame
 from geomtorsion.geometry.tensor import Tensor
@@ -36,7 +37,7 @@ def surface(
     frame
         The space around the surface; only its metric counts.
     coordinates
-        The coordinates of the surface, fewer than those of the space: symbols or names.
+        The coordinates of the surface, symbols or names: fewer than the space has.
     embedding
         {coordinate of the space: expression of those of the surface}, or expressions in order. A
         coordinate without an expression is one of the surface, or constant: a parameter of the
@@ -84,7 +85,7 @@ def surface(
 class Surface:
     """A surface in the space of a frame.
 
-    ambient: the frame of the space. way: its coordinates as functions of those of the surface.
+    ambient: the frame of the space. way: its coordinates as functions on the surface.
     domain: relations that hold on the surface. orientation: the side of the normal, 1 or -1.
     """
 
@@ -96,6 +97,9 @@ class Surface:
     @cached_property
     def frame(self) -> Frame:
         """The frame of the induced metric g_ab = g_mu_nu d_a q^mu d_b q^nu."""
+        whole = whole_of(self.ambient)
+        if whole is not self.ambient:
+            return again(Surface(whole, self.way, self.domain, 1).frame, self.ambient)
         n, size = self.ambient.dimension, len(self.way.new)
         metric = self.ambient.metric
         rows = [[metric[i, j] for j in range(n)] for i in range(n)]
@@ -104,7 +108,10 @@ class Surface:
             [sp.Add(*(self.way.slope(mu, b) * half[mu][a] for mu in range(n))) for b in range(size)]
             for a in range(size)
         ]
-        return Frame.from_metric(self.way.new, entries, domain=self.domain or None)
+        constants = [one for one in self.ambient.parameters if one not in self.way.new]
+        return Frame.from_metric(
+            self.way.new, entries, parameters=constants, domain=self.domain or None
+        )
 
     @property
     def metric(self) -> Tensor:
@@ -137,7 +144,7 @@ class Surface:
         Raises
         ------
         ShapeError
-            It belongs to another frame than that of the space.
+            It belongs to another frame.
         TensorIndexError
             An index is up.
 

@@ -24,8 +24,8 @@ def newman_penrose(frame: Frame) -> NewmanPenrose:
     Psi_0 = C_lmlm, Psi_1 = C_lnlm, Psi_2 = C_lm(m_bar)n, Psi_3 = C_ln(m_bar)n,
     Psi_4 = C_n(m_bar)n(m_bar)                                          [NewmanPenrose1962]
 
-    Here C has the sign of most books for (-+++), C^a_bcd with R_bd = R^a_bad, which is minus that
-    of `curvature.weyl` in these index places. For (+---) both signs change, and Psi stays.
+    Here C has the sign of most books for (-+++), C^a_bcd with R_bd = R^a_bad, which is minus
+    `curvature.weyl` in these index places. For (+---) both signs change, and Psi stays.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def newman_penrose(frame: Frame) -> NewmanPenrose:
     Raises
     ------
     SignatureError
-        eta is not that of a null tetrad.
+        eta does not belong to a null tetrad.
 
     Examples
     --------
@@ -106,8 +106,9 @@ class NewmanPenrose:
     def petrov_type(self) -> str:
         """Petrov type at a generic point: O, N, III, D, II or I.
 
-        It tells how the roots of Psi_0 z^4 + 4 Psi_1 z^3 + 6 Psi_2 z^2 + 4 Psi_3 z + Psi_4
-        coincide, by exact zeros of its invariants and covariants; no root is taken.
+        It follows from the multiplicities of the roots of
+        Psi_0 z^4 + 4 Psi_1 z^3 + 6 Psi_2 z^2 + 4 Psi_3 z + Psi_4, which exact zeros of invariants
+        and covariants decide; no root is taken.
 
         Raises
         ------

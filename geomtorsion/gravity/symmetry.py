@@ -31,7 +31,7 @@ def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     ----------
     keep
         "metric": Killing vectors of the metric. "teleparallel": the metric and the connection with
-        parallel legs, which is what tells a good tetrad of a symmetric space from a bad one. A
+        parallel legs, which separates good tetrads of a symmetric space from bad ones. A
         connection over the frame: the metric and this connection.
 
     Returns
@@ -56,8 +56,8 @@ def symmetries(frame: Frame, keep: str | Connection = "metric") -> Symmetries:
     3 symmetries of the metric, orbits of dimension 2
     found 3 of 3:
       [0, 1]
-      [-cos(phi), sin(phi)/r]
       [sin(phi), cos(phi)/r]
+      [-cos(phi), sin(phi)/r]
     >>> symmetries(plane, keep="teleparallel").dimension
     1
     """
@@ -111,7 +111,7 @@ class Symmetries:
 
     @cached_property
     def kept(self) -> str:
-        """What is kept, in words."""
+        """The geometry that is kept, in words."""
         if self.connection.kind == "levi-civita":
             return "the metric"
         return f"the metric and the {self.connection.name}"
@@ -123,7 +123,7 @@ class Symmetries:
         echelon = Echelon(self.frame.field, n + n * (n - 1) // 2)
         new = echelon.extend(sorted(self._conditions(), key=_length))
         ranks = [echelon.rank]
-        # Derivatives of conditions that depend on others are sums of those of the others.
+        # A condition that depends on others has derivatives that depend on theirs.
         while True:
             derived = [self._derivative(row, a) for row in new for a in range(n)]
             new = echelon.extend(sorted(derived, key=_length))
@@ -161,7 +161,7 @@ class Symmetries:
         return list(combinations(range(self.frame.dimension), 2))
 
     def _conditions(self) -> Iterator[Row]:
-        """L_xi of the curvature and of what the connection has beyond that of the metric."""
+        """L_xi of the curvature and of the difference from the connection of the metric."""
         bar = levi_civita(self.frame)
         if self.frame.dimension > 1:
             yield from self._kept_tensor(bar.curvature.lower)
@@ -233,15 +233,33 @@ class Symmetries:
     def vectors(self) -> tuple[Tensor, ...]:
         """The symmetries found: xi^a, slot u, each checked exactly.
 
-        See `ansatz` for what was searched; where fewer than `dimension` are found, others have
-        components of another kind.
+        See `ansatz` for the components searched; where fewer than `dimension` are found, others
+        have components of another kind.
         """
         found: list[Tensor] = []
-        for degree in range(4):
-            found = self._solved(_monomials(self.frame, degree))
+        constants = self.frame.parameters
+        for degree, factors in ((0, ()), (1, ()), (2, ()), (2, constants), (3, ())):
+            products = _monomials(self.frame, degree)
+            products += [c * one for c in factors for one in products]
+            found = self._independent([*found, *self._solved(products)])
             if len(found) >= self.dimension:
                 break
         return tuple(found)
+
+    def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
+        """Those that are not sums of others with constant coefficients.
+
+        A symmetry is determined by its value and its derivative at one point.
+        """
+        bar, n = levi_civita(self.frame), self.frame.dimension
+        echelon = Echelon(self.frame.field, n + len(self._turns))
+        found = []
+        for xi in vectors:
+            slope = bar.covariant_derivative(xi.lowered(0))
+            row = [*(xi.element(a) for a in range(n)), *(slope.element(*x) for x in self._turns)]
+            if echelon.add(row):
+                found.append(xi)
+        return found
 
     @property
     def ansatz(self) -> str:
@@ -249,8 +267,8 @@ class Symmetries:
         functions = {str(q): _functions(self.frame, q) for q in self.frame.coordinates}
         text = "; ".join(f"{q}: {', '.join(map(str, every))}" for q, every in functions.items())
         return (
-            "rational combinations of products of up to two of these, or of three of different "
-            f"coordinates: {text}"
+            "rational combinations of products of up to two of these and a parameter, or of three "
+            f"of different coordinates: {text}"
         )
 
     def _solved(self, functions: Sequence[sp.Expr]) -> list[Tensor]:
@@ -284,7 +302,7 @@ class Symmetries:
         ]
         if self.connection.kind == "levi-civita" or not killing:
             return killing
-        # Of these the sums that keep the connection, too.
+        # Sums of Killing vectors that keep the connection as well.
         extra = _difference(self.connection, levi_civita(frame))
         changes = [lie(one, extra) for one in killing]
         rows = [[x.components.get(index) for x in changes] for index in _representatives(extra)]
@@ -351,7 +369,7 @@ def _length(row: Row) -> float:
 def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     """Functions of one coordinate that occur in symmetries of such a metric."""
     metric = frame.metric.components.independent.values()
-    # Of the metric only: the field may know functions that were read later.
+    # Only the metric counts: the field may know functions that were read later.
     made_of = [g for value in metric for g in frame.field.generators_of(value)]
     shown = dict.fromkeys(g.shown for g in made_of if q in g.depends)
     waves = [one for one in (sp.sin(q), sp.cos(q)) if one in shown]
@@ -359,13 +377,17 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     is_cyclic = all(x.free_of(q) for x in metric)
     found: list[sp.Expr] = []
     if waves:
-        found += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), sp.cos(q) / sp.sin(q)]
+        found += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), 1 / sp.cos(q)]
+        found += [sp.cos(q) / sp.sin(q), sp.sin(q) / sp.cos(q)]
     elif steep:
         found += [sp.sinh(q), sp.cosh(q), 1 / sp.sinh(q), sp.cosh(q) / sp.sinh(q)]
     else:
         found.append(q)
     if is_cyclic:
+        # Where the metric is free of q, symmetries that do not commute with d/dq depend on it so.
         found += [sp.cos(q), sp.sin(q)]
+        if not any(g.kind in ("cos", "sin") for g in made_of):
+            found += [sp.exp(q), sp.exp(-q)]
     for one in shown:
         if isinstance(one, sp.exp):
             found += [one, 1 / one]

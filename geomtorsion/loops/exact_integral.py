@@ -18,7 +18,7 @@ from geomtorsion.checks import expression as expression_of
 from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import BallCode, exact_ball, integral
 from geomtorsion.conventions import burgers
-from geomtorsion.displays import latex_of
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import (
     AllowanceError,
     ExpressionError,
@@ -249,6 +249,8 @@ class ExactBurgersVector:
 
     def _repr_latex_(self) -> str:
         return f"$b = {latex_of(sp.Matrix(self.vector))}$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
 
 def exact_burgers_vector(

@@ -16,7 +16,7 @@ import sympy as sp
 from geomtorsion.caching import cached_property
 from geomtorsion.codegen import Graph, graph
 from geomtorsion.copies import only_fields
-from geomtorsion.displays import latex_of
+from geomtorsion.displays import drawn_by, latex_of
 from geomtorsion.errors import ExpressionError, StartError, StuckError
 from geomtorsion.ode import constructor
 from geomtorsion.ode.engines import Taylor
@@ -241,6 +241,8 @@ class ODE:
 
     def _repr_latex_(self) -> str:
         return f"$${self.latex}$$"
+
+    _repr_html_ = drawn_by("notebook_tables", "equations_html")
 
     def __str__(self) -> str:
         return f"{self.name or 'ODE'} of {', '.join(self.states)}"

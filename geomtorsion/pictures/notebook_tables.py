@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.geometry.notation import letters, open_mark, plain_symbol, short
@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Connection, Curvature, Frame, Tensor, Torsion
     from geomtorsion.geometry.notation import ComponentTable
     from geomtorsion.spaces import Space
+
+
+class Written(Protocol):
+    """Something with equations in LaTeX."""
+
+    def _repr_latex_(self) -> str: ...
+
 
 # As XML has it, too.
 _OPEN = '<details open="">'
@@ -98,6 +105,20 @@ def connection_html(connection: Connection) -> str:
     return f"<div>{html_text(connection.name)} {label}: {whole.count}{''.join(parts)}</div>"
 
 
+def equations_html(found: Written) -> str:
+    """Equations in MathML, which a notebook shows without MathJax; below a heading if there is one.
+
+    Examples
+    --------
+    >>> from geomtorsion.action import variation
+    >>> from geomtorsion.spaces import load
+    >>> equations_html(variation(load("so3").frame)).count("<mtr>")
+    3
+    """
+    latex = found._repr_latex_().strip("$").removeprefix(r"\displaystyle ")
+    return f"<div>{_math(latex, display=True)}</div>"
+
+
 def frame_html(frame: Frame) -> str:
     """Name, coordinates, one-forms, signs and branches of a frame.
 
@@ -114,7 +135,7 @@ def frame_html(frame: Frame) -> str:
             (frame.coframe[i, mu], latex_name(symbol.name))
             for mu, symbol in enumerate(frame.coordinates)
         ]
-        rows.append((_math(rf"e^{{\hat{{{i}}}}}"), f"= {_one_form(form)}"))
+        rows.append((_math(rf"e^{{\hat{{{i + 1}}}}}"), f"= {_one_form(form)}"))
     table = _table((), rows)
     branches = "".join(f"<p>{html_text(str(branch))}</p>" for branch in frame.branches)
     name = html_text(frame.name or "frame")
@@ -175,7 +196,7 @@ def _heading(table: ComponentTable) -> str:
 
 
 def _rows(table: ComponentTable, indices: Iterable[tuple[int, ...]]) -> str:
-    """Rows: the component, where it stands, its value."""
+    """Rows: the component and its value."""
     tensor = table.tensor
     if not tensor.slots:
         return ""
@@ -186,8 +207,8 @@ def _rows(table: ComponentTable, indices: Iterable[tuple[int, ...]]) -> str:
             for slot, mark in zip(tensor.slots, table.marks(index), strict=True)
         ]
         label = latex_label(_symbol(tensor), marks, tensor.slots)
-        rows.append((_math(label), html_text(str(list(index))), _value(table, index)))
-    return _table(("component", "index", "value"), rows)
+        rows.append((_math(label), _value(table, index)))
+    return _table(("component", "value"), rows)
 
 
 def _symbol(tensor: Tensor) -> str:
@@ -204,10 +225,10 @@ def _value(table: ComponentTable, index: tuple[int, ...]) -> str:
         return f"<i>{html_text(str(error))}</i>"
 
 
-def _math(latex: str) -> str:
+def _math(latex: str, *, display: bool = False) -> str:
     """A formula; one that our writer does not know stands as it is."""
     try:
-        return mathml(latex, tall=True)
+        return mathml(latex, display=display, tall=not display)
     except ExpressionError:
         return f"<code>{html_text(latex)}</code>"
 

@@ -109,18 +109,17 @@ def _caption(found: Solution | Ensemble) -> str:
 
 
 def _finely(found: Solution) -> tuple[np.ndarray, Lines]:
-    """Times close enough for smooth lines, and what is drawn at them."""
+    """Times close enough for smooth lines, and the values at them."""
     if not len(found.times):
         return found.times, {}
     times = np.linspace(0.0, float(found.times[-1]), STYLE.samples)
-    moment = found.at(times)
-    columns = found.problem.columns(moment)
-    columns.pop(found.problem.time_name, None)
-    problem = found.problem
+    moment, problem = found.at(times), found.problem
     if isinstance(problem, CurveProblem) and problem.start is not None:
-        points = np.stack([np.asarray(columns[name]) for name in problem.coordinates], axis=-1)
-        smooth = carried_on(problem.atlas, problem.atlas.home, points)
-        columns = dict(zip(problem.coordinates, smooth.T, strict=True))
+        smooth = carried_on(problem.atlas, problem.atlas.home, moment.coordinates)
+        columns: dict[str, np.ndarray] = dict(zip(problem.coordinates, smooth.T, strict=True))
+    else:
+        columns = dict(problem.columns(moment))
+        columns.pop(problem.time_name, None)
     return times, {name: np.asarray(x, dtype=float)[None, :] for name, x in columns.items()}
 
 

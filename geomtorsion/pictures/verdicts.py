@@ -75,7 +75,8 @@ def _of_identity(identity: IdentityCheck, *, own: bool) -> Verdict:
     required = not (own and identity.name in PROPERTIES)
     detail = f"{identity.checked} component{'s' * (identity.checked != 1)}"
     if identity.worst is not None:
-        detail += f", first at {list(identity.worst)}"
+        # As people count, from 1.
+        detail += f", first at component {','.join(str(k + 1) for k in identity.worst)}"
     detail += "" if required else "; a property, not an identity"
     return Verdict(identity.name, identity.holds, identity.equation, detail, required)
 

@@ -17,6 +17,7 @@ from geomtorsion.copies import only_fields
 from geomtorsion.errors import GeomtorsionError, SceneError, UnknownNameError
 from geomtorsion.ode import solve
 from geomtorsion.ode.numbers import check_memory, checked_accuracy, checked_times
+from geomtorsion.outgoing import html_text
 from geomtorsion.scenes.assembly import Assembly, assemble
 from geomtorsion.scenes.body import Body, Number
 from geomtorsion.scenes.effects import EFFECTS, Drift, Effect, Spin
@@ -339,6 +340,9 @@ class Scene:
                 f"{changes!r}: expected a mapping, such as {{'body.moments[2]': 3.1}}."
             )
         return with_values(self, {**(changes or {}), **fields})
+
+    def _repr_html_(self) -> str:
+        return f"<div><b>{html_text(str(self))}</b>{self.selection._repr_html_()}</div>"
 
     def __str__(self) -> str:
         acting = ", ".join(self.keyed) or "no effects"

@@ -56,7 +56,7 @@ def test_of_a_connection_its_frame_is_taken():
     wrong: Any = POLAR.metric
     with pytest.raises(TypeError, match="frame: expected a Frame, got "):
         gt.levi_civita(wrong)
-    with pytest.raises(TypeError, match="connection: a Connection was needed"):
+    with pytest.raises(TypeError, match="connection: expected a Connection, got "):
         gt.identities(wrong)
 
 

@@ -146,6 +146,23 @@ def test_what_an_expanded_frame_can_do() -> None:
         assert identity.holds is True
 
 
+def test_expanded_frames_in_other_coordinates_and_on_surfaces() -> None:
+    """What is made from an expanded frame is cut after the same order."""
+    series = COFRAME.expanded("epsilon", 1)
+    moved = series.in_coordinates([x, y], {x: x + y})
+    exact = COFRAME.in_coordinates([x, y], {x: x + y})
+    agree(moved.metric, exact.metric, 1)
+    agree(series.metric.in_coordinates([x, y], {x: x + y}), exact.metric, 1)
+    flat = gt.Frame.from_metric([x, y, z], sp.diag(1, 1, 1 + epsilon * sp.sin(x)))
+    sheet = gt.surface(flat, [x, y], {"z": x * y})
+    cut = gt.surface(flat.expanded("epsilon", 1), [x, y], {"z": x * y})
+    agree(cut.metric, sheet.metric, 1)
+    agree(cut.extrinsic_curvature, sheet.extrinsic_curvature, 1)
+    assert gt.surface(series, [x]).metric.nonzero() == {(0, 0): 1}
+    named = series.named(w="1 + x**2")
+    assert named.metric.nonzero() == series.metric.nonzero()
+
+
 REFUSALS = [
     (lambda: METRIC.expanded("x", 1), "coordinate x"),
     (lambda: METRIC.expanded("epsilo", 1), "epsilon"),

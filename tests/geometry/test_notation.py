@@ -37,7 +37,7 @@ def test_names_can_be_chosen(polar):
     assert [row.label for row in torsion.table()] == ["S_{r phi}^{phi}"]
     for names in ("rφ", "r φ", "r, φ", ["r", "φ"], ("r", "φ")):
         assert [row.label for row in torsion.table(names)] == ["S_{rφ}^{φ}"]
-    assert [row.label for row in polar.anholonomy.table()] == ["C_{01}^{1}"]
+    assert [row.label for row in polar.anholonomy.table()] == ["C_{12}^{2}"]
     assert [row.label for row in polar.anholonomy.table("ab")] == ["C_{ab}^{b}"]
 
 

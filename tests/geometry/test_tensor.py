@@ -231,7 +231,7 @@ def test_notation(frame: Frame) -> None:
     assert torsion.S.label == "S_{ab}^{c}"
     assert "vanish" in repr(levi_civita(frame).torsion.S)
     assert r"S_{r \phi }{}^{\phi } &= \frac{1}{2 r}" in torsion.S._repr_latex_()
-    assert r"C_{\hat{0}\hat{1}}{}^{\hat{1}}" in frame.anholonomy._repr_latex_()
+    assert r"C_{\hat{1}\hat{2}}{}^{\hat{2}}" in frame.anholonomy._repr_latex_()
     assert frame.metric._repr_latex_().startswith(r"$\displaystyle g_{ab} = \begin{pmatrix}")
     assert frame.determinant._repr_latex_() == r"$\displaystyle e = r$"
     assert r"\mathrm{d}\phi" in frame._repr_latex_()

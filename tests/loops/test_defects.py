@@ -187,7 +187,7 @@ def test_bad_lines_are_refused():
     """Lengths that differ, two lines at one place."""
     with pytest.raises(ShapeError, match="1 positions and 2 vectors"):
         parallel_screws([(0, 0)], [1, 2])
-    with pytest.raises(ShapeError, match="same place"):
+    with pytest.raises(ShapeError, match="same position"):
         parallel_screws([(0, 0), (0, 0)], [1, 2])
     with pytest.raises(ShapeError, match=r"positions\[0\]"):
         parallel_screws([(0, 0, 0)], [1])

@@ -69,7 +69,7 @@ JSON = [
     ("3", "a list of loops"),
     ('[{"circl": {}}]', "unknown key 'circl'. Did you mean circle"),
     ('[{"circle": {"centre": [0, 0]}}]', "the key 'radius' is missing"),
-    ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is no number"),
+    ('[{"circle": {"centre": [0, 0], "radius": NaN}}]', "NaN is not a number"),
     ('[{"circle": {"centre": [0, 0], "radius": true}}]', "expected a number, got True"),
     ('[{"circle": {"centre": [0, null], "radius": 1}}]', r"centre\[1\]: expected a number"),
     (

@@ -196,7 +196,7 @@ def test_bad_numbers():
         swing(outputs={"x": "v"})
     with pytest.raises(ExpressionError, match="a mapping from states"):
         ODE.of(3, [1])
-    with pytest.raises(StartError, match="a problem .* or an ODE was needed"):
+    with pytest.raises(StartError, match="expected a problem .* or an ODE, got "):
         solve(3, 1.0)  # type: ignore[call-overload]
 
 

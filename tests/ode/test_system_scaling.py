@@ -136,7 +136,7 @@ def reached(problem, t, engine, name="t"):
         solve(problem, t, 1e-9, engine=engine)
     # It says the same in the process of a caller.
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
-    text = str(caught.value).split(f"by {name} = ")[1]
+    text = str(caught.value).split(f"it reached {name} = ")[1]
     return float(text.split()[0].rstrip("."))
 
 

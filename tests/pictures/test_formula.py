@@ -269,6 +269,7 @@ def test_a_sheet_brings_its_font(watched: Watched, tmp_path: Path):
 
 def test_the_page_brings_its_font(standing: Watched):
     """The same for the page, which is served."""
+    standing.tab("Any tetrad").wait_for_selector("#torsion math")
     standing.page.evaluate("document.fonts.ready")
     assert fonts_of(standing.page, LEAVES) == {("STIX Two Math", True)}
     assert cut_off(standing.page) == []

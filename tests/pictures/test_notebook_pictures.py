@@ -42,6 +42,16 @@ def test_lines_are_the_solution():
         assert values == pytest.approx(function(times), abs=1e-8)
 
 
+def test_a_space_with_a_coordinate_t_is_drawn():
+    """The coordinate t is one of the lines, beside the curve parameter of the same name."""
+    hole = gt.spaces.load("schwarzschild").frame
+    fall = gt.geodesic(hole, [0, 10, 1.57, 0], [1.2, 0, 0, 0], parameters={"M": 1})
+    solution = gt.solve(fall, 10.0)
+    axes = gt.pictures.draw_solution(solution).axes[0]
+    times, values = (np.asarray(x) for x in axes.lines[0].get_data())
+    assert values[-1] == pytest.approx(solution.at(times[-1]).coordinates[0])
+
+
 def test_angles_do_not_jump():
     """An angle that turns on is drawn so, not as a line across the picture."""
     problem = gt.autoparallel(gt.cartan(SO3), START, VELOCITY)
@@ -69,7 +79,7 @@ def test_ensembles_are_drawn():
     assert len(gt.pictures.draw_solution(many).axes[0].lines) == 2
     assert "2 of 2 motions" in parts(many)[0]
     ends = gt.solve_many(decay, {"k": np.array([1.0, 2.0])}, 1.0)
-    assert "two times at least, and 1 came" in ends._repr_html_()
+    assert "at two times or more, got 1" in ends._repr_html_()
 
 
 def test_a_burgers_vector_is_its_loop_and_its_image():
@@ -115,7 +125,7 @@ def test_without_the_extra_there_is_text(monkeypatch):
 
     monkeypatch.setattr("geomtorsion.pictures.loops.new_figure", missing)
     html = gt.burgers_vector(SO3, gt.Loop.circle(START, 0.3))._repr_html_()
-    assert "b[0] = " in html
+    assert "b1 = " in html
     assert "<p>pictures need matplotlib</p>" in html
     assert "<svg" not in html
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ElementTree
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -35,12 +36,11 @@ def text(expression: object) -> str:
 
 
 def test_a_tensor_is_a_table_of_its_components():
-    """One row for each that is independent: name, place, value; it folds away."""
+    """One row for each that is independent: name and value; it folds away."""
     torsion = gt.cartan(gt.spaces.load("kerr").frame).torsion.S
     html = torsion._repr_html_()
     found = rows(html)
-    assert [row[1] for row in found] == [str(list(row.index)) for row in torsion.table()]
-    assert [row[2] for row in found] == [text(row.value) for row in torsion.table()]
+    assert [row[1] for row in found] == [text(row.value) for row in torsion.table()]
     assert found[0][0] == "Strt"
     assert tree(html)[0].tag == "details"
     assert "18 of 64 components do not vanish" in html
@@ -53,7 +53,7 @@ def test_chosen_names_are_shown():
     polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
     assert rows(gt.cartan(polar).torsion.S.table("uv")._repr_html_())[0][0] == "Suvv"
     assert rows(polar.anholonomy.table("uv")._repr_html_())[0][0] == "Cuˆvˆvˆ"
-    assert rows(polar.anholonomy._repr_html_())[0][0] == "C0ˆ1ˆ1ˆ"
+    assert rows(polar.anholonomy._repr_html_())[0][0] == "C1ˆ2ˆ2ˆ"
 
 
 def test_short_things_are_short():
@@ -125,3 +125,54 @@ def test_every_shipped_space_is_shown(name):
         html = one._repr_html_()
         tree(html)
         assert not re.search(r"<code>", html)
+
+
+def test_people_count_legs_from_one():
+    """In text, LaTeX and HTML; indices of Python in square brackets count from 0."""
+    polar = gt.Frame([R, PHI], [[1, 0], [0, R]])
+    assert "e^1 = dr" in repr(polar)
+    assert "e^0" not in repr(polar)
+    assert r"\hat{0}" not in polar._repr_latex_() + polar.anholonomy._repr_latex_()
+    assert ">0<" not in polar._repr_html_() + polar.anholonomy._repr_html_()
+    assert "C_{12}^{2}  [0, 1, 1]" in str(polar.anholonomy.table())
+
+
+def shown_in_notebooks() -> dict[str, Any]:
+    """One of each thing that once needed MathJax, or was plain text."""
+    frame = gt.spaces.load("so3").frame
+    u = sp.symbols("u1 u2 u3")
+    motion = gt.equations_of_motion(frame, (u[0] ** 2 + 2 * u[1] ** 2 + 3 * u[2] ** 2) / 2)
+    exercise = gt.exercises.load("3.2")
+    return {
+        "equations of motion": motion,
+        "reduced equations": motion.reduced,
+        "variation": gt.variation(frame),
+        "geodesic": gt.geodesic(frame, [0.3, 1, 0.2], frame_velocity=[1, 0, 0]),
+        "exercise": exercise,
+        "exercise with matrices": gt.exercises.load("1.1"),
+        "verdict": exercise.check("2*phi2"),
+        "verdict with formulas": exercise.check("-cos(phi2)*sin(phi2)"),
+        "scene": gt.scenes.load("dzhanibekov"),
+        "Burgers vector": gt.burgers_vector(frame, gt.Loop.circle([0.3, 1, 0.2], 0.3)),
+    }
+
+
+@pytest.mark.parametrize("name", list(shown_in_notebooks()))
+def test_notebooks_need_no_mathjax(name):
+    """HTML of its own, well formed, with formulas in MathML and no LaTeX left."""
+    html = shown_in_notebooks()[name]._repr_html_()
+    assert tree(html) is not None
+    # Pictures have LaTeX in comments.
+    html = re.sub(r"<!--.*?-->", "", html, flags=re.DOTALL)
+    assert "$" not in html
+    assert not re.search(r"\\[a-zA-Z]", html)
+    if name not in ("verdict", "scene", "Burgers vector"):
+        assert "<math" in html
+
+
+def test_the_route_is_named_once():
+    """Not "by the flux route: flux: ..."."""
+    b = gt.burgers_vector(gt.spaces.load("so3").frame, gt.Loop.circle([0.3, 1, 0.2], 0.3))
+    first = b._repr_html_().partition("</pre>")[0].splitlines()[3]
+    assert first.count("flux") == 1
+    assert "route: " not in first

@@ -149,7 +149,7 @@ def test_copies(space):
         ('name = "cartesian"', 'nam = "cartesian"', "Did you mean name"),
         ('to_home = ["sqrt(x**2 + y**2)", ', "to_home = [", "expected a list of 2 expressions"),
         ('angles = ["phi"]', 'angles = ["pho"]', "Did you mean phi"),
-        ('edge = "r"', "", "Give edge, too"),
+        ('edge = "r"', "", "Give also edge"),
         ("margin = 0.2", "margin = -1", "expected a positive number"),
         ("margin = 0.2", "margin = nan", "number"),
         ("margin = 0.2", 'margin = "r"', "expected a positive number"),

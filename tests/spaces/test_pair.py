@@ -119,7 +119,7 @@ def test_the_connection_of_the_space_is_followed(tmp_path):
         ("kerr_kinnersley", {}, StartError, "complex"),
         ("s2", {"start": [1]}, ShapeError, "2 numbers"),
         ("s2", {"t": 0}, StartError, "some time"),
-        ("s2", {"samples": 1}, StartError, "two at least"),
+        ("s2", {"samples": 1}, StartError, "a whole number from 2 on"),
         ("s2", {"samples": "9"}, StartError, "whole number"),
         ("s2", {"t": "3"}, TimeError, "t: expected a number, got '3'"),
         ("s2", {"t": [1, 2]}, TimeError, "t: expected a number"),

@@ -58,6 +58,27 @@ def costs() -> Any:
     return gt.accuracy_cost(problem, t=10.0).plot()
 
 
+def cosmology() -> Any:
+    """The quantities that the torsion of an expanding universe needs."""
+    return gt.pictures.draw_plan(gt.spaces.load("frw").frame.plan("torsion"))
+
+
+def orbit() -> Any:
+    """An orbit around a rotating black hole."""
+    start = {"M": 1.0, "a": 0.5}
+    kerr = gt.geodesic(
+        gt.spaces.load("kerr").frame, [0, 8, 1.5, 0], [1.25, 0.05, 0.01, 0.05], parameters=start
+    )
+    return gt.pictures.draw_solution(gt.solve(kerr, 200.0))
+
+
+def fall() -> Any:
+    """A body that falls towards a black hole on a geodesic."""
+    hole = gt.spaces.load("schwarzschild").frame
+    body = gt.geodesic(hole, [0, 10, 1.57, 0], [1.118, 0, 0, 0], parameters={"M": 1})
+    return gt.pictures.draw_solution(gt.solve(body, 20.0))
+
+
 DRAWINGS: dict[str, Callable[[], Any]] = {
     "01_any_tetrad": plan,
     "02_paper_so3": closure,
@@ -68,6 +89,9 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "13_paper_equations": lambda: paths("so3", t=10.0, moments=[1, 2, 3]),
     "18_lines_between_atoms": lines,
     "19_how_sure_is_a_number": costs,
+    "20_field_equations_of_a_tetrad": cosmology,
+    "21_kerr_de_sitter_with_torsion": orbit,
+    "22_which_path_does_a_body_take": fall,
 }
 
 if __name__ == "__main__":

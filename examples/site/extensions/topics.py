@@ -26,8 +26,12 @@ TOPICS: dict[str, str] = {
     "Connections, torsion, curvature": "cartan levi_civita Connection Torsion Curvature "
     "from_torsion from_contortion from_spin_connection from_coefficients blend identities "
     "IdentityCheck",
+    "Forms, symmetries, surfaces": "Form lie lie_bracket symmetries Symmetries killing_equations "
+    "surface Surface",
+    "Gravity": "gravity",
     "Autoparallels and geodesics": "autoparallel geodesic CurveProblem distance_apart "
-    "exponential_map log_map LogMap parallel_transport holonomy geodesic_deviation",
+    "exponential_map log_map LogMap parallel_transport holonomy geodesic_deviation spinning "
+    "kerr_orbit KerrOrbit Frequencies",
     "Charts": "Chart TransitionMap Atlas",
     "Solving equations": "solve solve_many ODE At When Solution SavedSolution Ensemble",
     "Engines": "Engine Taylor RungeKutta Stiff",
@@ -43,7 +47,8 @@ TOPICS: dict[str, str] = {
     "Atoms and dislocation lines": "crystals DislocationNetwork LineArrays Box Reaction",
     "Rigid bodies": "Body Scene State effects scenes SceneResult StateSelection SceneCost FreeTop "
     "free_top",
-    "Actions": "equations_of_motion EquationsOfMotion variation Variation conserved_quantities",
+    "Actions": "equations_of_motion EquationsOfMotion variation Variation conserved_quantities "
+    "linearized Linearization",
     "Spaces, figures, exercises": "spaces pictures exercises conventions",
     "Errors": "GeomtorsionError errors",
 }

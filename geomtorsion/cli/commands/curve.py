@@ -35,8 +35,10 @@ from geomtorsion.progress import bar
 from geomtorsion.proofs import prove
 from geomtorsion.spaces import Pair, solve_pair
 
-# Characters and digits of a number, and the most coordinates that both curves show in one row.
-WIDTH, DIGITS, SIDE_BY_SIDE = 11, 5, 4
+# Characters of a number, and the most coordinates that both curves show in one row.
+WIDTH, SIDE_BY_SIDE = 11, 4
+# What is left of them beside a gap, a sign, a point and an exponent.
+DIGITS = WIDTH - len(" -.e-9")
 
 
 def curve(

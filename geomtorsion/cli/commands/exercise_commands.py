@@ -94,7 +94,7 @@ def solution(number: Number, seed: Seed = 0) -> None:
 
 # Keys at the top of a file that are no answers.
 ABOUT = ("student", "name", "seed")
-Answers = dict[str, Any]
+Answers = dict[str, str]
 
 
 def check(

@@ -148,7 +148,7 @@ def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> Sce
                 checkpoint.unlink(missing_ok=True)
             if stuck.solution is None or not len(stuck.solution.times):
                 raise
-            typer.echo(f"geomtorsion: {str(stuck).partition(' What was computed')[0]}", err=True)
+            typer.echo(f"geomtorsion: {str(stuck).partition(' The computed part')[0]}", err=True)
             return stuck.solution
 
 

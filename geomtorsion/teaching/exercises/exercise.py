@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from html import escape
 
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import close_names, shown
@@ -12,7 +13,8 @@ from geomtorsion.teaching.exercises.answers import answer_text
 from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.compare import Value
 from geomtorsion.teaching.exercises.entries import is_part
-from geomtorsion.teaching.exercises.question import Question
+from geomtorsion.teaching.exercises.prose import html_of
+from geomtorsion.teaching.exercises.question import Question, how_to_answer
 from geomtorsion.teaching.exercises.verdict import Verdict
 from geomtorsion.teaching.exercises.working import Step
 
@@ -70,6 +72,15 @@ class Exercise:
 
     def _repr_markdown_(self) -> str:
         return f"**{self.number}. {self.title}** ({self.level})\n\n{self.statement}"
+
+    def _repr_html_(self) -> str:
+        asked = "".join(
+            f"<li>{html_of(question.prompt)}"
+            f"{html_of(f'`{question.name}`: {how_to_answer(question)}')}</li>"
+            for question in self.questions
+        )
+        title = f"<b>{escape(self.number)}. {escape(self.title)}</b> ({escape(self.level)})"
+        return f"<div><p>{title}</p>{html_of(self.statement)}<ul>{asked}</ul></div>"
 
     def __reduce__(self) -> tuple[object, ...]:
         return self.loader, (self.number, self.seed)

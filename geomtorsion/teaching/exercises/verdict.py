@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from html import escape
 from types import MappingProxyType
 from typing import Any
 
 from geomtorsion.checks import known_name
 from geomtorsion.errors import UnknownNameError
+from geomtorsion.teaching.exercises.prose import html_of
 
 # Code -> what the mistake is, in a few words.
 TITLES: Mapping[str, str] = MappingProxyType(
@@ -219,6 +221,17 @@ class Verdict:
         """
         table = {question.name: question for question in self.questions}
         return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{escape(one.name)}</td><td>{escape(one.state)}</td>"
+            f"<td>{html_of(one.message)}</td><td><code>{escape(one.read_as)}</code></td></tr>"
+            for one in self.questions
+        )
+        head = "<tr><th>question</th><th>verdict</th><th></th><th>read as</th></tr>"
+        notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        points = f"<p>{self.earned:g} of {self.points} points</p>"
+        return f"<div><table>{head}{rows}</table>{points}{notes}</div>"
 
     def __str__(self) -> str:
         lines = []

@@ -16,9 +16,8 @@ LABELS = {
     "autoparallel": "keeps its compass course (straightest)",
     "geodesic": "sails along a great circle (shortest)",
 }
-# Colatitude and longitude of the start, near the equator, and length of both ways in radii: on the
-# courses of the slider no ship reaches a pole.
-START, LENGTH = (1.5, 0.0), 4.0
+# Colatitude and longitude of the start, near the equator.
+START = (1.5, 0.0)
 
 
 def compass(course: float) -> Json:
@@ -43,7 +42,7 @@ def compass(course: float) -> Json:
         space_of("s2"),
         list(START),
         frame_velocity=[-cos(angle), sin(angle)],
-        t=LENGTH,
+        t=PAGE.sail,
         parameters={"R": 1.0},
         accuracy=PAGE.accuracy,
         samples=PAGE.samples,

@@ -28,7 +28,7 @@ BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 
 
 
 # What a space of a list is where the address of the page names none.
-COURSES, COURSE = (70, 110), 75
+COURSES = (70, 110)
 FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
 # Thresholds of grains, degrees, and what stands for no other symmetry than that of the file.
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
@@ -47,7 +47,7 @@ def tabs(mo: ModuleType, kept: Kept) -> ui.tabs:
 
 def course(mo: ModuleType, kept: Kept) -> ui.slider:
     """A slider for the course of a ship."""
-    [wanted] = kept.numbers("course", [COURSES], [COURSE])
+    [wanted] = kept.numbers("course", [COURSES], [PAGE.course])
     label = "course, degrees from north to east"
     return mo.ui.slider(*COURSES, 5, value=round(wanted / 5) * 5, label=label, show_value=True)
 

@@ -60,7 +60,7 @@ def _(course, mo, tab, views):
 @app.cell
 def _(controls, course, keep, mo, runner, tab, views):
     mo.stop(tab.value != views.COMPASS)
-    keep(mo, {"course": (f"{course.value:g}", f"{controls.COURSE:g}")})
+    keep(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
     mo.Html(views.compass(runner.ask("compass", course=course.value)))
     return
 

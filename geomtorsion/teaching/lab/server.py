@@ -34,9 +34,8 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-# A code that a class types from a projector: letters that are not mistaken for each other. So many
-# give 8e11 codes; a thousand guesses a second need years.
-LETTERS, CODE = "abcdefghjkmnpqrstuvwxyz23456789", 8
+# Of a code that a class types from a projector: letters that are not mistaken for each other.
+LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
 # Where the values of controls arrive; a file is one, so that here requests may be longer.
 CONTROL = "/api/kernel/set_ui_element_value"
 # (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
@@ -334,7 +333,7 @@ async def _tell(send: Send, status: int, text: str) -> None:
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
 _TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
-    ("compass", {"course": 75}),
+    ("compass", {"course": PAGE.course}),
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
     ("paths", {**_SO3, "moments": None}),
     ("paths", {**_SO3, "moments": [1.0, 2.0, 3.0]}),
@@ -378,7 +377,7 @@ class Address:
         """
         if self.is_local or self.token:
             return self
-        code = "".join(secrets.choice(LETTERS) for _ in range(CODE))
+        code = "".join(secrets.choice(LETTERS) for _ in range(PAGE.code))
         return Address(self.host, self.port, code)
 
     def url(self, port: int) -> str:

@@ -18,6 +18,7 @@ class Settings:
     nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
     many as a camera of 1024 x 1024 has. title: letters of its name.
     request: characters of one request; the largest tetrad of the page has 36 entries.
+    code: letters of the code that other machines need; a thousand guesses a second need years.
     address: characters of one text that is kept in the address of the page.
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
     name: characters of the name of one.
@@ -38,7 +39,9 @@ class Settings:
     digits: of each. film: seconds that a film lasts. film_points: of its curves.
     least_times, most_times, each_turn: times at which a top is computed, and for each turn.
     reach: steps that a slider goes to either side of the start; step: the usual size of one.
-    across: pixels of a picture that is sent. radius: of the first loop. parts: of the shorter side
+    across: pixels of a picture that is sent. radius: of the first loop. course:
+    of the first ship, degrees from north to east; sail: length of its way in radii of the globe, on
+    which it reaches no pole. parts: of the shorter side
     of a map, of which the side of the first circuit is one: more noise if it is smaller, more
     grains if it is larger.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
@@ -57,6 +60,7 @@ class Settings:
     title: int = 60
     request: int = 24_000
     address: int = 4000
+    code: int = 8
     answer: int = 4000
     dimensions: int = 6
     name: int = 20
@@ -77,6 +81,8 @@ class Settings:
     each_turn: int = 24
     reach: int = 20
     step: float = 0.05
+    course: int = 75
+    sail: float = 4.0
     radius: float = 0.3
     parts: int = 8
     fastest: float = 3.0

@@ -171,7 +171,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),
         (("--curve", "cos(s);sin(s);__import__('os')"), "__import__"),
         (("--set", "R", "--circle", "0,1,0:1"), "NAME=VALUE was needed"),
-        (("--set", "R=1", "--circle", "0,1,0:1"), "R is no parameter"),
+        (("--set", "R=1", "--circle", "0,1,0:1"), "R is not a parameter"),
         (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
         (("--interval", "0,pi", "--circle", "0,1,0:1"), "no curve came. Drop it"),
         (("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:1"), "Drop it, or --exact"),

@@ -55,5 +55,5 @@ def test_an_attempt_at_code_does_nothing(tmp_path):
     file.write_text(f'coordinates = ["x"]\ncoframe = [["{entry}"]]\n')
     error = run("check", str(file), code=2).stderr
     assert "expressions are not code" in error
-    assert "coframe[0, 0]" in error
+    assert "coframe, row 1, column 1" in error
     assert not trace.exists()

@@ -96,7 +96,7 @@ def test_a_matrix_or_a_lattice_that_is_none():
     """Singular, or of a name that OVITO does not know."""
     with pytest.raises(NetworkError, match="in one plane"):
         Cluster("fcc", np.ones((3, 3)))
-    with pytest.raises(NetworkError, match="lattice: one of"):
+    with pytest.raises(NetworkError, match="lattice: expected one of"):
         Cluster("quasi")
 
 

@@ -48,7 +48,7 @@ def test_character_is_the_share_along_the_line():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"positions": [[0, 0], [1, 1]]}, r"positions: shape"),
+        ({"positions": [[0, 0], [1, 1]]}, r"positions: expected shape"),
         ({"positions": [[0, 0, 0], [1, float("inf"), 1]]}, "not finite"),
         ({"pairs": [[0, 2]]}, "node numbers from 0 to 1"),
         ({"pairs": [[0.5, 1]]}, "whole numbers"),
@@ -56,10 +56,10 @@ def test_character_is_the_share_along_the_line():
         ({"images": [[0, 0]]}, "images"),
         ({"images": [[1, 0, 0]], "box": None}, "no box came"),
         ({"images": [[0, 0, 1]], "box": Box(np.eye(3), periodic=(1, 1, 0))}, "not periodic"),
-        ({"labels": ["a"]}, "labels: one for each of 2"),
+        ({"labels": ["a"]}, "labels: expected one for each of 2"),
         ({"constraints": [0]}, "constraints: one for each of 2"),
-        ({"planes": [[0, 0]]}, "planes: shape"),
-        ({"box": "cube"}, "Box was needed"),
+        ({"planes": [[0, 0]]}, "planes: expected shape"),
+        ({"box": "cube"}, "expected a Box"),
     ],
 )
 def test_bad_arrays_are_refused(change, message):

@@ -63,10 +63,10 @@ def test_rings_keep_their_images():
     ("table", "change", "message"),
     [
         ("segs", {"burgers": None}, "segs: burgers is missing.*export_data"),
-        ("cell", {"h": np.eye(2)}, "h: shape"),
-        ("nodes", {"positions": [[0, 0]]}, "positions: shape"),
+        ("cell", {"h": np.eye(2)}, "h: expected shape"),
+        ("nodes", {"positions": [[0, 0]]}, "positions: expected shape"),
         ("nodes", {"tags": [[0, 0]] * 5}, "same tag"),
-        ("nodes", {"constraints": ["a"] * 5}, "constraints: whole numbers"),
+        ("nodes", {"constraints": ["a"] * 5}, "constraints: expected whole numbers"),
         ("segs", {"nodeids": [[0, 99]] * 4}, "node numbers from 0 to 4"),
         ("segs", {"burgers": [[0, 0, 0]] * 4}, "b = 0"),
     ],

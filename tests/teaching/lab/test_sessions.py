@@ -20,7 +20,7 @@ LIMIT = 120.0
 async def student(url: str, place: int) -> float:
     """Open the page, go to the loops, choose a radius: |b| as it is shown."""
     async with Session(url) as session:
-        await session.shown("Cartan connection")
+        await session.shown('id="compass"')
         await session.set(session.element("marimo-tabs"), "1")
         await session.shown('id="loop-said"')
         radius = session.element("marimo-slider", "radius")

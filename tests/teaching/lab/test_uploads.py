@@ -191,7 +191,7 @@ def test_a_session_gives_good_maps_and_bad_ones(tmp_path: Path, address: str):
     async def visit(url: str) -> dict[str, str]:
         seen = {}
         async with Session(url) as session:
-            await session.shown("Cartan connection")
+            await session.shown('id="compass"')
             await session.set(session.element("marimo-tabs"), "1")
             await session.shown("A map or an image of your own")
             field = session.element("marimo-file")

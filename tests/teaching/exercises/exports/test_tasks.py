@@ -19,12 +19,22 @@ def test_all_exercises():
     ("numbers", "seeds", "error", "says"),
     [
         (["9.9"], [0], UnknownNameError, "no exercise has the number '9.9'"),
-        (["3.2"], [-1], UnknownNameError, r"seed \(which variant\): a whole number from 0"),
-        (["3.2"], ["x"], UnknownNameError, r"seed \(which variant\): a whole number from 0"),
+        (
+            ["3.2"],
+            [-1],
+            UnknownNameError,
+            r"seed \(which variant\): expected a whole number from 0",
+        ),
+        (
+            ["3.2"],
+            ["x"],
+            UnknownNameError,
+            r"seed \(which variant\): expected a whole number from 0",
+        ),
         (["3.2"], [], ArgumentError, "seeds: at least one was needed"),
         (["3.2"], [1, 1], ArgumentError, "seeds: at least one was needed, each once"),
         ([], [0], ArgumentError, "numbers: at least one was needed"),
-        ("3.2", [0], ArgumentError, "numbers: a list was needed"),
+        ("3.2", [0], ArgumentError, "numbers: expected a list, got "),
         (["3.2", "3.2"], [0], ArgumentError, "numbers: at least one was needed, each once"),
     ],
 )
