@@ -101,7 +101,7 @@ def test_answers_in_a_file(tmp_path):
     ("arguments", "says"),
     [
         (("show", "9.9"), "no exercise has the number '9.9'"),
-        (("show", "3.2", "--seed", "-1"), "seed (which variant): a whole number"),
+        (("show", "3.2", "--seed", "-1"), "seed (which variant): expected a whole number"),
         (("check", "3.2"), "either an answer or --file was needed"),
         (("check", "3.2", "x", "--file", "y.toml"), "either an answer or --file"),
         (("check", "3.2", "x", "y"), "is answered twice, with 'x' and 'y'"),
