@@ -84,7 +84,7 @@ def test_each_pattern_is_found(tmp_path: Path, pattern: str, wrong: str, right: 
 
 def test_every_pattern_has_an_example():
     """The table above misses none."""
-    [mark] = test_each_pattern_is_found.pytestmark
+    [mark] = getattr(test_each_pattern_is_found, "pytestmark")  # noqa: B009
     assert [row[0] for row in mark.args[1]] == list(language.PATTERNS)
 
 

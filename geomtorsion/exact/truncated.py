@@ -260,7 +260,7 @@ class TruncatedField:
         first = self.base.root(element.parts[0], order)
         return self._power(element, Fraction(1, order), first)
 
-    def _power(self, element: Truncated, power: Fraction, first: Element) -> Element:
+    def _power(self, element: Truncated, power: Fraction, first: Element) -> Truncated:
         """A power of a series, whose coefficient at order zero is given."""
         # k b0 c_k = sum_j (power j - (k - j)) b_j c_{k-j}, from b c' = power b' c.
         below, found = self.base.inverse(element.parts[0]), [first]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sympy import latex
@@ -126,7 +126,9 @@ def _draw_image(axes: Axes, drawn: Hodograph, b: BurgersVector) -> None:
             axes.quiver(*start, *step, color=GAP, linewidth=2.4, arrow_length_ratio=0.16, zorder=5)
         else:
             arrow(axes, start, end, GAP, 2.4)
-        axes.text(*(start + 0.55 * step), "  b", color=GAP, fontsize=13, va="bottom")
+        # In space it takes one coordinate more.
+        write: Any = axes.text
+        write(*(start + 0.55 * step), "  b", color=GAP, fontsize=13, va="bottom")
     axes.plot(*points[:, :1], "o", color=START, markersize=5)
     _label(axes, [f"$X^{k + 1}${_over(drawn.unit)}" for k in chosen])
     size = f"|b| = {b.magnitude:.4g}" if b.magnitude else "|b| = 0"

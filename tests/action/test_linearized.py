@@ -1,5 +1,8 @@
 """Linearized: steady motions against slopes of the rates, and a bicycle against its benchmark."""
 
+# Complex arrays, and names that are text or symbols.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false
+
 import numpy as np
 import pytest
 import sympy as sp

@@ -1,5 +1,8 @@
 """Stops: curves that end at a condition, in whichever chart they are, against event times."""
 
+# Charts that have a frame.
+# pyright: reportArgumentType=false
+
 import math
 
 import numpy as np

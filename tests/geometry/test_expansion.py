@@ -1,5 +1,8 @@
 """Expansion: frames in a small parameter, order by order, against series of the exact tensors."""
 
+# Bad input, and sums that start at the number 0.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false
+
 import pickle
 from itertools import product
 

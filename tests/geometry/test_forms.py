@@ -1,5 +1,8 @@
 """Forms: how they are made, written and refused, with answers from textbooks."""
 
+# Bad input.
+# pyright: reportArgumentType=false, reportCallIssue=false
+
 import copy
 import pickle
 

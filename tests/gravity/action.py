@@ -4,6 +4,9 @@ Nothing here is shared with the package: torsion, curvature and nonmetricity com
 and the spin connection, the variation from a complex step and a fourth-order difference.
 """
 
+# Complex arrays.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from collections.abc import Callable

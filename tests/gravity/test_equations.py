@@ -1,5 +1,8 @@
 """Equations: against the variation of the action, and the identities that follow from it."""
 
+# Compiled arrays of polynomials.
+# pyright: reportArgumentType=false
+
 import random
 
 import numpy as np

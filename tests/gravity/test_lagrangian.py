@@ -1,5 +1,8 @@
 """Lagrangian: what is read, and what is refused."""
 
+# Bad input, and a property that is watched.
+# pyright: reportArgumentType=false, reportAttributeAccessIssue=false, reportOptionalCall=false
+
 import pytest
 import sympy as sp
 

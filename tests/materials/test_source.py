@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geomtorsion as gt
-from geomtorsion.materials import Source
+from geomtorsion.materials import Source, Survey
 from geomtorsion.pictures.measured import draw_circuits, draw_survey
 from tests.materials.images.atoms import crystal
 from tests.materials.maps.synthetic import wall
@@ -56,7 +56,7 @@ def source(request: pytest.FixtureRequest) -> Source:
     return SOURCES[request.param]()
 
 
-def single(source: Source, survey: gt.materials.Survey, place: tuple[int, ...]):
+def single(source: Source, survey: Survey, place: tuple[int, ...]):
     """The circuit of a survey at a place, on its own."""
     if isinstance(source, gt.ScatteredFrame):
         row = source.mesh.complex.boundary(1).tocsr()[[place[0]]].tocoo()

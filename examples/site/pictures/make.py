@@ -36,7 +36,7 @@ def classroom() -> None:
         options = ["--headless", "--no-sandbox", "--disable-gpu"]
         path = next((one for one in map(Path, BROWSERS) if one.exists()), None)
         browser = driver.chromium.launch(executable_path=path, args=options)
-        page = browser.new_page(viewport=WINDOW)
+        page = browser.new_page(viewport={"width": WINDOW["width"], "height": WINDOW["height"]})
         page.goto(address)
         page.get_by_role("tab", name="Loops", exact=True).click()
         page.wait_for_timeout(DRAWN)
