@@ -204,7 +204,7 @@ def separable_functions(frame: Frame) -> list[sp.Expr]:
     """
     inside, found = set(frame.coordinates), {sp.S.One: None}
     for entry in frame.coframe.nonzero().values():
-        for factor in sp.Mul.make_args(sp.sympify(entry)):
+        for factor in sp.Mul.make_args(expression(entry)):
             base = sp.expand(factor.as_base_exp()[0])
             terms = base.args if isinstance(base, sp.Add) else [base**2]
             for term in terms:

@@ -33,7 +33,7 @@ class Commands(LazyGroup):
         "exercises": "List, show, check and grade exercises.",
     }
     groups: ClassVar = {
-        "Geometry": ("spaces", "geometry", "check", "plan", "report", "paper"),
+        "Geometry": ("spaces", "geometry", "check", "plan", "gravity", "report", "paper"),
         "Motions": ("curve", "run", "scenes", "accuracy"),
         "Defects and data": ("burgers", "map", "crystal", "network"),
         "Teaching": ("lab", "exercises"),

@@ -15,6 +15,7 @@ from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.geometry import Connection, IdentityCheck, Tensor, cartan, levi_civita
 from geomtorsion.gravity import FieldEquations
+from geomtorsion.pictures.latex import text_label, text_marks
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.spaces import Space
 
@@ -64,8 +65,8 @@ def gravity(
 
     E is the equation of the coframe; E_[ij], its antisymmetric part, is the equation of the spin
     connection of a teleparallel theory. A space with a connection of its own has also C, the
-    equation of the connection, and M, of the metric. Indices count legs of the frame from 0. The
-    command ends with 1 if a Noether identity fails.
+    equation of the connection, and M, of the metric. Indices count legs of the frame from 1;
+    in JSON they count from 0. The command ends with 1 if a Noether identity fails.
 
     \b
     Examples:
@@ -129,9 +130,12 @@ def _show(
             typer.echo(f"{name} = 0")
             continue
         for index in tensor.components.independent:
-            place = ", ".join(map(str, index))
+            marks = text_marks(tensor, index, greek=greek)
+            label = text_label(name[0], marks, tensor.slots)
+            if name != name[0]:
+                label = label.replace("{", "{[").replace("}", "]}")
             written = expression_text(found.frame.written(tensor.element(*index)), greek=greek)
-            typer.echo(f"{name}[{place}] = {written}")
+            typer.echo(f"{label} = {written}")
     typer.echo()
     for check in identities:
         typer.echo(str(check))

@@ -177,7 +177,7 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
         (("--orient", "__import__('os')"), "numbers are missing"),
         (("--lattice", "quasi"), "fcc"),
         (("--constant", "-1"), "positive"),
-        (("--read-as", "traj"), "form: one of"),
+        (("--read-as", "traj"), "form: expected one of"),
         (("--resume",), "name it by -o"),
         (("--cell", "80,80,14.4"), "its own cell"),
         (("--periodic", "z"), "its own cell"),

@@ -181,7 +181,7 @@ def test_export_of_chosen_variants(tmp_path):
     words = ("exercises", "export", "--to", "nbgrader", "-o", str(tmp_path), "--only", "3.1")
     run(*words, "--seeds", "4,5")
     assert (tmp_path / "source/chapter3-seed4/chapter3-seed4.ipynb").is_file()
-    assert "but 'x' came" in run(*words, "--seeds", "x", code=2).stderr
+    assert "got 'x'" in run(*words, "--seeds", "x", code=2).stderr
     assert "no exercise has the number '9.9'" in run(
         *words[:-1], "9.9", code=2
     ).stderr  # fmt: skip
