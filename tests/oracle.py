@@ -217,17 +217,22 @@ class Oracle:
         return self.ricci - self.metric * self.scalar / 2
 
     @quantity
+    def schouten(self) -> np.ndarray:
+        """P_ab, both indices down; needs three dimensions."""
+        n = len(self.point)
+        return (self.ricci - self.scalar * self.metric / (2 * (n - 1))) / (n - 2)
+
+    @quantity
     def weyl(self) -> np.ndarray:
         """C_mnlk, all indices down, in the index order of R_mnlk; needs three dimensions."""
-        g, n = self.metric, len(self.point)
-        schouten = (self.ricci - self.scalar * g / (2 * (n - 1))) / (n - 2)
+        g = self.metric
 
         def product(h: np.ndarray) -> np.ndarray:
             """g owedge h, signed so that a unit sphere has R_mnlk = g_mk g_nl - g_ml g_nk."""
             one = np.einsum("mk,nl->mnlk", g, h) + np.einsum("mk,nl->mnlk", h, g)
             return one - one.transpose(0, 1, 3, 2)
 
-        return self.riemann_lowered - product(schouten)
+        return self.riemann_lowered - product(self.schouten)
 
     @quantity
     def kretschmann(self) -> Any:

@@ -42,5 +42,5 @@ def test_progress_and_seeds(tmp_path):
 
 def test_no_such_format(tmp_path):
     """The formats are listed."""
-    with pytest.raises(ArgumentError, match="to: one of stack, nbgrader was"):
+    with pytest.raises(ArgumentError, match="to: expected one of stack, nbgrader"):
         exercises.export("moodle", tmp_path)
