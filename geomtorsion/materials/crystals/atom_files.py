@@ -50,7 +50,7 @@ FORMATS = {
 }
 # Those that are tables of numbers below a title, which are looked at before ase reads them.
 TABLES = frozenset(("vasp", "vasp-xdatcar", "cfg", "dlp4", "eon", "gromacs", "xsf"))
-# Formats of one frame after another that are read here: what tells frames apart, and reads one.
+# Formats with several frames that are read here: how to split the frames, and how to read one.
 FRAMES = {
     "extxyz": (xyz_blocks, xyz_frame),
     "xyz": (xyz_blocks, xyz_frame),
@@ -133,7 +133,7 @@ def _form_of(file: Path, form: str | None) -> str:
     try:
         found = formats.filetype(str(file), read=True, guess=False)
     except Exception:  # noqa: BLE001
-        # What ase makes of damaged beginnings is not its own class of errors alone.
+        # A damaged beginning makes ase raise more than its own class of errors.
         raise FileFormatError(
             f"{file.name}: its format is not known by its name or beginning. Name it by form=... "
             f"(--read-as), one of {known}."
@@ -230,7 +230,7 @@ def _length_of_cfg(name: str, text: str) -> float:
 
 
 def _check_numbers(name: str, line: int, rows: list[str]) -> None:
-    """Refuse what Python alone takes for a number; line: the number of the first row."""
+    """Refuse numbers that only Python accepts; line: the number of the first row."""
     text = "".join(rows)
     if text.isascii() and "_" not in text:
         return
@@ -254,7 +254,7 @@ def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | Mi
 
 
 def _data(atoms: Atoms, where: str) -> AtomData:
-    """What is needed of a frame."""
+    """The values that a frame needs."""
     edges = np.array(atoms.cell, dtype=float)
     flags = tuple(bool(x) for x in atoms.pbc)
     missing = [k for k in range(3) if flags[k] and not edges[k].any()]
@@ -275,7 +275,7 @@ def _data(atoms: Atoms, where: str) -> AtomData:
 
 
 def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
-    """How many frames a file has; of formats whose frames are not told apart by their lines, 1.
+    """How many frames a file has; 1 for formats whose lines do not separate frames.
 
     Raises
     ------

@@ -29,7 +29,7 @@ class AtomData:
     where: str
 
     def chosen(self, species: Sequence[str] | None) -> AtomData:
-        """The atoms of some species alone; all without any.
+        """Only the atoms of some species; all atoms without any species.
 
         Raises
         ------

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
@@ -33,7 +33,7 @@ class AtomCircuit(Burgers):
     steps: lattice vectors of the bonds between them, whole numbers in units of
         `crystal.frame.lattice.units`, shape (k - 1, 3). `whole` is their sum.
     vector: in the coordinates of the positions, with the mean deformation of the crystal.
-    frame: how the crystal lies.
+    frame: lattice and orientation of the crystal.
     """
 
     atoms: tuple[int, ...]
@@ -80,8 +80,8 @@ class AtomCircuit(Burgers):
 class AtomCircuits:
     """Makes circuits in a crystal: call it with atoms, or ask for one around a point.
 
-    places: of the atoms in the cell, shape (atoms, 3). moved: periods that led there from where
-        they were given. cell: the cell. frame: how the crystal lies.
+    places: of the atoms in the cell, shape (atoms, 3). moved: periods from the given positions to
+        these places. cell: the cell. frame: lattice and orientation of the crystal.
     decoded: lattice vectors of steps between pairs of atoms.
     """
 
@@ -102,8 +102,8 @@ class AtomCircuits:
         Raises
         ------
         CrystalError
-            An atom is not there, fewer than three are named, the circuit comes back in another
-            image, or bonds on its way are those of a core, with no lattice vector nearest.
+            An atom does not exist, fewer than three are named, the circuit ends in another image,
+            or some of its bonds belong to a core and have no nearest lattice vector.
         """
         numbers = [
             checks.count(k, f"atoms[{j}]", CrystalError, 0, len(self.places) - 1)
@@ -188,11 +188,11 @@ class AtomCircuits:
         return points, numbers, offsets, scipy.spatial.cKDTree(points)
 
     def _place(self, site: Site) -> np.ndarray:
-        """Where an atom in one of its images lies."""
+        """Position of an atom in one of its images."""
         return self.places[site[0]] + np.array(site[1:]) @ self.cell.vectors
 
     def _nearest_image(self, gap: np.ndarray) -> tuple[int, int, int]:
-        """Periods that make a step the shortest; in oblique cells shares alone do not tell."""
+        """Periods that make a step the shortest; in oblique cells rounding does not suffice."""
         near = np.where(self.cell.periodic, -np.rint(gap @ self.cell.inverse), 0)
         # The shortest is no longer than that one: its shares are bounded by the heights.
         length = np.linalg.norm(gap + near @ self.cell.vectors)
@@ -200,7 +200,7 @@ class AtomCircuits:
         ranges = [range(-n, n + 1) for n in np.maximum(reach, 0).astype(int).tolist()]
         more = np.array(sorted(product(*ranges), key=lambda one: sum(map(abs, one))))
         sizes = np.linalg.norm(gap + (near + more) @ self.cell.vectors, axis=1)
-        # Rounding does not decide between equals: the one that shares tell stays.
+        # Rounding does not decide between equals: the one found by rounding stays.
         best = more[int((sizes <= sizes.min() * (1 + 1e-9)).argmax())]
         x, y, z = (near + best).astype(int).tolist()
         return x, y, z
@@ -274,7 +274,7 @@ class AtomCircuits:
         return [sites[k] for k in way[1:]], found
 
     def _near(self, start: np.ndarray, end: np.ndarray) -> list[Site]:
-        """Atoms in their images that lie next to a straight line."""
+        """Atoms, with their images, next to a straight line."""
         _, numbers, offsets, tree = self._images
         count = max(int(np.linalg.norm(end - start) / self._reach * 2), 1)
         line = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)

@@ -58,7 +58,7 @@ class Crystal(InFrame):
     (conventions.py), in the coordinates of the positions.
 
     positions: shape (atoms, 3), in any unit of length.
-    cell: edges of the cell as rows, shape (3, 3) or (3,) where they lie along the coordinates; None
+    cell: edges of the cell as rows, shape (3, 3), or (3,) for edges along the coordinates; None
         where nothing is periodic.
     periodic: along which edges the cell repeats, shape (3,).
     species: of each atom, if known: it decides nothing here.
@@ -68,7 +68,7 @@ class Crystal(InFrame):
     Raises
     ------
     CrystalError
-        Positions are no atoms in space, the cell does not fit them, or they are no crystal.
+        Positions are not atoms in space, the cell does not fit them, or they are not a crystal.
 
     Examples
     --------
@@ -118,7 +118,7 @@ class Crystal(InFrame):
                 )
             put("species", tuple(map(str, names)))
 
-    # -- how it lies ------------------------------------------------------------------------------
+    # -- its frame --------------------------------------------------------------------------------
 
     @property
     def count(self) -> int:
@@ -127,7 +127,7 @@ class Crystal(InFrame):
 
     @cached_property
     def frame(self) -> Frame:
-        """Lattice, orientation and lattice constant together; of a polycrystal those of grain 0."""
+        """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
         found, fit = self._found
         if self._own is not None:
             return found
@@ -182,7 +182,7 @@ class Crystal(InFrame):
         if given.orient is not None and self._before is None:
             check_turn(found[0], vectors)
         elif given.orient is not None and share_within(found[0], vectors) < METHOD.share:
-            # The crystal has turned in time: it is found anew, in the axes next to those before.
+            # The crystal has rotated in time: find it again, in the axes nearest to those before.
             new, _ = frame_of(vectors, given.lattice, None, given.constant, shares)
             turned = in_variant(new, found[0])
             return turned, fitted(turned, vectors[:, : turned.lattice.shells])
@@ -217,10 +217,10 @@ class Crystal(InFrame):
 
     @cached_property
     def grains(self) -> Grains:
-        """Its grains in order, the walls between them with their misorientation, and what lies in
-        none; a single crystal is one grain.
+        """Its grains in order, the walls between them with their misorientation, atoms in no
+        grain; a single crystal is one grain.
 
-        Grains of another lattice are those of another phase. Two orientations that differ by less
+        Grains with another lattice belong to another phase. Two orientations that differ by less
         than 15 degrees are one grain, with dislocations between them.
 
         Examples
@@ -273,7 +273,7 @@ class Crystal(InFrame):
         return made
 
     def grain(self, number: int) -> Crystal:
-        """The crystal of one grain alone, in its own frame; atoms are those of `grains`."""
+        """The crystal of a single grain, in its own frame; atoms are numbered as in `grains`."""
         grain = self.grains[number]
         species = None if self.species is None else [self.species[k] for k in grain.atoms]
         periodic = self.periodic.tolist()
@@ -294,7 +294,7 @@ class Crystal(InFrame):
 
     @property
     def _is_narrow(self) -> bool:
-        """Whether an atom may be its own neighbour: numbers alone do not tell images there."""
+        """Whether an atom may be its own neighbour, so that a number does not identify an image."""
         frame = self._found[0]
         width = 4 * frame.lattice.nearest * frame.constant
         return bool((self._box.heights < width)[self.periodic].any())
@@ -324,12 +324,12 @@ class Crystal(InFrame):
     def labels(self, pairs: ArrayLike | None = None, images: ArrayLike | None = None) -> np.ndarray:
         """The lattice vectors of bonds, whole numbers in units of `frame.lattice.units`, (k, 3).
 
-        Of fcc and bcc they count halves of the lattice constant.
+        Whole numbers count halves of the lattice constant in fcc and bcc.
 
         Parameters
         ----------
         pairs
-            Numbers of the two atoms of each bond, shape (k, 2); those of `bonds` if not given.
+            Numbers of the two atoms of each bond, shape (k, 2); all pairs of `bonds` if not given.
         images
             How many periods further the second atom is meant, shape (k, 3); none if not given.
         """
@@ -398,8 +398,8 @@ class Crystal(InFrame):
         Parameters
         ----------
         partials
-            Whether partial dislocations at the edges of stacking faults are told apart, in fcc and
-            diamond those of 1/6<112>, in hcp those of basal faults (Shockley 1/3<1-100>, Frank
+            Whether partial dislocations at the edges of stacking faults are separated: 1/6<112> in
+            fcc and diamond, partials of basal faults in hcp (Shockley 1/3<1-100>, Frank
             1/6<20-23>); if not, their sum is given.
 
         Returns
@@ -420,7 +420,7 @@ class Crystal(InFrame):
         return lines_of(faces, self._wrapped[0], self._box, self.frame, partials, occupied)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
-        """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
+        """The torsion, on tetrahedra where neighbours do not already exclude it, and vacancies."""
         frame, (places, _) = self.frame, self._wrapped
         if self._is_narrow:
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
@@ -437,8 +437,8 @@ class Crystal(InFrame):
 
 
 def _spanned(positions: np.ndarray, cell: Cell) -> float:
-    """About the volume that the atoms fill: that of the cell without its widest empty layers, or of
-    a box about them."""
+    """Approximate volume that the atoms fill: the cell without its widest empty layers, or a box
+    around them."""
     shares = (positions @ cell.inverse).T
     sizes = [
         _filled(one) if flag else np.ptp(one)
@@ -448,7 +448,7 @@ def _spanned(positions: np.ndarray, cell: Cell) -> float:
 
 
 def _filled(shares: np.ndarray) -> float:
-    """Share of a period without the widest layer in which no atom lies, in as many slices as there
+    """Share of a period without the widest layer that contains no atom, in as many slices as there
     are atoms."""
     count = len(shares)
     slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)

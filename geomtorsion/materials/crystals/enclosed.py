@@ -1,9 +1,9 @@
-"""Enclosed: how many atoms more than lattice sites lie inside of a closed dislocation line.
+"""Enclosed: the number of atoms in excess of lattice sites inside a closed dislocation line.
 
-About the line a surface is put that lies in the good crystal. There every atom has its site, whole
-numbers that add up from bond to bond; since the surface is a sphere without torsion, it does not
-matter along which. Sites that these separate from all outside are those inside; what there is of
-atoms more than of them is what the line has put in.
+A surface is placed around the line, in the good crystal. There every atom has a site, given by
+whole numbers that add up from bond to bond. The path of this sum does not matter, because the
+surface is a sphere without torsion. The sites that the surface separates from the outside are the
+inner sites. The atoms in excess of them are the atoms that the line has inserted.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
@@ -58,9 +58,9 @@ class Around:
     def inside(
         self, places: np.ndarray, cell: Cell, margin: float, every: bool = True
     ) -> np.ndarray:
-        """From the middle to all images of places that lie in it or in a margin about it, (k, 3).
+        """Vectors from the middle to all images of places inside it or within a margin, (k, 3).
 
-        every: if not, places are unwrapped, and the image in which they come is left out.
+        every: if False, places are unwrapped, and their own image is omitted.
         """
         steps, found = places - self.middle, [np.zeros((0, 3))]
         if every:
@@ -85,7 +85,7 @@ class Around:
 def inserted_about(
     path: np.ndarray, others: np.ndarray, frame: Frame, cell: Cell, places: np.ndarray
 ) -> int | None:
-    """Atoms more than sites about a closed line; an isolated vacancy counts as an atom.
+    """Atoms in excess of sites around a closed line; an isolated vacancy counts as an atom.
 
     Parameters
     ----------
@@ -98,17 +98,17 @@ def inserted_about(
 
     Returns
     -------
-    None where there is no good crystal all about this line alone: at a surface, in much noise, next
-    to another line, in a cell that is hardly larger.
+    None where no good crystal surrounds this line by itself: at a surface, in much noise, next
+    to another line, or in a cell that is hardly larger than the line.
     """
     around = Around.of(path)
     if around is None:
         return None
     nearest, reach = frame.lattice.nearest * frame.constant, reach_of_shells(frame)
-    # A core is no wider on either side than two lines that are still told apart.
+    # On either side, a core is at most as wide as the least distance of two separate lines.
     for margin in nearest * np.arange(1, 2 * METHOD.width + 1):
         outer = margin + reach
-        # Neither another line lies in it nor an image of this one.
+        # Neither another line nor an image of this line is inside.
         if len(around.inside(others, cell, outer)) or len(around.inside(path, cell, outer, False)):
             return None
         steps = around.inside(places, cell, outer + reach)
@@ -144,22 +144,22 @@ def _counted(
         # Two atoms are at one site.
         return None
     every = np.concatenate([free, sites])
-    # Where a free site next to the shell should lie tells on which side of it: nothing else is
-    # missing in the shell, and it has no hole.
+    # The expected position of a free site next to the shell decides on which side it is: nothing
+    # else is missing in the shell, and the shell has no hole.
     which = distinct(np.concatenate([every, beside]).T)[1]
     number = np.full(which.max() + 1, len(every))
     number[which[: len(every)]] = np.arange(len(every))
     other = number[which[len(every) :]]
     ideal = np.array(lattice.ideal)[shells.kind[shell]] @ frame.matrix
     expected = around.depth((steps[shell][:, None] + ideal).reshape(-1, 3)) > middle
-    # What is no site that was looked at is far outside.
+    # A site that was not examined is far outside.
     gaps = (other < len(free)) | (other == len(every))
     outside = np.concatenate([outside, np.ones(len(sites) + 1, dtype=bool)])
     if (outside[other[gaps]] != expected[gaps]).any():
         return None
     first = shells.vacancies
     slot = (shells.near[first] == shells.sites[:, None]).argmax(axis=1)
-    # The site itself tells: the first atom beside it may lie on the other side of the middle.
+    # The site itself decides: the first atom beside it may be on the other side of the middle.
     vacant = steps[first] + np.array(lattice.ideal)[shells.kind[first], slot] @ frame.matrix
     vacancies = int((around.depth(vacant) < middle).sum())
     return int((deep <= margin).sum()) + vacancies - int((~outside).sum())
@@ -213,7 +213,7 @@ def _free(
         some = (cells[:, None] + np.concatenate(kinds)).reshape(-1, 3)
         parts.append(some[depth(some) < far])
     every = np.concatenate(parts)
-    # The first occurrence of each is kept: what comes behind is taken.
+    # Keep the first occurrence of each; those after the old sites are free.
     first, _ = distinct(np.concatenate([sites, every]).T)
     free = every[first[first >= len(sites)] - len(sites)]
     longest = np.linalg.norm(lattice.ideal[0], axis=1).max()

@@ -1,4 +1,4 @@
-"""Faults: bonds across stacking faults, whose shift is no lattice vector."""
+"""Faults: bonds across stacking faults, whose shift is not a lattice vector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
 
 # Differences of lattice vectors of fcc and shifts 1/6<112> are again face-centred, in sixths of a.
 SIXTHS = replace(LATTICES["fcc"], units=(1 / 6, 1 / 6, 1 / 6))
-# The same of diamond, whose bonds are counted in quarters of a, in twelfths.
+# As above in twelfths, for diamond, whose bonds are counted in quarters of a.
 TWELFTHS = replace(
     LATTICES["diamond"],
     units=(1 / 12, 1 / 12, 1 / 12),
@@ -35,8 +35,8 @@ def fault_labels(
     """Labels of bonds in sixths of a, of diamond in twelfths, and those about whose layers the two
     atoms do not agree.
 
-    Of each plane {111}, the layers above and below an atom lie where the lattice has them, or are
-    moved; its bonds, free of its own deviation from them in the plane, tell which by least squares.
+    For each plane {111}, the layers above and below an atom are where the lattice has them, or are
+    shifted; the bonds of the atom, free of its own deviation in the plane, decide by least squares.
     A bond to the next layer is read in the way of its two atoms.
 
     Parameters
@@ -56,8 +56,8 @@ def fault_labels(
     moved = np.zeros(values.shape, dtype=np.int64)
     torn = np.zeros(len(values), dtype=bool)
     for normal, shifts in zip(NORMALS, SHIFTS, strict=True):
-        # Two atoms of diamond that a bond along the normal joins are one of fcc: faults lie in the
-        # glide set, between such layers.
+        # A bond along the normal joins two diamond atoms that count as one fcc atom: faults are in
+        # the glide set, between such layers.
         steps = (values - change[:, None] * normal * (scale - 1)) / scale
         upwards = steps @ normal / 2
         above = np.rint(upwards).astype(np.int64)
@@ -96,11 +96,11 @@ def _shifted(
         way[known & (np.bincount(atom, _gain(free, shifts), minlength=count) > 0)] = 1
     one, other = ways[0, low], ways[1, high]
     layers = np.zeros(len(height), dtype=np.int64)
-    # Of two atoms that do not agree, that counts to which the bond is nearer.
+    # Where two atoms do not agree, the one whose label is nearer to the bond counts.
     layers[steep] = np.where(one == other, one, 0)[steep]
     split = steep[one[steep] != other[steep]]
     layers[split] = _gain(sense[split, None] * off[split], shifts) > 0
-    # A layer further off lies where the ways of both lead.
+    # A layer further off is where the shifts of both lead.
     far = np.abs(height) > 1
     layers[far] = (one + other)[far]
     torn = np.zeros(len(height), dtype=bool)

@@ -22,13 +22,13 @@ from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.triangulation import by_rows
 from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
 
-# Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
+# For each atom of a sample: twice as many as determine a lattice, since noise adds others.
 NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """How a crystal lies in the specimen.
+    """Lattice, orientation and mean deformation of a crystal in the specimen.
 
     lattice: which, with c/a of a hexagonal one; constant: mean lattice constant a, coordinates.
     orient: crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v.
@@ -92,7 +92,7 @@ class Frame:
             squares = np.swapaxes(ideal, 1, 2) @ ideal
             each = np.linalg.solve(squares, np.swapaxes(ideal, 1, 2) @ vectors[fit.whole])
             each = np.swapaxes(each, 1, 2) @ self.orient / self.constant
-            # Lines along an axis leave no scatter there, but the mean is no better for it.
+            # Lines along an axis leave no scatter there, but the mean is not better for it.
             error = float(each.std(axis=0).max()) / np.sqrt(len(each))
             before, frame = frame, self.of(each.mean(axis=0), error)
             # In the same frame all atoms fit as before.
@@ -116,7 +116,7 @@ class Frame:
 
 
 class InFrame:
-    """The parts of the frame in which something lies: a field `frame`, or found when asked for."""
+    """Parts of the frame of an object, which has it as a field `frame` or finds it on demand."""
 
     @property
     def lattice(self: Any) -> str:
@@ -146,7 +146,7 @@ class Fit:
 
     kind: of each atom, from 0: which of the sets of neighbour vectors it has, shape (atoms,).
     labels: the neighbour vector nearest to each, whole numbers, shape (atoms, k, 3).
-    whole: atoms whose neighbours all lie nearer to places of their own than half the neighbour
+    whole: atoms with each neighbour nearer to a place of its own than half the neighbour
         distance, shape (atoms,).
     misfit: root mean square distance over the neighbour distance, shape (atoms,).
     """
@@ -158,7 +158,7 @@ class Fit:
 
 
 def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
-    """Neighbour vectors, shape (atoms, k, 3), held against those of the perfect crystal."""
+    """Neighbour vectors, shape (atoms, k, 3), compared with the vectors of the perfect crystal."""
     lattice = frame.lattice
     count, k, _ = vectors.shape
     at = vectors.reshape(-1, 3) @ frame.inverse
@@ -184,8 +184,8 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
     """Atoms with another one at every neighbour vector, shape (atoms,) of truth values.
 
-    It is there if it lies nearer than half the neighbour distance; what else is near, as in a
-    lattice whose next shell noise mixes with this one, does not count.
+    A neighbour exists if it is nearer than half the neighbour distance. Other atoms nearby do not
+    count, as in a lattice whose next shell noise mixes with this one.
     """
     lattice = frame.lattice
     at = vectors @ frame.inverse
@@ -200,7 +200,7 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
-    """Whether neighbours lie at their places in the mean, in which noise cancels.
+    """Whether neighbours are at their places in the mean, in which noise cancels.
 
     In another lattice, such as simple cubic, atoms may have a neighbour for every place, but not in
     its midst. Deformation is not taken off: it would make any lattice of one atom another one.
@@ -232,8 +232,8 @@ def share_of(frame: Frame, fit: Fit, vectors: np.ndarray) -> float:
 
 
 def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
-    """Whether more atoms lie about most than the lattice has: of an atom in the next shell noise
-    brings as many in as out."""
+    """Whether most atoms have more atoms around them than the lattice has: noise moves as many
+    atoms of the next shell in as out."""
     lattice = frame.lattice
     more = replace(lattice, shells=lattice.shells + 1)
     sizes = np.linalg.norm(more.ideal[0], axis=1)
@@ -243,14 +243,14 @@ def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
 
 
 def share_within(frame: Frame, vectors: np.ndarray) -> float:
-    """Share of those atoms that tell an orientation that lie in the frame, up to the angle of a
-    wall; all where none tells."""
+    """Share of the atoms with an orientation whose orientation is in the frame, up to the angle of
+    a wall; all where no atom has an orientation."""
     angles = _turns(frame, vectors)
     return float((angles < METHOD.wall).mean()) if len(angles) else 1.0
 
 
 def check_turn(frame: Frame, vectors: np.ndarray) -> None:
-    """Refuse a given orientation in which no atom of a crystal lies."""
+    """Refuse a given orientation that no atom of a crystal has."""
     if share_within(frame, vectors) == 0:
         least = np.degrees(_turns(frame, vectors).min())
         raise CrystalError(
@@ -269,7 +269,7 @@ def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
-    """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
+    """The frame of one atom, from only its neighbour vectors, shape (k, 3)."""
     ideal = lattice.ideal[0]
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
@@ -281,7 +281,7 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
     if not len(first) or not unit[0].any():
-        # All neighbours lie on a line, or seem so from very far, or one overlaps with the atom: any
+        # All neighbours are on a line, or seem so from very far, or one overlaps with the atom: any
         # turn is as good.
         return Frame(lattice, np.eye(3), float(scale))
     here = triads(unit[:1], unit[other : other + 1])[0]
@@ -296,7 +296,7 @@ def refined(
 ) -> Frame:
     """The frame that fits neighbour vectors best, in the sense of least squares."""
     before = None
-    # Labels are exchanged a few times at most; without a crystal it may go on.
+    # Exchange labels a few times at most; without a crystal this may not end.
     for _ in range(5):
         fit = fitted(frame, vectors)
         if before is not None and (fit.labels == before).all():
@@ -380,7 +380,7 @@ def single_frame(
 
 
 def sampled(count: int) -> np.ndarray:
-    """Numbers of atoms that stand for all."""
+    """Numbers of atoms that represent all."""
     if count <= METHOD.sample:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, METHOD.sample, replace=False))
@@ -391,7 +391,7 @@ def likely_lattice(
 ) -> tuple[Frame, Fit]:
     """The frame of the lattice into which most atoms fit, in axes that may be given; without its
     deformation."""
-    # Few tell the lattice, all then its orientation and constant; where few fit, all tell it.
+    # A few atoms decide the lattice, or all if few of these fit; all give orientation and constant.
     for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
         found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
         shares = [share_of(frame, fit, some) for frame, fit in found]
@@ -424,7 +424,7 @@ def frame_of(
     Raises
     ------
     CrystalError
-        The atoms are no crystal, or one of another lattice.
+        The atoms are not a crystal, or are a crystal of another lattice.
     """
     if name is None:
         found = likely_lattice(vectors, orient, constant)
@@ -433,12 +433,12 @@ def frame_of(
     share = share_of(*found, vectors)
     alike = True
     if share < 0.5 and shares is not None:
-        # In many grains single atoms tell the lattice.
+        # In many grains, single atoms decide the lattice.
         parts = shares(found[0].lattice)
         most = max(parts, key=lambda key: parts[key])
         if name is None and parts[most] > max(share, parts[found[0].lattice.name]):
             found = single_frame(lattice_named(most), vectors, orient, constant)
-        # Next to atoms in frames of their own others lie alike, as in grains.
+        # Atoms around those with frames of their own must be oriented alike, as in grains.
         alike = parts[found[0].lattice.name] > 0
         share = max(share_of(*found, vectors), parts[found[0].lattice.name])
     if name is not None and share < 0.5:

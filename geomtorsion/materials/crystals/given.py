@@ -1,4 +1,4 @@
-"""Given: how a crystal lies, as far as somebody says it."""
+"""Given: cell and orientation of a crystal, as far as the user gives them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ POSITIONS = "positions"
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """Cell and frame of a crystal, None for what is to be found.
+    """Cell and frame of a crystal, None for parts that are to be found.
 
     cell: edges as rows, shape (3, 3). periodic: along which it repeats, shape (3,).
     lattice, orient, constant: as of a `Crystal`.
@@ -40,7 +40,7 @@ class Given:
         orient: ArrayLike | None,
         constant: float | None,
     ) -> Given:
-        """What came, looked at once; errors say what was needed."""
+        """The checked input; errors name the expected values."""
         edges = None if cell is None else _cell(cell)
         flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
         if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
@@ -105,7 +105,7 @@ def _rotation(given: ArrayLike | None) -> np.ndarray | None:
             "crystal, of length one and right-handed."
         )
     nearest = u @ v
-    # What is a rotation up to rounding stays as it is, frame by frame of a trajectory.
+    # A rotation up to rounding stays unchanged, frame by frame of a trajectory.
     if np.abs(nearest - found).max() < 16 * np.finfo(float).eps:
         return found
     return nearest
