@@ -17,7 +17,7 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaterni
 
 
 class Nowhere(IntEnum):
-    """What stands in the place of its grain for an atom that belongs to none."""
+    """Stand-in for the grain of an atom that belongs to none."""
 
     wall = -1
     none = -2
@@ -29,8 +29,8 @@ class Grain(InFrame):
 
     number: from 0; 0 is the grain of `crystal.frame`, the others are larger first. In a trajectory
         a grain keeps its number.
-    frame: how it lies; orient is the variant nearest to that of grain 0 of the same lattice.
-    atoms: their numbers, ascending, those of its dislocation cores included, shape (n,).
+    frame: its lattice and orientation; orient is the variant nearest to grain 0 of this lattice.
+    atoms: their numbers, ascending, with the atoms of its dislocation cores, shape (n,).
     centre: centre of gravity of the atoms, in the cell, shape (3,).
     """
 
@@ -117,7 +117,7 @@ class Grains:
         Raises
         ------
         CrystalError
-            A number is that of no grain, or both are the same.
+            A number belongs to no grain, or both are the same.
         """
         first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
         if first is second:

@@ -1,4 +1,4 @@
-"""Known grains: those of the frame before, which keep their numbers and their frames in time."""
+"""Known grains: grains of the frame before, which keep their numbers and frames in time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.grains import (
@@ -34,7 +34,7 @@ class KnownGrains:
 
     @classmethod
     def of(cls, grains: Grains) -> KnownGrains:
-        """Those of a frame."""
+        """The grains of a frame."""
         return cls({grain.number: grain.frame for grain in grains}, grains.number, grains.used)
 
     @property
@@ -47,8 +47,8 @@ class KnownGrains:
     def followed(self, grains: Grains) -> Grains:
         """The grains of the next frame with the numbers and frames of these.
 
-        Of all ways to pair them that by which most atoms stay in their grain; those of another
-        lattice, or turned by more than the angle of a wall, are others. New ones get new numbers.
+        Pairs are chosen so that most atoms stay in their grain. A grain of another lattice, or one
+        turned by more than the angle of a wall, is another grain. New grains get new numbers.
         """
         old, new = sorted(self.frames), list(grains)
         count = min(len(self.owner), len(grains.number))
@@ -96,7 +96,7 @@ def _in_order(one: Grain, other: Grain) -> tuple[Grain, Grain]:
 
 
 def _is_same(one: Frame, other: Frame) -> bool:
-    """Whether two frames may be those of one grain at two times."""
+    """Whether two frames may belong to one grain at two times."""
     if one.lattice.name != other.lattice.name:
         return False
     group = symmetry_of(one.lattice.name)

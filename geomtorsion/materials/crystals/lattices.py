@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 
-# No lattice vector is perpendicular to it: it tells which of v and -v is decoded.
+# No lattice vector is perpendicular to it: its sign decides whether v or -v is decoded.
 _SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
 
 
@@ -26,9 +26,9 @@ class Lattice:
     period: the rectangular cell in these units, shape (3,).
     points: the lattice points in it, in these units.
     basis: from an atom of the first kind to the nearest of the second, or () where all are alike.
-    shells: how many neighbours an atom has in the shells that tell the lattice.
-    screw: from an atom to the nearest that lies like it, but turned by half a turn about c; or ()
-        where no atoms do. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 lie a screw further.
+    shells: how many neighbours an atom has in the shells that determine the lattice.
+    screw: from an atom to the nearest one with the same surroundings turned by half a turn about
+        c; () if there is none. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 by a screw more.
 
     Examples
     --------
@@ -61,7 +61,7 @@ class Lattice:
 
     @cached_property
     def offsets(self) -> np.ndarray:
-        """Where an atom of each kind lies in a primitive cell, whole numbers, shape (kinds, 3)."""
+        """Position of an atom of each kind in a primitive cell, whole numbers, shape (kinds, 3)."""
         found = [np.zeros(3, dtype=np.int64)]
         for step in (self.basis, self.screw):
             found += [place + step for place in found] if step else []
@@ -76,16 +76,16 @@ class Lattice:
     def decode(self, values: np.ndarray, shift: np.ndarray | None = None) -> np.ndarray:
         """The nearest lattice vectors, shape (k, 3), whole numbers.
 
-        Of a rectangular lattice with several points in its cell it is the best of one rounding for
-        each point. decode(-v) = -decode(v), in ties, too.
+        A rectangular lattice with several points in its cell takes the best of one rounding for
+        each point. decode(-v) = -decode(v), also in ties.
 
         Parameters
         ----------
         values
             Vectors along the crystal axes in units of `units`, shape (k, 3).
         shift
-            From the sublattice of the first atom to that of the second: -1, 0 or 1 without a screw,
-            else as `shift` has it, shape (k,).
+            From the sublattice of the first atom to the sublattice of the second: -1, 0 or 1
+            without a screw, else as `shift` has it, shape (k,).
         """
         side = np.where(values @ _SIDE < 0, -1.0, 1.0)
         y = values * side[:, None]

@@ -1,4 +1,4 @@
-"""Local frames: orientation and lattice constant of each single atom, from its neighbours alone."""
+"""Local frames: orientation and lattice constant of each atom, from only its neighbours."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion, quaternion_from_m
 
 @dataclass(frozen=True, eq=False)
 class LocalFrames:
-    """How the neighbours of single atoms lie.
+    """Orientation, lattice constant and misfit of the neighbours of single atoms.
 
     quaternions: crystal to specimen, in any variant of the symmetry, shape (atoms, 4).
     constants: lattice constants, shape (atoms,).
-    good: atoms each neighbour of which lies nearer to a place of its own than half the neighbour
+    good: atoms with each neighbour nearer to a place of its own than half the neighbour
         distance, shape (atoms,).
     misfit: root mean square distance over the neighbour distance, shape (atoms,).
     """
@@ -59,12 +59,12 @@ def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
 
 @cache
 def clear_misfit(name: str) -> float:
-    """The least misfit in a lattice of an atom that lies in another one without any noise."""
+    """The least misfit in a lattice of an atom that is in another lattice without any noise."""
     found = [np.inf]
     for other in LATTICES.values():
         if other.name != name:
             ideal = replace(other, shells=50).ideal[0]
-            # Of neighbours that are equally far away any may be counted.
+            # Any of several neighbours at the same distance may be counted.
             moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
             order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
             fit = local_frames(LATTICES[name], np.take_along_axis(moved, order, axis=1))
@@ -150,7 +150,7 @@ def _seeds(lattice: Lattice) -> np.ndarray:
     found = []
     for a in range(len(ideal)):
         for b in range(len(ideal)):
-            # Two neighbours that tell an orientation lie on no line.
+            # Two neighbours that determine an orientation are not on a line.
             if (a, b) in seen or abs(unit[a] @ unit[b]) > 0.9:
                 continue
             seen |= {(int(image[a]), int(image[b])) for image in images}
