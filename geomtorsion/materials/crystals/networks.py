@@ -34,7 +34,7 @@ def network_of(
     b . A is that volume, since bonds across it flip a little inside of it. cluster: how OVITO has
     the crystal.
     """
-    import networkx as nx  # 0.15 s, and networks alone need it
+    import networkx as nx  # 0.15 s, and only networks need it
 
     graph = DualGraph.of(faces)
     found = nx.MultiDiGraph(clusters={None: cluster})
@@ -52,7 +52,7 @@ def network_of(
         for node in (line.start, line.end):
             if node not in numbers:
                 numbers[node] = len(numbers)
-                # Of a line without junctions only the line itself says where it begins.
+                # The beginning of a line without junctions is known only from the line itself.
                 place = path[0] if one else graph.places[node]
                 outside = bool(graph.surface[node])
                 found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
@@ -72,7 +72,7 @@ def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
     """A crystal or a grain as OVITO has it."""
     lattice, scale = frame.lattice, np.ones(3)
     if lattice.is_hexagonal:
-        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
+        # OVITO takes the hcp vectors for the ideal c/a, with neighbours 1/sqrt(2) apart.
         scale = np.sqrt([2, 2, 3 / 4 * lattice.ratio**2])
     return Cluster(lattice.name, frame.matrix.T * scale, atoms)
 
@@ -82,7 +82,7 @@ def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarr
     middle = path[:-1].mean(axis=0)
     spokes = path - middle
     found = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
-    # Twice as much in area is more than a core can hide: other defects have been counted, too.
+    # A core cannot hide twice as much area: other defects have been counted as well.
     if not 0.5 < volume / (found or np.inf) < 2:
         return path
     return middle + np.sqrt(volume / found) * spokes

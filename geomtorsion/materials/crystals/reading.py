@@ -65,7 +65,7 @@ def read(
         The file is missing, damaged (the message names the line where there is one), has no such
         frame or species, or is of a format that may hold more than numbers.
     CrystalError
-        The atoms are no crystal.
+        The atoms are not a crystal.
     MissingExtraError
         ase is not installed, which reads all formats but XYZ and LAMMPS: the extra `crystals`.
 
@@ -100,10 +100,10 @@ def read_all(
 ) -> Iterator[Crystal]:
     """The crystals of all frames of a trajectory, one after another, in one frame of axes.
 
-    What is found in the first frame (lattice, orientation, lattice constant) is kept in all later
-    ones, so that a Burgers vector along the crystal axes is the same from frame to frame; of a
-    polycrystal that of each grain, which keeps its number (`Crystal.following`). Parameters and
-    errors as for `read`.
+    Lattice, orientation and lattice constant of the first frame are kept in all later ones, so
+    that a Burgers vector along the crystal axes is the same from frame to frame; in a polycrystal
+    this holds for each grain, which keeps its number (`Crystal.following`). Parameters and errors
+    as for `read`.
     """
     known, names = None, species_of(species)
     for data in atom_frames(path, form):
@@ -119,14 +119,14 @@ def crystal_of(
     constant: float | None,
     known: KnownGrains | None = None,
 ) -> Crystal:
-    """The crystal of a frame, behind one whose grains are known; what is wrong with it is told with
-    its file."""
+    """The crystal of a frame, after one whose grains are known; errors name the file of the
+    frame."""
     try:
         made = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
         made = made if known is None else made.following(known)
-        # Found now, so that a file that holds no crystal is told as such.
+        # Found now, so that a file without a crystal is reported with its name.
         _ = made.frame
     except CrystalError as error:
         raise CrystalError(f"{data.where}: {error}") from None

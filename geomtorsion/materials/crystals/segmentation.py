@@ -1,8 +1,8 @@
 """Segmentation: which atoms belong to which grain of a polycrystal.
 
 Neighbours whose own orientations differ by less than the angle of a wall belong together, as far as
-all of them lie that near to the mean of their grain. Dislocations of low-angle walls stay what they
-are: between them the orientation changes by less from atom to atom.
+all of them are within this angle of the mean of their grain. Dislocations of low-angle walls remain
+dislocations: between them the orientation changes by less from atom to atom.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.frames import Frame, best_frame, upright
@@ -85,7 +85,7 @@ def segmented(specimen: Specimen) -> Grains:
 def _groups(
     lattice: Lattice, local: Local, mine: np.ndarray, numbers: np.ndarray, vectors: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """Atoms of one lattice that hang together and lie near the mean orientation of their group."""
+    """Connected atoms of one lattice near the mean orientation of their group."""
     group, q = symmetry_of(lattice.name), local.quaternions
     atoms = np.flatnonzero(mine)
     pairs = np.stack(
@@ -128,8 +128,8 @@ def _inner(
     """Groups with an inside: an atom most of whose neighbours belong to it, and neither they nor
     theirs to another.
 
-    What is no wider about its middle than a core, two neighbour distances, is a fault: the two or
-    three layers of one in fcc are as in hcp, and the other way round, but have no inside.
+    A group no wider around its middle than a core, two neighbour distances, is a fault: its two or
+    three layers are as in hcp within fcc, or as in fcc within hcp, but have no inside.
     """
     owner = _owners(groups, len(numbers))
     clear = np.ones(len(numbers), dtype=bool)
@@ -156,7 +156,7 @@ def _owners(groups: list[tuple[Frame, np.ndarray]], count: int) -> np.ndarray:
 def _in_order(
     specimen: Specimen, groups: list[tuple[Frame, np.ndarray]], vectors: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """The group of the frame of the specimen first, then by size; with what was given."""
+    """The group of the frame of the specimen first, then by size; with the given values."""
     main = specimen.frame
 
     def off(frame: Frame) -> float:
@@ -201,14 +201,14 @@ def _filled(
 ) -> tuple[np.ndarray, dict[tuple[int, int], np.ndarray]]:
     """The grain of each atom, and atoms in the walls of grains that touch.
 
-    What fits nowhere lies in a wall if two grains are no further from it than a core is wide, in no
-    grain at all in the midst of a region of such atoms, and else in a core or at a surface of the
-    grain that is nearest.
+    An atom that fits nowhere is in a wall if two grains are at most the width of a core away from
+    it. In the midst of a region of such atoms it is in no grain. Else it is in a core or at a
+    surface of the nearest grain.
     """
     filled = owner.copy()
     held = owner >= 0
     odd = np.flatnonzero(~held)
-    # Under noise few atoms fit in a frame of their own, more in that of the crystal.
+    # Under noise few atoms fit in frames of their own, and more in the frame of the crystal.
     fits = held | fitting(specimen.frame, vectors)
     first, second = _two_nearest(specimen, odd, owner)
     wall = second >= 0
@@ -287,7 +287,7 @@ def _joined(
 
 
 def _centre(specimen: Specimen, atoms: np.ndarray) -> np.ndarray:
-    """Centre of gravity of atoms, round the cell where it is periodic, in the cell."""
+    """Centre of gravity of atoms, across the edges of a periodic cell, in the cell."""
     cell, places = specimen.cell, specimen.places[atoms]
     shares = places @ cell.inverse
     turns = np.exp(2j * np.pi * shares).mean(axis=0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
@@ -29,7 +29,7 @@ class Shells:
     closed: atoms about which every triangle closes, shape (atoms,); those at a surface lack
         neighbours.
     vacancies: sites without an atom on which all their neighbours agree: the first of these.
-    sites: numbers of these sites in `near`, behind those of the atoms.
+    sites: numbers of these sites in `near`, after the numbers of the atoms.
     """
 
     near: np.ndarray
@@ -43,7 +43,7 @@ def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Atoms and their neighbours, shape (atoms,) of truth values."""
     found = atoms.copy()
     behind = near[atoms].ravel()
-    # What is no atom is a vacancy, or not there.
+    # Other numbers are vacancies or missing neighbours.
     found[behind[(behind >= 0) & (behind < len(atoms))]] = True
     return found
 
@@ -58,9 +58,9 @@ def reach_of_shells(frame: Frame) -> float:
 def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> Shells:
     """Neighbours of all atoms in a cell, and where their vectors close.
 
-    A neighbour counts if it lies nearer to its place than half the neighbour distance. Missing
-    ones on whose place all others agree are vacancies: they are put in before it is tested. So many
-    atoms are looked at together, which decides about memory, not about values.
+    A neighbour counts if it is nearer to its place than half the neighbour distance. Missing
+    neighbours on whose place all others agree are vacancies: they are inserted before the test. So
+    many atoms are processed together, which affects memory, not values.
     """
     lattice, places, cell = frame.lattice, atoms.places, atoms.cell
     count, reach = len(places), reach_of_shells(frame)
@@ -81,7 +81,7 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     gaps = np.flatnonzero((near[:count] < 0).any(axis=1) & closed[:count])
     if len(gaps):
         closed[gaps] = _at_surface(gaps, near, kind, tree, places, cell, frame)
-    # What leans on a vacancy that does not close is open, too.
+    # An atom that needs a vacancy that does not close is also open.
     leaning = held[~closed[count:]].ravel()
     closed[leaning[leaning < count]] = False
     filled = (near[count:] >= 0).all(axis=1) & closed[count:]
@@ -108,7 +108,7 @@ def _slots(
         sure = there & (apart < sure_below)
         near = np.full(found.shape, -1, dtype=np.int64)
         near[np.broadcast_to(rows, found.shape)[sure], which[sure]] = numbers[safe[sure]]
-        # What has lost its place to a vacancy counts as missing, wherever it is.
+        # A neighbour that lost its place to a vacancy counts as missing, wherever it is.
         misfit = np.where(there, np.minimum(apart, sure_below), sure_below).sum(axis=1)
         single = (near >= 0).sum(axis=1) == sure.sum(axis=1)
         if best is None:
@@ -160,7 +160,7 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
 
 
 def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray:
-    """Atoms whose neighbours, where they are, lie back, and whose triangles close."""
+    """Atoms whose existing neighbours have them as neighbours, and whose triangles close."""
     back, behind, triangles = _tables(lattice)
     torn = np.zeros(len(near), dtype=bool)
     # The neighbour of number -1, which is none, has no neighbours.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
@@ -41,7 +41,7 @@ class Surroundings:
 
     @cached_property
     def apart(self) -> Surroundings:
-        """The same, unless most atoms overlap: those of a crystal are about equally far apart.
+        """These surroundings, unless most atoms overlap: crystals have about equal distances.
 
         Raises
         ------
@@ -63,8 +63,8 @@ class Surroundings:
 class Places:
     """Atoms in a cell.
 
-    places: wrapped, shape (atoms, 3). cell: in which they lie.
-    reach: within which most have as many neighbours as are asked for.
+    places: wrapped, shape (atoms, 3). cell: contains them.
+    reach: distance within which most have as many neighbours as requested.
     """
 
     places: np.ndarray
@@ -81,13 +81,13 @@ class Places:
 
     def within(self, distance: float) -> Surroundings:
         """All atoms, with images at least as far as a distance outside of the cell: those within
-        reach, or others that are made anew, so that nothing depends on what was asked before."""
+        reach, or newly made ones, so that the result does not depend on earlier calls."""
         return self._near if distance <= self.reach else self._as_far_as(distance)
 
     def neighbours(self, atoms: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
-        the vectors to them, shape (atoms, count, 3). Of equally near ones those with lower numbers
-        come first.
+        the vectors to them, shape (atoms, count, 3). Equally near ones are in the order of their
+        numbers.
 
         Raises
         ------

@@ -25,7 +25,7 @@ class TornFaces:
 
     @classmethod
     def of(cls, torsion: Torsion, numbers: np.ndarray) -> TornFaces:
-        """Those of a torsion on atoms with these numbers, increasing."""
+        """Torn faces of a torsion on atoms with these numbers, increasing."""
         mesh, values = torsion.mesh, torsion.values
         _, sides, images = mesh.faces
         torn = np.flatnonzero(values.any(axis=1) & (sides >= 0).any(axis=1))

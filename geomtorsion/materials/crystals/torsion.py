@@ -1,10 +1,9 @@
 """Torsion: the coboundary of bond labels, and the shortest lines that carry it.
 
-A label that noise has turned into a neighbouring lattice vector puts a ring of torsion round its
-bond. Other labels inside a core are as good as long as no circuit on its surface changes: of all of
-them those with the least energy b^2 are taken, which leaves nothing of rings and straight lines of
-dislocations. No label of a bond that reaches out of a core is touched, so that Burgers vectors
-stay.
+A label that noise has turned into a neighbouring lattice vector puts a ring of torsion around its
+bond. Other labels inside a core are as good as long as no circuit on its surface changes. The ones
+with the least energy b^2 are taken, which leaves no rings and makes dislocations straight lines.
+No label of a bond that reaches out of a core is changed, so that Burgers vectors stay.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.lattices import Lattice
 from geomtorsion.materials.crystals.method import METHOD
@@ -44,10 +43,10 @@ class Lengths:
 
 @dataclass(frozen=True, eq=False)
 class Torsion:
-    """Labels on the edges of a triangulation and what they miss round each face.
+    """Labels on the edges of a triangulation and their closure failure around each face.
 
     labels: lattice vectors, whole numbers, shape (edges, 3).
-    doubtful: edges that lie further from their label than half the neighbour distance, (edges,).
+    doubtful: edges further from their label than half the neighbour distance, (edges,).
     """
 
     mesh: Triangulation
@@ -74,8 +73,8 @@ class Torsion:
 
     @property
     def leading_on(self) -> np.ndarray:
-        """Atoms about which all tetrahedra are needed, too: cores reach as far as the neighbours of
-        what is torn where not all are known, shape (atoms,)."""
+        """Atoms around which all tetrahedra are also needed, since cores reach as far as the
+        neighbours of torn tetrahedra where not all are known, shape (atoms,)."""
         beyond, corners = self.beyond, self.mesh.corners
         found = np.zeros(len(beyond), dtype=bool)
         if beyond.any():
@@ -94,9 +93,9 @@ class Torsion:
     def relaxed(self) -> Torsion:
         """The same torsion, but for what closes on the surfaces of cores, on the shortest lines.
 
-        Cores are first what is torn or doubtful; then whatever has an atom in common with the
-        torsion that is left: a ring that no circuit outside of its own atoms sees is a point
-        defect.
+        Cores are first the torn or doubtful tetrahedra; then all tetrahedra with an atom in common
+        with the remaining torsion. A ring that no circuit outside of its own atoms detects is a
+        point defect.
         """
         if not self.torn.any():
             return self
@@ -148,9 +147,9 @@ class Torsion:
         owner = np.full(len(self.labels), -1)
         owner[of_cell] = core[:, None]
         found = owner >= 0
-        # Of one that lies in two cores, or in the surface of one, one tetrahedron tells.
+        # One tetrahedron suffices to exclude an edge in two cores, or in the surface of one.
         found[of_cell[owner[of_cell] != core[:, None]]] = False
-        # Of other edges not all tetrahedra are here.
+        # Other edges do not have all their tetrahedra here.
         return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
 
     def descended(self, core: np.ndarray) -> Torsion:
@@ -163,8 +162,8 @@ class Torsion:
         """Of all labels of free edges, those with the shortest lines: a linear program per core.
 
         Torsion in each direction of a basis is as long as the faces that it runs through; the
-        matrix of boundaries makes the best solution whole. What is no vector of the basis counts as
-        several that may part: the basis is one of those vectors that most faces carry.
+        matrix of boundaries makes the best solution whole. A vector outside the basis counts as
+        several that may part: the basis consists of the vectors that most faces carry.
         """
         rows, sides, _ = self.mesh.faces
         values, free = self.values, self.free(core)
