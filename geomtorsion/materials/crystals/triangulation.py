@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.method import METHOD
 
-# Corners of the faces of a tetrahedron, the one left out first to last: its boundary is
+# Corners of the faces of a tetrahedron, the omitted corner first to last: its boundary is
 # sum of (-1)^k face_k.
 FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 EDGES = tuple(combinations(range(4), 2))
 SIGNS = np.array([1, -1, 1, -1])
-# Of what there are some ten or more for each atom, of which there are less than 2^31 in memory.
+# Numbers of edges and faces, some ten or more for each atom: fewer than 2^31 fit in memory.
 NUMBER = np.int32
 
 
@@ -51,7 +51,7 @@ class Cell:
         return positions + moved @ self.vectors, moved.astype(np.int64)
 
     def shifts(self, images: np.ndarray) -> np.ndarray:
-        """Where images lie, shape (k, 3): the same bits for each, whatever the others are."""
+        """Positions of images, shape (k, 3): the same bits for each, whatever the others are."""
         return by_rows(images, self.vectors)
 
     def moved(self, places: np.ndarray, image: Sequence[int]) -> np.ndarray:
@@ -133,7 +133,7 @@ class Triangulation:
         sides = np.full((len(first), 2), -1, dtype=NUMBER)
         base = np.zeros((len(first), 2, 3), dtype=NUMBER)
         owner = np.arange(count, dtype=NUMBER)
-        # Three edges can be those of two faces only in a cell of one atom or so: images tell.
+        # Only in a cell of about one atom can two faces have the same three edges: images differ.
         for face, sign, mine in zip(FACES, SIGNS, which.reshape(4, -1), strict=True):
             slot = (sign * self.senses < 0).astype(np.int8)
             sides[mine, slot] = owner
@@ -149,8 +149,7 @@ class Triangulation:
 
 
 def by_rows(vectors: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """vectors @ matrix, shape (k, 3), each row rounded alike wherever it stands, as by BLAS it may
-    not be."""
+    """vectors @ matrix, shape (k, 3), each row rounded alike wherever it is, unlike in BLAS."""
     x, y, z = vectors.T[:, :, None]
     return x * matrix[0] + y * matrix[1] + z * matrix[2]
 
@@ -211,18 +210,18 @@ def triangulated(
     places
         Positions in the cell (wrapped), shape (atoms, 3).
     reach
-        Radius of the largest empty sphere that a tetrahedron may have: what is larger is a void, or
-        lies outside the crystal.
+        Radius of the largest empty sphere that a tetrahedron may have: a larger sphere is a void,
+        or is outside the crystal.
     wanted
-        Atoms whose tetrahedra are asked for, shape (atoms,) of truth values; all if not given.
-        Atoms further than twice the reach from them, where no sphere reaches, are left out.
+        Atoms whose tetrahedra are requested, shape (atoms,) of truth values; all if not given.
+        Atoms further than twice the reach from them, where no sphere reaches, are omitted.
     atoms
-        Numbers of the atoms, increasing, where some are left out: the tetrahedra are the same.
+        Numbers of the atoms, increasing, where some are omitted: the tetrahedra are the same.
 
     Raises
     ------
     CrystalError
-        All atoms lie in one plane.
+        All atoms are in one plane.
     """
     if wanted is not None and not wanted.any():
         none, images = np.zeros((0, 4), dtype=NUMBER), np.zeros((0, 4, 3), dtype=NUMBER)
@@ -231,7 +230,7 @@ def triangulated(
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
     known = np.ones(len(places), dtype=bool) if wanted is None else wanted
-    # Of each tetrahedron that is asked for one image has a known corner in the cell.
+    # One image of each requested tetrahedron has a known corner in the cell.
     inner = np.append(known, np.zeros(len(points) - len(places), dtype=bool))
     if wanted is not None:
         tree = scipy.spatial.cKDTree(points[inner])
