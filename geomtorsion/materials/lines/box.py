@@ -48,7 +48,7 @@ class Box:
         with np.errstate(over="ignore", invalid="ignore"):
             volume = _volume(vectors)
             sizes = float(np.prod(np.linalg.norm(vectors, axis=1)))
-        # Edges that span less than rounding leaves lie in one plane.
+        # Edges that span less than rounding error are in one plane.
         if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
             raise NetworkError(
                 f"vectors of the box: three edges that span a finite volume were needed, but "

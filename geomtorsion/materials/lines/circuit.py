@@ -1,4 +1,4 @@
-"""Circuit: the Burgers vector of a loop round lines of a network, by linking."""
+"""Circuit: the Burgers vector of a loop around lines of a network, by linking."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _pieces(part: Part) -> tuple[np.ndarray, np.ndarray]:
 def _chords(
     part: Part, owner: np.ndarray, ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ends of the chords, shape (k, 3) each, and how far arcs lie from them, shape (k,)."""
+    """Ends of the chords, shape (k, 3) each, and distances of arcs from them, shape (k,)."""
     share = np.linspace(0, 1, 9)
     starts, stops, away = np.zeros((len(owner), 3)), np.zeros((len(owner), 3)), np.zeros(len(owner))
     for k in np.unique(owner):
@@ -149,7 +149,7 @@ def _chords(
 
 
 def _outline(part: Part) -> tuple[np.ndarray, float]:
-    """Corners of the first polygon and how far the path may lie from it."""
+    """Corners of the first polygon and the largest distance of the path from it."""
     starts, _, away = _chords(part, *_pieces(part))
     return starts, float(away.max())
 
@@ -200,7 +200,7 @@ def _distances(p: np.ndarray, q: np.ndarray, a: np.ndarray, b: np.ndarray) -> np
     tiny = np.finfo(float).tiny
     square, other = np.maximum((one * one).sum(axis=1), tiny), max(float(two @ two), tiny)
     along, across, mixed = (one * between).sum(axis=1), between @ two, one @ two
-    # At an end of one of the two, or where a line across both stands on them.
+    # At an end of one of the two, or at a line perpendicular to both.
     to_start = np.clip(across / other, 0, 1)
     to_end = np.clip((across + mixed) / other, 0, 1)
     from_start = np.clip(-along / square, 0, 1)
@@ -301,9 +301,9 @@ def _sign(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class LineBurgers(Burgers):
-    """Burgers vector of a circuit round the lines of a network.
+    """Burgers vector of a circuit around the lines of a network.
 
-    exact: b, exact where that of the lines is, shape (n,). whole: b in the lattice that was given.
+    exact: b, exact where b of the lines is, shape (n,). whole: b in the given lattice.
     crossings: lines that cross a surface which the circuit spans, with their images and signs.
     """
 

@@ -47,7 +47,7 @@ class Cluster:
     atoms: int = 0
 
     def __post_init__(self) -> None:
-        """Look at what came."""
+        """Check the input."""
         checks.choice(self.lattice, NAMES, "lattice", NetworkError)
         matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
         if np.linalg.matrix_rank(matrix) < 3:
@@ -60,7 +60,7 @@ class Cluster:
         return np.linalg.inv(self.matrix)
 
 
-# Grains, in which of them each curve lies, and pairs of grains that touch.
+# Grains, the grain of each curve, and pairs of grains that touch.
 Clusters = tuple[Sequence[Cluster], Sequence[int], Sequence[tuple[int, int]]]
 
 
@@ -70,14 +70,14 @@ def clusters_of(
     owners: Sequence[int],
     curves: Sequence[Polyline],
 ) -> Clusters:
-    """The grains of a network, that of each polyline, and which of them touch.
+    """The grains of a network, the grain of each polyline, and pairs of grains that touch.
 
     known: clusters by number of the grain, and walls, pairs of these, where there are any. owners:
     number of the line to which each straight piece belongs.
     """
     clusters: Mapping[int | None, Cluster] = known.get("clusters") or {None: Cluster()}
     if None not in clusters:
-        # Numbers of clusters are those of grains: one that is there no more has no atoms.
+        # Clusters have the numbers of grains: a grain that no longer exists has no atoms.
         gone = Cluster(next(iter(clusters.values())).lattice)
         numbers = [number for number in clusters if number is not None]
         clusters = {number: clusters.get(number, gone) for number in range(max(numbers) + 1)}
@@ -101,11 +101,11 @@ def crystal_analysis_text(
     curves
         The polylines of the lines; their b in the coordinates of the nodes.
     clusters, owners
-        Grains, and in which of them each curve lies, counted from 0; all in the first if not given,
-        and that of no lattice if none is.
+        Grains, and the grain of each curve, counted from 0; all curves are in the first grain if
+        not given, and this grain has no lattice if there are no clusters.
     walls
         Pairs of clusters that touch. The transition from one to the other takes a vector in units
-        of the lattice of the first to the same vector in space in those of the second.
+        of the lattice of the first to the same vector in space in units of the second lattice.
 
     Raises
     ------
@@ -269,7 +269,7 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
 
 
 class _Contents:
-    """What stands in the file, part by part."""
+    """The contents of the file, part by part."""
 
     def __init__(self) -> None:
         self.origin = np.zeros(3)
@@ -418,7 +418,7 @@ class _Contents:
         )  # fmt: skip
 
     def _known(self) -> dict[str, Any]:
-        """Clusters by number of the grain, None where there is one alone, and those that touch."""
+        """Clusters by number of the grain, None for a single one, and pairs that touch."""
         found = []
         for cluster, matrix in self.matrices.items():
             name = self.names.get(self.lattices.get(cluster, -1), "")
@@ -433,7 +433,7 @@ class _Contents:
     def _ends(self) -> tuple[dict[tuple[int, int], int], dict[int, int]]:
         """The ring to which each end of a line belongs, and how many ends each ring has.
 
-        Rows of the file stand for the end (1) and then for the start (0) of each line.
+        Rows of the file are for the end (1) and then for the start (0) of each line.
         """
         after = {(k // 2, 1 - k % 2): (line, int(end)) for k, (line, end) in enumerate(self.rings)}
         found: dict[tuple[int, int], int] = {}

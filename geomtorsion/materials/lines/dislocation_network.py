@@ -71,7 +71,7 @@ class DislocationNetwork:
 
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""
-        import networkx as nx  # 0.15 s, and networks alone need it
+        import networkx as nx  # 0.15 s, and only networks need it
 
         if self.box is not None:
             checks.instance(self.box, Box, "box", NetworkError)
@@ -80,7 +80,7 @@ class DislocationNetwork:
                 f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
                 "have a sense, and several may join the same nodes."
             )
-        # What is frozen was made here, or changes no more.
+        # A frozen graph was made here, or does not change.
         copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
         length, largest = None, 0.0
         for start, end, key, data in copy.edges(keys=True, data=True):
@@ -177,7 +177,7 @@ class DislocationNetwork:
         Parameters
         ----------
         periodic
-            Whether the box repeats along its edges, which a .data file does not say.
+            Whether the box repeats along its edges, which a .data file does not contain.
 
         Raises
         ------
@@ -191,7 +191,7 @@ class DislocationNetwork:
         """Write a file by the end of its name: .vtk, OVITO .ca, .json, and else ParaDiS .data.
 
         All but .vtk, which has no box, read as the same network, digit by digit. In .ca lines of
-        crystals lie in a cluster for each grain, with the families of its lattice.
+        crystals are in a cluster for each grain, with the families of its lattice.
 
         Raises
         ------
@@ -245,7 +245,7 @@ class DislocationNetwork:
 
     @property
     def _vectors(self) -> list[Vector]:
-        """b of each straight piece, exact where that of its line is."""
+        """b of each straight piece, exact where b of its line is."""
         return [self.lines[k].burgers for k in self.owners]
 
     @cached_property
@@ -266,7 +266,7 @@ class DislocationNetwork:
             Nodes have no positions.
         """
         surface = [bool(data.get("surface")) for _, data in self.graph.nodes(data=True)]
-        # Points along a line are nodes of the pieces behind those of the graph.
+        # Points along a line are nodes of the pieces, after the nodes of the graph.
         surface += [False] * (len(self.arrays.positions) - len(surface))
         return polylines(self.arrays, self._vectors, surface, self.tolerance)
 
@@ -364,7 +364,7 @@ class DislocationNetwork:
             A closed path in the coordinates of the nodes; it may leave the box.
         lattice
             Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
-            shortest: b is then given in whole multiples of them, too, exactly.
+            shortest: b is then also given in whole multiples of them, exactly.
 
         Raises
         ------
@@ -372,7 +372,7 @@ class DislocationNetwork:
             The loop meets a line; the message names it.
         NetworkError
             Lines end between the two surfaces, so that b depends on the surface; or nodes have no
-            positions, or a b is no vector of the lattice.
+            positions, or a b is not a vector of the lattice.
         """
         return circuit_burgers(self.arrays, self._vectors, loop, lattice, self.tolerance)
 
@@ -382,8 +382,8 @@ class DislocationNetwork:
         Parameters
         ----------
         symmetry
-            "cubic": what permutes and reverses axes; "hexagonal": a prism about z, a along x;
-            "none": b and -b alone; or matrices, shape (k, n, n).
+            "cubic": all that permute and reverse axes; "hexagonal": a prism about z, a along x;
+            "none": only b and -b; or matrices, shape (k, n, n).
 
         Raises
         ------
@@ -432,7 +432,7 @@ class DislocationNetwork:
     # -- changes ----------------------------------------------------------------------------------
 
     def reversed(self, line: Line) -> DislocationNetwork:
-        """The same network with one line described the other way: sense and b both turned round."""
+        """The same network with one line described the other way: sense and b both reversed."""
         b = self._burgers(line)
         start, end, key = line
         graph = self.to_networkx()
@@ -491,7 +491,7 @@ class DislocationNetwork:
 
     def _burgers(self, line: Line) -> Vector:
         """The Burgers vector of a line that exists."""
-        # Tuples with a list in them are no names of nodes.
+        # Tuples that contain a list are not names of nodes.
         with suppress(KeyError, TypeError, ValueError):
             if isinstance(line, tuple):
                 return self.graph.edges[line]["burgers"]

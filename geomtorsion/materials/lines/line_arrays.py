@@ -35,8 +35,8 @@ class LineArrays:
     labels: names of the nodes; their numbers if not given.
     constraints: the number that a simulation gives each node, shape (nodes,); zero if not given.
     planes: normal of the glide plane of each line, shape (lines, 3), if known.
-    grains: number of the grain in which each line lies, None where it is not known; () of none.
-    known: what a file says of these grains: `clusters` by number, and `walls` between them.
+    grains: number of the grain of each line, None where it is not known; () if no line has one.
+    known: data of a file about these grains: `clusters` by number, and `walls` between them.
 
     Raises
     ------
@@ -217,7 +217,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def grain(self) -> int | None:
-        """The grain in which it lies, along whose axes b is meant; None: it is not known."""
+        """The grain along whose axes b is meant, which contains the line; None: it is not known."""
         return self.data.get("grain")
 
     @property
@@ -255,14 +255,14 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def area(self) -> np.ndarray:
-        """Vector area of a closed line, shape (3,): b . area is the volume of what was put in."""
+        """Vector area of a closed line, shape (3,): b . area is the inserted volume."""
         spokes = self.path - self.path[0]
         return np.cross(spokes[:-1], spokes[1:]).sum(axis=0) / 2
 
     @property
     def kind(self) -> str:
         """ "closed": ends where it begins; "periodic": ends there in another image; "wall": an end
-        lies in a wall between grains; "surface": on a surface; "joined": both ends are
+        is in a wall between grains; "surface": on a surface; "joined": both ends are
         junctions."""
         if self[0] == self[1]:
             return "periodic" if any(self.image) else "closed"
@@ -306,7 +306,7 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
         pairs += list(pairwise(chain))
         owner += [k] * (len(chain) - 1)
         if any(known):
-            # Inner points are unwrapped: the last piece alone leads into another image.
+            # Inner points are unwrapped: only the last piece leads into another image.
             images += [(0, 0, 0)] * len(inner) + [data["image"]]
     planes = [edges[k][2].get("plane") for k in owner]
     constraints = [data.get("constraint", 0) for _, data in nodes]

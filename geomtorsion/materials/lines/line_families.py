@@ -51,9 +51,9 @@ def line_families(
     ----------
     symmetry
         "cubic": the 48 operations that permute and reverse axes (fcc, bcc, diamond);
-        "hexagonal": the 24 of a prism about z whose edge lies along x (hcp: a along x); "none": b
-        and -b alone, since both describe one line. Or matrices, shape (k, n, n), such as those of
-        a crystal that lies otherwise in the box; -1 is added.
+        "hexagonal": the 24 of a prism about z whose edge is along x (hcp: a along x); "none": only
+        b and -b, since both describe one line. Or matrices, shape (k, n, n), such as the
+        operations of a crystal with another orientation in the box; -1 is added.
     tolerance
         Share of the largest b within which components count as equal.
 
@@ -66,7 +66,7 @@ def line_families(
     >>> found.name, found.length, found.screw
     ('1 <1 0 0>', 5.0, 0.4)
     """
-    # Of very many lines few differ in b.
+    # Even very many lines have few different b.
     vectors, which = np.unique(lines.burgers, axis=0, return_inverse=True)
     dimension = vectors.shape[1]
     near = tolerance * float(np.abs(vectors).max(initial=0.0))
@@ -98,7 +98,7 @@ def line_families(
 def named_families(
     lines: LineArrays, names: Sequence[str]
 ) -> tuple[tuple[LineFamily, ...], np.ndarray]:
-    """The same of lines whose families are known by name, such as 1/2<1 1 0> of a crystal.
+    """Families of lines whose families are known by name, such as 1/2<1 1 0> of a crystal.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def _measured(
     titles: Sequence[str],
     kinds: Sequence[tuple[float, ...]],
 ) -> tuple[tuple[LineFamily, ...], np.ndarray]:
-    """Families with lengths, the longest first, and the number of that of each line."""
+    """Families with lengths, the longest first, and the number of the family of each line."""
     screws, lengths = lines.screw_shares, lines.lengths
     volume = None if lines.box is None else lines.box.volume
     found = []
@@ -187,7 +187,7 @@ def lattice_vectors(lattice: Lattice, dimension: int) -> np.ndarray:
     Raises
     ------
     NetworkError
-        There is no such lattice, or the vectors have another shape or lie in one plane.
+        There is no such lattice, or the vectors have another shape or are in one plane.
     """
     if isinstance(lattice, str):
         checks.choice(lattice, tuple(LATTICES), "lattice", NetworkError)
@@ -212,7 +212,7 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
     Raises
     ------
     NetworkError
-        A vector is none of the lattice; the message says which and by how much.
+        A vector is not in the lattice; the message names it and its distance from the lattice.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Line files: dislocation networks in the format that the end of a name says, and back."""
+"""Line files: dislocation networks in the format given by the end of a name, and back."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")
 def read_lines(
     path: str | PathLike[str], periodic: bool = True
 ) -> tuple[LineArrays, list[tuple[Number, ...]] | None]:
-    """Lines from a ParaDiS file, or from .ca and .json, whose boxes say where they repeat.
+    """Lines from a ParaDiS file, or from .ca and .json, whose boxes contain their periodicity.
 
     Files packed by gzip or bzip2 (.data.gz, .ca.gz) are unpacked while they are read.
 
@@ -75,12 +75,12 @@ def lines_text(
     vectors
         b of each line, exact where it is.
     clusters
-        The grains in which the polylines lie.
+        The grains of the polylines.
 
     Raises
     ------
     NetworkError
-        The format cannot hold the network; the message says why.
+        The format cannot hold the network; the message gives the reason.
     """
     kind = ending(path)
     if kind != file_name(path).suffix.lower():
@@ -150,7 +150,7 @@ def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
     Raises
     ------
     NetworkError
-        A name of a node is no whole number, no text and no list of whole numbers, or b is neither
+        A name of a node is not a whole number, a text or a list of whole numbers, or b is neither
         rational nor a float.
     """
     box = lines.box
@@ -219,7 +219,7 @@ def read_json_lines(
     Raises
     ------
     FileFormatError
-        The file is missing, is no JSON, or holds something else.
+        The file is missing, is not JSON, or holds something else.
     """
     name = Path(path).name
     data = conforming(read_json_text(read_text(path, checks.LARGEST_ARRAYS), name), _FORM, name)

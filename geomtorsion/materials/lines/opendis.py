@@ -13,7 +13,7 @@ from geomtorsion.loops.validation import whole
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
 
-# What is needed of each table.
+# The required columns of each table.
 NEEDED = {"cell": ("h",), "nodes": ("positions",), "segs": ("nodeids", "burgers")}
 
 

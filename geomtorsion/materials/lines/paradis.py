@@ -85,7 +85,7 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
     Parameters
     ----------
     periodic
-        Whether the box repeats along its edges, which such a file does not say.
+        Whether the box repeats along its edges, which such a file does not contain.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _header(reader: _Reader) -> dict[str, Row]:
         if key == "nodalData" and equals:
             return found
         if not equals:
-            # What follows a key without brackets, such as the bounds of domains, is not needed.
+            # A value after a key without brackets, such as the bounds of domains, is not needed.
             continue
         line, rest = reader.line, rest.split()
         values = rest
@@ -318,7 +318,7 @@ def _joined(
         for line, row in here:
             gaps = [max(abs(a + b) for a, b in zip(row[:3], x[:3], strict=True)) for _, x in there]
             best = gaps.index(min(gaps))
-            # Files carry eleven digits; what is asked is that both rows mean the same b.
+            # Files carry eleven digits; only both rows having the same b is checked.
             if gaps[best] > 1e-6 * max(map(abs, row[:3])):
                 raise FileFormatError(
                     f"{name}: line {line}: b from node {one[0]},{one[1]} is {row[:3]}, but from "
@@ -370,8 +370,8 @@ def paradis_text(lines: LineArrays) -> str:
     Raises
     ------
     NetworkError
-        There is no box along the coordinates, or b has not three components; and a line longer
-        than half a period, which no reader of such a file could tell from a shorter one.
+        There is no box along the coordinates, b has not three components, or a line is longer
+        than half a period, which a reader of the file could not distinguish from a shorter one.
     """
     box = lines.box
     if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):

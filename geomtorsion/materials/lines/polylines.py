@@ -20,7 +20,7 @@ class Polyline:
 
     nodes: their names, in the sense of the line. points: their places, shape (k, 3), each in the
         image in which the line reaches it.
-    burgers: b, exact where that of the network is, shape (n,).
+    burgers: b, exact where b of the network is, shape (n,).
     shift: whole periods from the first point to the last, where both are the same node, shape (3,).
     numbers: of the lines of the network of which it consists, in order.
     meets: what it meets at its first and its last node: "surface", "junction", or "nothing".
@@ -91,8 +91,8 @@ def polylines(
 
     Returns
     -------
-    The polylines, in the order of their first lines; the sense is that of the line with the lowest
-    number in each.
+    The polylines, in the order of their first lines; each has the sense of its line with the
+    lowest number.
 
     Examples
     --------
@@ -179,7 +179,7 @@ class _Walker:
         return self.pairs[line][1 if sense > 0 else 0]
 
     def _next(self, node: int, line: int, sense: int) -> tuple[int, int] | None:
-        """The line that goes on from a node, with the sense in which it is walked."""
+        """The line that continues from a node, with the sense in which it is walked."""
         arms = self.arms[node]
         if len(arms) != 2 or arms[0] == arms[1] or self.ends[node]:
             return None
