@@ -25,11 +25,11 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
     Raises
     ------
     NetworkError
-        It is no vector of finite numbers, or not of the dimension.
+        It is not a vector of finite numbers, or not of the dimension.
     """
     message = "{subject}: a Burgers vector was needed, but {value} came."
     given = checks.entries(values, where, NetworkError, message=message)
-    # Of a hundred thousand lines of a simulation all have plain floats.
+    # All of a hundred thousand lines of a simulation may have plain floats.
     plain = all(type(value) is float and math.isfinite(value) for value in given)
     result = tuple(given) if plain else tuple(_number(value, where) for value in given)
     if dimension is not None and len(result) != dimension:
@@ -92,7 +92,7 @@ class Reaction:
     Raises
     ------
     NetworkError
-        The sums differ (the message says by how much), or a vector is none.
+        The sums differ (the message gives the difference), or a vector is invalid.
 
     Examples
     --------
