@@ -21,7 +21,7 @@ _FORMS = {
 
 
 def is_atom_array(path: Path) -> bool:
-    """Whether the name of a file is one of an array."""
+    """Whether the name of a file has the suffix of an array."""
     return path.suffix.lower() in (".npy", ".npz")
 
 

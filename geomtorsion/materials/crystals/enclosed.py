@@ -26,10 +26,10 @@ from geomtorsion.materials.crystals.triangulation import Cell, distinct
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """A prism about a closed path, its base convex and in the plane of the path.
+    """A prism around a closed path; its base is convex and in the plane of the path.
 
-    middle: of a box about it, shape (3,); axes: of that box as rows, shape (3, 3); half: half of
-        its sides, shape (3,).
+    middle: centre of a box around the path, shape (3,); axes: axes of the box as rows, shape
+        (3, 3); half: half of its sides, shape (3,).
     sides: outward normals of the base and their distances from the middle, shape (k, 3).
     """
 
@@ -40,7 +40,7 @@ class Around:
 
     @classmethod
     def of(cls, path: np.ndarray) -> Around | None:
-        """The one along the principal axes of a path; None of one without area."""
+        """The prism along the principal axes of a path; None for a path without area."""
         mean = path.mean(axis=0)
         axes = np.linalg.svd(path - mean)[2]
         along = (path - mean) @ axes.T
@@ -51,7 +51,7 @@ class Around:
             hull = scipy.spatial.ConvexHull(flat).equations
         except scipy.spatial.QhullError:
             return None
-        # With the sides of the box corners of acute angles do not reach out of it.
+        # The sides of the box keep corners of acute angles within it.
         box = [[1, 0, -half[0]], [-1, 0, -half[0]], [0, 1, -half[1]], [0, -1, -half[1]]]
         return cls(mean + (low + high) / 2 @ axes, axes, half, np.concatenate([hull, box]))
 
@@ -65,7 +65,7 @@ class Around:
         steps, found = places - self.middle, [np.zeros((0, 3))]
         if every:
             steps -= (np.rint(steps @ cell.inverse) * cell.periodic) @ cell.vectors
-        # How far it reaches along the edges, in periods.
+        # Its extent along the edges, in periods.
         shares = np.abs(self.axes @ cell.inverse).T @ (self.half + margin)
         wide = cell.periodic & (shares >= 0.5)
         for image in product(*((-1, 0, 1) if flag else (0,) for flag in wide)):
@@ -76,7 +76,7 @@ class Around:
         return np.concatenate(found)
 
     def depth(self, steps: np.ndarray) -> np.ndarray:
-        """How far outside steps from the middle end, shape (k,); less than none is inside."""
+        """Distance of the ends of steps from the prism, shape (k,); negative inside."""
         along = steps @ self.axes.T
         base = (along[:, :2] @ self.sides[:, :2].T + self.sides[:, 2]).max(axis=1, initial=-np.inf)
         return np.maximum(base, np.abs(along[:, 2]) - self.half[2])
@@ -90,11 +90,11 @@ def inserted_about(
     Parameters
     ----------
     path
-        Of the line, shape (k, 3).
+        Points of the line, shape (k, 3).
     others
         Points of all other lines, shape (n, 3).
     places
-        Of all atoms in the cell, shape (atoms, 3).
+        Positions of all atoms in the cell, shape (atoms, 3).
 
     Returns
     -------
@@ -121,7 +121,7 @@ def inserted_about(
 def _counted(
     steps: np.ndarray, around: Around, margin: float, outer: float, frame: Frame
 ) -> int | None:
-    """Atoms more than sites in the midst, if all is sound between two depths; steps: of atoms."""
+    """Atoms in excess of sites inside, if all is sound between two depths; steps: of atoms."""
     if len(steps) < 2:
         return None
     lattice, middle = frame.lattice, (margin + outer) / 2
@@ -141,7 +141,7 @@ def _counted(
 
     free, outside = _free(sites, lattice, apart, outer + 2 * reach_of_shells(frame))
     if len(distinct(sites.T)[0]) < len(sites):
-        # Two atoms are at one site.
+        # Two atoms share one site.
         return None
     every = np.concatenate([free, sites])
     # The expected position of a free site next to the shell decides on which side it is: nothing
@@ -166,15 +166,17 @@ def _counted(
 
 
 def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | None:
-    """Sites of atoms in whole numbers, from one of the first kind, shape (k, 3); None where it
-    matters along which bonds they are counted, or not all atoms hang together."""
+    """Sites of atoms in whole numbers, from an atom of the first kind, shape (k, 3).
+
+    None where the sites depend on the path along bonds, or where the atoms are not connected.
+    """
     kind, count = shells.kind[shell], len(shell)
     if not count or kind.all():
         return None
     number = np.full(len(shells.near) + 1, -1)
     number[shell] = np.arange(count)
     near = shells.near[shell]
-    # Behind the atoms there are vacancies.
+    # The numbers after the atoms are vacancies.
     to = number[np.where(near < len(shells.near), near, -1)]
     first, slot = np.nonzero(to >= 0)
     second = to[first, slot]
@@ -184,7 +186,7 @@ def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | 
     order, before = scipy.sparse.csgraph.breadth_first_order(table, root)
     if len(order) < count:
         return None
-    # The bond by which each was reached, and then sums along all of them, twice as many each time.
+    # The bond that reached each atom, and then sums along bonds, twice as many each time.
     before[root] = root
     sites = np.zeros((count, 3), dtype=np.int64)
     chosen = before[second] == first
@@ -199,8 +201,10 @@ def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | 
 def _free(
     sites: np.ndarray, lattice: Lattice, depth: Callable[[np.ndarray], np.ndarray], far: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sites no deeper than far about others, in whole numbers, and which of them those do not
-    separate from all that is outside."""
+    """Sites around others no deeper than far, in whole numbers, and a mask.
+
+    The mask marks the sites that the others do not separate from the outside.
+    """
     period = np.array(lattice.period)
     low, high = (
         (sites.min(axis=0) // period - 2).tolist(),

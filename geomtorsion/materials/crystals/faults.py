@@ -19,8 +19,8 @@ TWELFTHS = replace(
 MODULES = {"fcc": SIXTHS, "diamond": TWELFTHS}
 # Normals of the planes {111}: bonds of diamond, from its atoms of the first kind.
 NORMALS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-# How far the layer above a fault is moved, in sixths of a, three times the same but for lattice
-# vectors: the other sense would lead from B over A not to C but onto A.
+# Shift of the layer above a fault, in sixths of a, three equivalent ones up to lattice vectors:
+# the other sense would lead from B over A not to C but onto A.
 SHIFTS = NORMALS[:, None] * [[1, 1, -2], [1, -2, 1], [-2, 1, 1]]
 
 
@@ -32,8 +32,9 @@ def fault_labels(
     kinds: np.ndarray,
     known: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Labels of bonds in sixths of a, of diamond in twelfths, and those about whose layers the two
-    atoms do not agree.
+    """Labels of bonds in sixths of a (diamond: in twelfths), and a mask.
+
+    The mask marks bonds about whose layers the two atoms do not agree.
 
     For each plane {111}, the layers above and below an atom are where the lattice has them, or are
     shifted; the bonds of the atom, free of its own deviation in the plane, decide by least squares.
@@ -75,10 +76,10 @@ def fault_labels(
 def _shifted(
     off: np.ndarray, height: np.ndarray, pairs: np.ndarray, shifts: np.ndarray, known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How many shifts bonds have, and those about which their atoms do not agree.
+    """Number of shifts of each bond, and a mask of bonds whose two atoms do not agree.
 
-    off: from the nearest site in the layer where a bond ends, shape (k, 3); height: how many layers
-    further up it is, shape (k,); shifts: of the layer above a fault, in the same units, (3, 3).
+    off: from the nearest site in the layer at the end of a bond, shape (k, 3); height: the number
+    of layers up to it, shape (k,); shifts: of the layer above a fault, in the same units, (3, 3).
     """
     count = len(known)
     inside, steep = (np.flatnonzero(np.abs(height) == m) for m in (0, 1))
@@ -109,7 +110,7 @@ def _shifted(
 
 
 def _gain(off: np.ndarray, shifts: np.ndarray) -> np.ndarray:
-    """By how much squared distances from sites fall where these are moved, shape (k,)."""
+    """Decrease of squared distances from sites when these are shifted, shape (k,)."""
     x, y, z = off.T
     best = np.max([x * a + y * b + z * c for a, b, c in shifts], axis=0)
     return 2 * best - shifts[0] @ shifts[0]

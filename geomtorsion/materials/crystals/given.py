@@ -54,13 +54,13 @@ class Given:
 
     @cached_property
     def box(self) -> Cell:
-        """The cell, or any where nothing is periodic."""
+        """The cell, or an arbitrary one where nothing is periodic."""
         vectors = np.eye(3) if self.cell is None else self.cell
         return Cell(vectors, self.periodic)
 
 
 def positions_of(given: object) -> np.ndarray:
-    """Positions of atoms, shape (atoms, 3), that span a volume that is a number."""
+    """Positions of atoms, shape (atoms, 3), checked to span a finite volume."""
     found = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
     largest = float(max(found.max(initial=0), -found.min(initial=0)))
     limit = float(np.finfo(float).max ** (1 / 3)) / 2
@@ -93,7 +93,7 @@ def _cell(given: ArrayLike) -> np.ndarray:
 
 
 def _rotation(given: ArrayLike | None) -> np.ndarray | None:
-    """A rotation, put right to the last digit."""
+    """A rotation, corrected to the last digit."""
     if given is None:
         return None
     found = checks.array(given, "orient", CrystalError, shape=(3, 3))

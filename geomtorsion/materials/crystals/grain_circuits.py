@@ -57,7 +57,7 @@ class GrainCircuits:
         return self._named(number, self.single(number).around(point, normal, radius))
 
     def _one_grain(self, atoms: Sequence[int]) -> int:
-        """The grain of all these atoms."""
+        """The common grain of all these atoms."""
         found = {int(self.grains.number[k]): k for k in reversed(atoms)}
         inside = sorted(number for number in found if number >= 0)
         if len(inside) > 1:
@@ -90,6 +90,6 @@ class GrainCircuits:
         return "a wall"
 
     def _named(self, number: int, circuit: AtomCircuit) -> AtomCircuit:
-        """The circuit with the numbers that atoms have in the polycrystal."""
+        """The circuit with the atom numbers of the polycrystal."""
         inside = self.grains[number].atoms
         return replace(circuit, atoms=tuple(int(inside[k]) for k in circuit.atoms))
