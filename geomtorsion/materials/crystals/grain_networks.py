@@ -28,7 +28,7 @@ def network_of_grains(
     networks
         For each grain, as found in that grain by itself.
     cell, places
-        The cell, and the places of all atoms in it, shape (atoms, 3).
+        The cell, and the positions of all atoms in it, shape (atoms, 3).
     """
     import networkx as nx  # 0.15 s, and only networks need it
 
@@ -63,7 +63,7 @@ class _Outside:
         self.cell, self.width = cell, width
 
     def all_near(self, points: np.ndarray) -> bool:
-        """Whether all of some points are."""
+        """Whether all of some points are near."""
         if self.tree is None:
             return False
         return bool(self.tree.query(self.cell.wrapped(points)[0])[0].max() < self.width)

@@ -22,7 +22,7 @@ from geomtorsion.materials.crystals.method import METHOD
 
 @dataclass(frozen=True, eq=False)
 class KnownGrains:
-    """What a frame of a trajectory leaves to the next.
+    """Grains of one frame of a trajectory, for the next frame.
 
     frames: of each grain, by its number. owner: the grain of each atom, as in `Grains.number`,
     shape (atoms,). used: how many numbers have been given so far.
@@ -39,7 +39,7 @@ class KnownGrains:
 
     @property
     def largest(self) -> Frame:
-        """The frame of the grain with the most atoms, which does not vanish in one step."""
+        """The frame of the grain with the most atoms, which does not vanish within one step."""
         numbers = sorted(self.frames)
         counts = [int((self.owner == number).sum()) for number in numbers]
         return self.frames[numbers[int(np.argmax(counts))]]
@@ -91,7 +91,7 @@ class KnownGrains:
 
 
 def _in_order(one: Grain, other: Grain) -> tuple[Grain, Grain]:
-    """Two grains by their numbers."""
+    """Two grains in the order of their numbers."""
     return (one, other) if one.number < other.number else (other, one)
 
 

@@ -36,7 +36,7 @@ _STYLES = {
 }  # fmt: skip
 # Styles that are tried where a file names none, in this order.
 _LIKELY = ("atomic", "charge", "molecular", "full")
-# What rows above the sections end in.
+# Ends of the rows above the sections.
 _KEYS = (
     "atoms", "atom types", "xlo xhi", "ylo yhi", "zlo zhi", "xy xz yz", "avec", "bvec", "cvec",
 )  # fmt: skip
@@ -45,7 +45,7 @@ _SIDES = re.compile(r"(?m)^[^#\n]*\b(?:xlo[ \t]+xhi|avec)\b")
 
 
 def seems_dump(text: str) -> bool:
-    """Whether a file begins as a text dump."""
+    """Whether a file begins like a text dump."""
     return text.lstrip().startswith("ITEM: ")
 
 
@@ -58,8 +58,10 @@ def seems_data(text: str) -> bool:
 
 
 def dump_blocks(name: str, stream: TextIOBase) -> Iterator[tuple[int, list[str]]]:
-    """Frames of a dump as rows, with the numbers of their first lines; UNITS and TIME may precede
-    each frame."""
+    """Frames of a dump as rows, with the numbers of their first lines.
+
+    UNITS and TIME may precede each frame.
+    """
     first, rows, inside = 1, [], False
     for number, row in enumerate(stream, 1):
         is_item = row.startswith("ITEM: ")
@@ -123,9 +125,9 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
 
 
 def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
-    """The atoms of a frame in the order of their ids; line: of its first row in the file.
+    """The atoms of a frame in the order of their ids; line: number of its first row in the file.
 
-    A box without flags of its sides repeats along each edge, as LAMMPS has it by default. Species
+    A box without flags of its sides repeats along each edge, the default of LAMMPS. Species
     come from the column element, or from type.
     """
     marks = _marks(rows)
@@ -159,7 +161,7 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
 def _box(
     name: str, line: int, rows: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Origin, edges and periods of the box of a dump, from its item on."""
+    """Origin, edges and periods of the box of a dump, from its item onwards."""
     head = rows[0].split()[3:]
     flags = [x for x in head if re.fullmatch("[pfsm]{1,2}", x)]
     periodic = [x[0] == "p" for x in flags] if len(flags) == 3 else [True] * 3
@@ -287,7 +289,7 @@ def _labels(
     sections: dict[str, int],
     heads: Sequence[int],
 ) -> dict[str, str]:
-    """Number of a type -> its label: of Atom Type Labels, or a word behind its mass."""
+    """Number of a type -> its label: from Atom Type Labels, or the comment after its mass."""
     found: dict[str, str] = {}
     for title in ("Masses", "Atom Type Labels"):
         start = sections.get(title)

@@ -13,11 +13,11 @@ from geomtorsion.materials.crystals.triangulation import distinct
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """A dislocation line between two nodes, or one that closes.
+    """A dislocation line between two nodes, or a closed line.
 
-    start, end: numbers of its nodes; equal where it closes, there or in another image.
+    start, end: numbers of its nodes; equal where it closes, in the same or in another image.
     burgers: whole numbers, shape (3,); path: positions, unwrapped, shape (k, 3).
-    image: how many periods further its end is meant, shape (3,).
+    image: number of periods by which its end is moved, shape (3,).
     """
 
     start: int
@@ -64,7 +64,7 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
         rest = np.concatenate([rest, np.zeros((1, 3)), -rest[:0:-1]])
         length *= 2
     waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
-    # Half of a wave that is cut to a tenth is then about as long as two cores are wide.
+    # Half of a wave that is cut to a tenth is then about twice as long as a core is wide.
     gauss = np.exp(-0.5 * (1.5 * waves * width) ** 2)
     kept = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
     kept = np.concatenate([kept[:count], kept[:1]]) if closed else kept[: count + 1]
@@ -75,7 +75,7 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
 class DualGraph:
     """Faces with torsion as edges from one tetrahedron to the next.
 
-    pairs: tetrahedra at both sides, those behind a surface as new nodes, shape (n, 2).
+    pairs: tetrahedra at both sides, those outside a surface as new nodes, shape (n, 2).
     burgers: whole numbers, shape (n, 3); images: of the second node for the first, shape (n, 3).
     places: of nodes, shape (nodes, 3); surface: whether a node is on a surface.
     """
@@ -104,7 +104,7 @@ class DualGraph:
 
 
 def flux(graph: DualGraph, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Component of each node, and sum of b (x) dl over each, shape (components, 3, 3).
+    """Component of each node, and sum of b (x) dl over each component, shape (components, 3, 3).
 
     It is the integral of the Nye tensor: b (x) L on a line of period L, zero on closed lines.
     """
@@ -131,7 +131,7 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
     found = []
 
     def follow(first: int, sense: int) -> Strand:
-        """Along a line until a node where it ends, or where it began."""
+        """Follow a line to a node where it ends, or back to its beginning."""
         edge, going = first, sense
         start = int(graph.pairs[edge, 0 if going > 0 else 1])
         offset = np.zeros(3, dtype=np.int64)
@@ -192,7 +192,7 @@ def simplified(
 def _without_eyes(
     found: list[Strand], surface: np.ndarray, vectors: np.ndarray, width: float
 ) -> list[Strand]:
-    """Lines that part and meet again within a core, as one with the sum of their b."""
+    """Merge lines that part and meet again within a core into one with the sum of their b."""
     lines: dict[int, Strand] = {}
     known: dict[tuple[int, ...], int] = {}
     for k, one in enumerate(found):
@@ -225,7 +225,7 @@ def _moved(
 
 
 def _joined(lines: dict[int, Strand], surface: np.ndarray, vectors: np.ndarray) -> list[Strand]:
-    """Lines of one b that meet at a node where nothing else does become one."""
+    """Merge lines of one b that meet at a node where no other line ends."""
     at: dict[int, list[int]] = {}
     for k, line in lines.items():
         for node in (line.start, line.end):

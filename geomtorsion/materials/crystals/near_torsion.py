@@ -21,10 +21,10 @@ from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
 
 @dataclass(frozen=True, eq=False)
 class Atoms:
-    """Atoms in a cell, perhaps of many more.
+    """Atoms in a cell that may contain many more.
 
-    numbers: among all, increasing, shape (k,); places: wrapped, shape (k, 3); kinds: sublattice of
-    each, shape (k,).
+    numbers: among all atoms, increasing, shape (k,); places: wrapped, shape (k, 3); kinds:
+    sublattice of each, shape (k,).
     """
 
     numbers: np.ndarray
@@ -86,7 +86,7 @@ def torsion_near(
 
 
 def sites_in(frame: Frame, cell: Cell) -> int | None:
-    """How many sites the lattice has in a cell that is periodic along all edges."""
+    """Number of lattice sites in a cell that is periodic along all edges."""
     if not cell.periodic.all():
         return None
     lattice, values = frame.lattice, frame.values(cell.vectors)
