@@ -20,7 +20,7 @@ Species = str | int | Sequence[str | int] | None
 
 
 def species_of(given: Species) -> tuple[str, ...] | None:
-    """The names of species, as files have them."""
+    """The names of species in the form that files use."""
     if given is None:
         return None
     each = (given,) if isinstance(given, str) or checks.whole(given) is not None else given
@@ -50,24 +50,24 @@ def read(
     Parameters
     ----------
     frame
-        Which of a trajectory, counted from 0.
+        Number of a frame in a trajectory, from 0.
     lattice, orient, constant
         As for `Crystal`; found from the atoms if not given.
     form
         The format, one of `atom_files.FORMATS`; found from name and content if not given.
     species
         Atoms to keep, by chemical symbol or number of type: "U" of UO2, or several, ("U", "Pu"). A
-        sublattice is a crystal where all atoms together are none.
+        sublattice may be a crystal even if all atoms together are not.
 
     Raises
     ------
     FileFormatError
-        The file is missing, damaged (the message names the line where there is one), has no such
-        frame or species, or is of a format that may hold more than numbers.
+        The file is missing, damaged (the message names the line if there is one), does not have
+        this frame or species, or has a format that may hold more than numbers.
     CrystalError
         The atoms are not a crystal.
     MissingExtraError
-        ase is not installed, which reads all formats but XYZ and LAMMPS: the extra `crystals`.
+        ase, which reads all formats but XYZ and LAMMPS, is not installed: the extra `crystals`.
 
     Examples
     --------
@@ -119,8 +119,7 @@ def crystal_of(
     constant: float | None,
     known: KnownGrains | None = None,
 ) -> Crystal:
-    """The crystal of a frame, after one whose grains are known; errors name the file of the
-    frame."""
+    """The crystal of a frame, after one with known grains; errors name the file of the frame."""
     try:
         made = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species

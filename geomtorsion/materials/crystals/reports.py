@@ -17,7 +17,7 @@ from geomtorsion.materials.crystals.lattices import lattice_named
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.lines.line_arrays import DislocationLine
 
-# A frame, or a line in it, as JSON has it.
+# A frame, or a line in it, as JSON.
 Json = dict[str, Any]
 
 
@@ -33,10 +33,10 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     -------
     atoms, lattice, constant, orient, deformation, share, cell, periodic: of the crystal; of a
     hexagonal one also ratio, its c/a; overlapping: pairs of atoms at nearly one position, if any.
-    length, junctions, nye: of all lines. lines: of each burgers (coordinates of the file, deformed
-    as the crystal is), burgers_lattice (crystal axes, fractions
-    as text, in lattice constants), family, length, kind, path, and of closed ones `inserted`, how
-    many atoms their half plane has: less than none for vacancies.
+    length, junctions, nye: of all lines. lines: for each line, burgers (coordinates of the file,
+    deformed as the crystal is), burgers_lattice (crystal axes, fractions as text, in lattice
+    constants), family, length, kind, path, and for closed lines `inserted`, the number of atoms
+    of their half plane, which is negative for vacancies.
 
     A crystal that has, or had in a frame before, several grains or phases has more. shares: of the
     atoms in each lattice, in walls and in no lattice. grains: for each number, lattice, constant,
@@ -90,12 +90,12 @@ def _polycrystal(crystal: Crystal) -> Json:
 
 
 def _is_single(crystal: Crystal) -> bool:
-    """Whether it is a single crystal, and was in frames before."""
+    """Whether it is a single crystal, and was one in all frames before."""
     return crystal.grains.is_single and crystal.grains.used == 1
 
 
 def known_of(report: Json, owner: np.ndarray) -> KnownGrains:
-    """The grains of a report, for the frame behind it; owner: the grain of each atom."""
+    """The grains of a report, for the next frame; owner: the grain of each atom."""
     rows = report.get("grains", [{"number": 0, **report}])
     frames = {
         row["number"]: Frame(
@@ -163,7 +163,7 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
     Equation
     --------
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
-    conventions.py, of which the integral of du, the opening of a cut, is minus.
+    conventions.py, which is minus the integral of du, the opening of a cut.
 
     It is exact where atoms and sites could be counted: where good crystal surrounds the line,
     which is then drawn from that count. `inserted_error` reports whether this is so.
@@ -174,7 +174,7 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
 
 
 def inserted_error(line: DislocationLine, crystal: Crystal) -> float:
-    """How far `inserted_atoms` may be off: 0.0 where atoms and sites were counted.
+    """Largest error of `inserted_atoms`: 0.0 where atoms and sites were counted.
 
     Elsewhere, at a surface, next to another line, or in much noise, it comes from the line, which
     is drawn where bonds turn from one label to the next, within half a neighbour distance d:
@@ -271,7 +271,7 @@ def _direction(line: Json) -> tuple[int, tuple[str, ...]]:
 
 
 def _apart(one: Json, two: Json, frame: Json) -> float:
-    """Mean distance of the points of two lines from each other, nearest images."""
+    """Mean distance between the points of two lines, by nearest images."""
     first, second = np.array(one["path"]), np.array(two["path"])
     gaps = first[:, None] - second[None]
     if frame["cell"] is not None:

@@ -113,7 +113,7 @@ def _groups(
 
 
 def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray]:
-    """Atoms that hang together by pairs, with more than so many of them, smallest number first."""
+    """Sets of more than so many atoms connected by pairs, smallest number first."""
     both = pairs[inside[pairs].all(axis=1)]
     number = components(len(inside), both)
     atoms = np.flatnonzero(inside)
@@ -125,8 +125,10 @@ def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray
 def _inner(
     groups: list[tuple[Frame, np.ndarray]], numbers: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """Groups with an inside: an atom most of whose neighbours belong to it, and neither they nor
-    theirs to another.
+    """Groups with an inside.
+
+    Most neighbours of an inner atom belong to its group, and no neighbour of it or of these
+    neighbours belongs to another group.
 
     A group no wider around its middle than a core, two neighbour distances, is a fault: its two or
     three layers are as in hcp within fcc, or as in fcc within hcp, but have no inside.
@@ -184,7 +186,7 @@ def _in_order(
 
 
 def _in_variants(frames: list[Frame]) -> list[Frame]:
-    """Each but the first of its lattice in the variant nearest to that."""
+    """Each group in the variant nearest to the first group of its lattice."""
     first: dict[str, Frame] = {}
     found = []
     for frame in frames:
@@ -226,7 +228,7 @@ def _filled(
         which, _ = nearest_held(specimen, rest, held, reach)
         filled[rest] = owner[which]
     found: dict[tuple[int, int], list[np.ndarray]] = {}
-    # Grains touch in a wall, or where atoms that fit into one are neighbours of the other's.
+    # Grains touch in a wall, or where atoms that fit into one neighbour atoms of the other.
     steps = numbers[:, : specimen.frame.lattice.shells]
     a, b = np.repeat(owner, steps.shape[1]), owner[steps].ravel()
     met = (a != b) & (a >= 0) & (b >= 0)
@@ -242,14 +244,14 @@ def _filled(
 def _two_nearest(
     specimen: Specimen, atoms: np.ndarray, owner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of some atoms the nearest grain, and the second nearest, no further than a core is wide."""
+    """The nearest grain and the second nearest to some atoms, within the width of a core."""
     reach = METHOD.width * specimen.nearest
     chosen = np.flatnonzero(owner >= 0)
     points, numbers, _ = specimen.cell.with_ghosts(specimen.places[chosen], reach)
     tree = scipy.spatial.cKDTree(points)
     codes = np.append(owner[chosen[numbers]], Nowhere.wall)
     first, second = np.full(len(atoms), Nowhere.wall), np.full(len(atoms), Nowhere.wall)
-    # A sphere as wide as this holds no more atoms of a crystal.
+    # A sphere of this width holds at most so many atoms of a crystal.
     most = min(max(int(8 * METHOD.width**3), 2), len(points))
     for start in range(0, len(atoms), METHOD.together):
         part = slice(start, start + METHOD.together)
@@ -270,7 +272,7 @@ def _joined(
     touching: dict[tuple[int, int], np.ndarray],
     vectors: np.ndarray,
 ) -> list[tuple[Frame, np.ndarray]] | None:
-    """The groups with two neighbours made one that differ by less than the angle of a wall."""
+    """The groups, with two neighbours merged if they differ by less than the angle of a wall."""
     for one, other in sorted(touching):
         (frame, part), (second, more) = groups[one], groups[other]
         name = frame.lattice.name

@@ -28,7 +28,7 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion
 
 # Numbers of neighbours, shape (atoms, k), and vectors to them, shape (atoms, k, 3).
 Neighbours = tuple[np.ndarray, np.ndarray]
-# Neighbours of an atom that any of the lattices asks for.
+# Largest number of neighbours that any of the lattices needs.
 MOST = max(lattice.shells for lattice in LATTICES.values())
 
 
@@ -41,7 +41,7 @@ def own_first(own: Lattice) -> list[Lattice]:
 class Specimen:
     """Atoms, and the frame of one of their grains.
 
-    atoms: in their cell. frame: as found for all of them together.
+    atoms: in their cell. frame: as found for all atoms together.
     keep_orient, keep_constant: whether these were given.
     """
 
@@ -52,12 +52,12 @@ class Specimen:
 
     @property
     def places(self) -> np.ndarray:
-        """Where the atoms are, in the cell, shape (atoms, 3)."""
+        """Positions of the atoms in the cell, shape (atoms, 3)."""
         return self.atoms.places
 
     @property
     def cell(self) -> Cell:
-        """The cell in which they are."""
+        """The cell of the atoms."""
         return self.atoms.cell
 
     @property
@@ -75,7 +75,7 @@ class Specimen:
         return self.atoms.neighbours(atoms, count)
 
     def occupied(self, atoms: np.ndarray) -> np.ndarray:
-        """Which of some atoms have another one at every neighbour vector of the frame."""
+        """Which of some atoms have another atom at every neighbour vector of the frame."""
         found = np.zeros(len(atoms), dtype=bool)
         for start in range(0, len(atoms), METHOD.together):
             part = slice(start, start + METHOD.together)
@@ -141,7 +141,7 @@ def _shares(
     every = [np.flatnonzero(local.phase == k) for k in range(len(lattices))]
     some = [mine[:: max(len(mine) // (10 * METHOD.seeds), 1)] for mine in every]
     beside = [numbers[x, : y.shells].ravel() for x, y in zip(some, lattices, strict=True)]
-    # An atom is a neighbour of several of them.
+    # An atom may be a neighbour of several others.
     around = np.unique(np.concatenate(beside))
     other = local_of(lattices, neighbours(around)[1]) if len(around) else local
     found = {}
@@ -153,7 +153,7 @@ def _shares(
         mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
         _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
         alike = ((other.phase[rows] == k) & (angles < METHOD.wall)).mean()
-        # Under noise next to an atom that fits as many others fit as anywhere.
+        # In noise, as many atoms fit next to a fitting atom as anywhere else.
         if alike < found[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
             found[lattice.name] = 0.0
     return found
@@ -167,7 +167,7 @@ def _are_ordered(lattice: Lattice, local: Local, mine: np.ndarray, vectors: np.n
 
 
 def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.ndarray) -> Frame:
-    """The frame of a group: the rotation that fits best to all neighbours, begun at its median."""
+    """The frame of a group: the best rotation for all neighbours, started at its median."""
     group, q = symmetry_of(lattice.name), local.quaternions
     some = part[np.linspace(0, len(part) - 1, min(METHOD.sample, len(part))).astype(int)]
     seeds = some[np.linspace(0, len(some) - 1, min(METHOD.seeds, len(some))).astype(int)]
@@ -198,7 +198,7 @@ def seems_many(specimen: Specimen, atoms: np.ndarray, whole: np.ndarray) -> bool
 
 
 def few(count: int) -> np.ndarray:
-    """Numbers of a few of so many atoms, evenly spread."""
+    """Numbers of a few of so many atoms, evenly spaced."""
     return np.linspace(0, count - 1, min(10 * METHOD.seeds, count)).astype(int)
 
 
@@ -243,10 +243,10 @@ def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
-    """Whether nothing but one crystal, with its defects and surfaces, is there.
+    """Whether the atoms are a single crystal, with its defects and surfaces.
 
     Inside of another grain or phase no atom fits into the frame of the crystal, and neither does
-    any of its neighbours: hardly an atom of a single crystal is looked at any further.
+    any of its neighbours: hardly an atom of a single crystal needs a further test.
 
     near: neighbours by lattice vector, as `Shells` has them, shape (atoms, k); None where numbers
         do not identify images.
@@ -278,8 +278,10 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
 def is_lost(
     specimen: Specimen, atoms: np.ndarray, vectors: np.ndarray, held: np.ndarray
 ) -> np.ndarray:
-    """Which of some atoms are in a region without a lattice, wider than any core: its share of
-    held atoms is as small as in a liquid, but these atoms have as many neighbours as in a crystal.
+    """Which of some atoms are in a region without a lattice that is wider than any core.
+
+    The share of held atoms in the region is as small as in a liquid, but these atoms have as many
+    neighbours as in a crystal.
     """
     frame, cell, places = specimen.frame, specimen.cell, specimen.places
     longest = np.linalg.norm(vectors[:, frame.lattice.shells - 1], axis=1)
@@ -294,7 +296,7 @@ def is_lost(
     every = np.ones(len(places), dtype=bool)
     found[found] = around(held) < METHOD.share * around(every)
     if found.any():
-        # Noise brings other atoms among the nearest: of a crystal the places are occupied still.
+        # Noise adds other atoms to the nearest ones; in a crystal the places are still occupied.
         odd = np.flatnonzero(~held)
         some = held.copy()
         some[odd] = specimen.occupied(odd)
@@ -305,8 +307,10 @@ def is_lost(
 def nearest_held(
     specimen: Specimen, atoms: np.ndarray, held: np.ndarray, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest of the held atoms to each of some atoms, and its distance; the number of all
-    atoms, and infinity, where none is within reach."""
+    """The nearest held atom to each of some atoms, and its distance.
+
+    They are the number of all atoms, and infinity, where none is within reach.
+    """
     chosen = np.flatnonzero(held)
     points, numbers, _ = specimen.cell.with_ghosts(specimen.places[chosen], reach)
     if not len(points):

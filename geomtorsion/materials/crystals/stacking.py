@@ -10,8 +10,11 @@ from geomtorsion.materials.crystals.lattices import Lattice
 
 
 def layered(lattice: Lattice) -> Lattice:
-    """All sites of close-packed layers A, B and C at all heights: differences of vectors of hcp,
-    shifts 1/3<1 -1 0 0> in the plane and c/2 along the axis, in the units of hcp."""
+    """All sites of close-packed layers A, B and C at all heights, in the units of hcp.
+
+    They are differences of vectors of hcp, shifts 1/3<1 -1 0 0> in the plane and c/2 along the
+    axis.
+    """
     return replace(lattice, period=(2, 2, 1), points=((0, 0, 0), (1, 1, 0)), basis=())
 
 
@@ -22,7 +25,7 @@ def stacked_labels(
     kinds: np.ndarray,
     known: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Labels of bonds in `layered`, and those about whose layers the two atoms do not agree.
+    """Labels of bonds in `layered`, and a mask of bonds about whose layers the atoms disagree.
 
     The layers above and below an atom each have one of two positions over its own layer. Its bonds,
     free of its own deviation in the plane, decide by least squares. Two equal positions are hcp,

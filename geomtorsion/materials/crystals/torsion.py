@@ -23,7 +23,7 @@ BOUNDARY = np.array([1, -1, 1])
 
 @dataclass(frozen=True, eq=False)
 class Lengths:
-    """How long a line through each face is.
+    """Lengths of lines through each face.
 
     sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
     sound: faces without torsion or doubt, shape (faces,).
@@ -33,11 +33,11 @@ class Lengths:
     sound: np.ndarray
 
     def weights(self, faces: np.ndarray) -> np.ndarray:
-        """How long lines through the faces of one core count, their mean as 1, shape (k,)."""
+        """Weights of lines through the faces of one core, with a mean of 1, shape (k,)."""
         sizes = self.sizes[faces]
         inner = sizes > 0
         mean = sizes[inner].mean() if inner.any() else 1.0
-        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        # Slivers have no length at all: a share of the mean keeps lines from moving back and forth.
         return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
 
 
@@ -73,8 +73,10 @@ class Torsion:
 
     @property
     def leading_on(self) -> np.ndarray:
-        """Atoms around which all tetrahedra are also needed, since cores reach as far as the
-        neighbours of torn tetrahedra where not all are known, shape (atoms,)."""
+        """Atoms around which all tetrahedra are also needed, shape (atoms,).
+
+        Cores reach as far as the neighbours of torn tetrahedra where not all are known.
+        """
         beyond, corners = self.beyond, self.mesh.corners
         found = np.zeros(len(beyond), dtype=bool)
         if beyond.any():
@@ -123,7 +125,7 @@ class Torsion:
 
     @property
     def lengths(self) -> Lengths:
-        """How long lines through faces are."""
+        """Lengths of lines through faces."""
         rows, sides, images = self.mesh.faces
         a, b = sides.T
         steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)
@@ -132,8 +134,10 @@ class Torsion:
         return Lengths(sizes, sound)
 
     def cores(self, bad: np.ndarray) -> np.ndarray:
-        """The core of each tetrahedron, -1 where there is none, shape (cells,): bad ones that hang
-        together by faces, with torsion in them."""
+        """The core of each tetrahedron, -1 where there is none, shape (cells,).
+
+        A core consists of bad tetrahedra that are connected by faces, with torsion in them.
+        """
         _, sides, _ = self.mesh.faces
         joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
         number = components(len(bad), sides[joined])
@@ -153,13 +157,13 @@ class Torsion:
         return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
 
     def descended(self, core: np.ndarray) -> Torsion:
-        """With less torsion in cores: most of what noise does is undone, one bond at a time."""
+        """The torsion reduced in cores: most effects of noise are undone, one bond at a time."""
         rows, free, labels = self.mesh.faces[0], self.free(core), self.labels.copy()
         _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
         return replace(self, labels=labels)
 
     def shortest(self, core: np.ndarray, lengths: Lengths) -> Torsion:
-        """Of all labels of free edges, those with the shortest lines: a linear program per core.
+        """Labels of free edges with the shortest lines, by a linear program for each core.
 
         Torsion in each direction of a basis is as long as the faces that it runs through; the
         matrix of boundaries makes the best solution whole. A vector outside the basis counts as
@@ -232,10 +236,11 @@ def components(count: int, pairs: np.ndarray) -> np.ndarray:
 
 
 def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: Lattice) -> None:
-    """Change labels of free edges as long as the sum of squares of torsion falls.
+    """Change labels of free edges while the sum of squares of torsion falls.
 
     Changing one by d changes the sum by n d^2 - 2 d.S, with S the torsion of its n faces along the
-    edge: best is the lattice vector nearest to S/n. Edges without a common face change at once.
+    edge: the best d is the lattice vector nearest to S/n. Edges without a common face change
+    together.
     """
     scale = np.array(lattice.units) ** 2
     used, local = np.unique(faces, return_inverse=True)
@@ -260,7 +265,7 @@ def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: L
         if not good.any():
             break
         near, change, gain = near[good], change[good], gain[good]
-        # The best of all edges of a face goes first; the number decides between equals.
+        # The best edge of each face is changed first; its number decides between equals.
         rank = np.empty(len(near), dtype=np.int64)
         rank[np.lexsort((near, gain))] = np.arange(1, len(near) + 1)
         of_edge = np.zeros(len(used), dtype=np.int64)

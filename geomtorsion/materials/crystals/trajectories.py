@@ -31,7 +31,7 @@ class Wanted:
 
     lattice, orient (rows), constant, form: as for `read`. partials: as for `dislocations`.
     convention: of the sign of b. cell, periodic: of arrays, as for `read_atom_array`. species: of
-    the atoms that are kept; all if None.
+    the atoms to keep; all if None.
     """
 
     lattice: str | None = None
@@ -98,7 +98,7 @@ def reports(
 
 
 def _atoms(path: Path, wanted: Wanted) -> AtomData:
-    """The one frame of an array."""
+    """The single frame of an array."""
     cell = None if wanted.cell is None else np.array(wanted.cell)
     return read_atom_array(path, cell, wanted.periodic)
 
@@ -117,11 +117,11 @@ class _Frame:
 
     @cached_property
     def network(self) -> DislocationNetwork:
-        """Its lines."""
+        """The lines of the frame."""
         return self.crystal.dislocations(self.wanted.partials)
 
     def lines(self) -> DislocationNetwork:
-        """Its lines, as a function."""
+        """The lines of the frame, as a method."""
         return self.network
 
     def report(self) -> Json:
@@ -130,7 +130,7 @@ class _Frame:
 
 
 def _owner(kept: Path, report: Json) -> np.ndarray:
-    """The grain of each atom of a frame that was kept."""
+    """The grain of each atom of a kept frame."""
     count = report["atoms"]
     if "grains" not in report:
         return np.zeros(count, dtype=np.int64)
