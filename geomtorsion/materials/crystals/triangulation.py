@@ -26,7 +26,7 @@ NUMBER = np.int32
 class Cell:
     """A cell with atoms in it.
 
-    vectors: its edges as rows, shape (3, 3); of an open box without any, unit vectors.
+    vectors: its edges as rows, shape (3, 3); unit vectors for an open box without edges.
     periodic: along which edges it repeats, shape (3,).
     """
 
@@ -35,7 +35,7 @@ class Cell:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes coordinates to shares of the edges: x @ inverse."""
+        """Takes coordinates to fractions of the edges: x @ inverse."""
         return np.linalg.inv(self.vectors)
 
     @cached_property
@@ -107,8 +107,11 @@ class Triangulation:
 
     @cached_property
     def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
-        tetrahedron, (k, 6)."""
+        """Edges as atoms, images and numbers.
+
+        Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
+        tetrahedron, (k, 6).
+        """
         # Column by column: all rows at once would take four times as much memory.
         ends = [np.concatenate([self.corners[:, e[k]] for e in EDGES]) for k in (0, 1)]
         images = [
@@ -121,9 +124,12 @@ class Triangulation:
 
     @cached_property
     def faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Edges of each face, shape (n, 3): its boundary is the first plus the third minus the
-        second; tetrahedra at its two sides, -1 where there is none, (n, 2): its normal points from
-        the first to the second; image of the second for the first in its place, (n, 3)."""
+        """Faces as edges, tetrahedra and images.
+
+        Edges of each face, shape (n, 3): its boundary is the first plus the third minus the
+        second. Tetrahedra at its two sides, -1 where there is none, (n, 2): its normal points from
+        the first to the second. Image of the second relative to the first, (n, 3).
+        """
         edge_of = {pair: k for k, pair in enumerate(EDGES)}
         of_cell = self.edges[2]
         count = len(self.corners)
@@ -155,13 +161,13 @@ def by_rows(vectors: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First occurrence of each different row of whole numbers, and which of them each row is."""
+    """First occurrence of each distinct row of whole numbers, and the distinct row of each row."""
     count = len(columns[0])
     keys, room = [np.zeros(count, dtype=np.int64)], 1
     for column in columns:
         low = int(column.min(initial=0))
         span = int(column.max(initial=0)) - low + 1
-        # As many columns in one key as 63 bits hold.
+        # As many columns in one key as 63 bits can hold.
         if room * span >= 2**62:
             keys.append(np.zeros(count, dtype=np.int64))
             room = 1
@@ -182,9 +188,9 @@ def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np
 
 
 def jitter(numbers: np.ndarray) -> np.ndarray:
-    """Random numbers from -1 to 1 that belong to atoms by their numbers, shape (atoms, 3).
+    """Random numbers from -1 to 1, fixed by the numbers of atoms, shape (atoms, 3).
 
-    They are rows of one endless table, of which no more is made than there are atoms near by.
+    They are rows of an endless table, which is made only as far as needed.
     """
     found = np.empty((len(numbers), 3))
     size = METHOD.together
@@ -247,7 +253,7 @@ def triangulated(
             "positions: atoms that fill space were needed, but they lie in a plane. Give more."
         ) from None
     simplices = simplices[inner[simplices].any(axis=1)].astype(np.int64)
-    # Corners in the order of atoms, and of images where one atom comes twice.
+    # Corners are in the order of atoms, and of images where one atom occurs twice.
     span = 2 * np.abs(images).max(initial=0) + 1
     code = ((images[:, 0] * span) + images[:, 1]) * span + images[:, 2]
     rank = np.lexsort((code, numbers))
@@ -260,8 +266,8 @@ def triangulated(
         small[part], senses[part] = _spheres(points[simplices[part]], reach)
     kept = simplices[small]
     corners, offsets = numbers[kept], images[kept]
-    # Found in several images, each is kept once, the first of its corners in the cell, in the order
-    # of their atoms, whatever else there is.
+    # A tetrahedron found in several images is kept once, with the first of its corners in the cell.
+    # The order is the one of the atoms, independent of other tetrahedra.
     offsets = offsets - offsets[:, :1]
     order, _ = distinct([*corners.T, *offsets[:, 1:].reshape(-1, 9).T])
     corners, offsets = corners.astype(NUMBER)[order], offsets.astype(NUMBER)[order]
@@ -270,8 +276,10 @@ def triangulated(
 
 
 def _spheres(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which tetrahedra have a sphere about them no larger than a radius, and the signs of their
-    volumes; corners: shape (k, 4, 3)."""
+    """Which tetrahedra have a circumsphere up to a radius, and the signs of their volumes.
+
+    corners: shape (k, 4, 3).
+    """
     sides = corners[:, 1:] - corners[:, :1]
     volume = np.linalg.det(sides)
     squares = (sides**2).sum(axis=2)

@@ -56,7 +56,7 @@ def _next_head(name: str, stream: TextIOBase, line: int) -> tuple[int, str]:
 
 
 def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
-    """The atoms of a frame from its rows, the first of which has a number in the file.
+    """The atoms of a frame from its rows; line: the number of the first row in the file.
 
     Without `Properties` columns are species, x, y, z and any others. Without `Lattice` nothing
     repeats; with one all edges do, unless `pbc` differs.
