@@ -27,8 +27,8 @@ from geomtorsion.precision import CALCULATED
 class Crossing:
     """A line that crosses the surface.
 
-    line: its number; image: periods by which its first node is moved, shape (3,); count: how often
-    and in which sense, positive where the loop is right-handed about the line.
+    line: its number; image: periods by which its first node is moved, shape (3,); count: number of
+    signed crossings, positive where the loop is right-handed about the line.
     """
 
     line: int
@@ -49,13 +49,13 @@ class _Stretches:
     ends: np.ndarray
 
     def of(self, chosen: np.ndarray) -> _Stretches:
-        """Some of them."""
+        """A subset of these lines."""
         return _Stretches(
             self.numbers[chosen], self.images[chosen], self.starts[chosen], self.ends[chosen]
         )
 
     def touching(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Numbers of those whose boxes meet the box between two corners."""
+        """Numbers of the lines whose boxes meet the box between two corners."""
         least, most = np.minimum(self.starts, self.ends), np.maximum(self.starts, self.ends)
         return np.flatnonzero(((least <= high) & (most >= low)).all(axis=1))
 
@@ -66,9 +66,9 @@ def crossings(lines: LineArrays, loop: Loop) -> Iterator[tuple[Crossing, ...]]:
     Raises
     ------
     LoopError
-        The loop is not closed in space, or has symbols.
+        The loop is not closed in space, or contains symbols.
     SingularPointError
-        It meets a line; the message names line and place.
+        The loop meets a line; the message names line and position.
     """
     if loop.dimension != 3:
         raise LoopError(
@@ -92,7 +92,7 @@ Counts = dict[tuple[int, tuple[int, ...]], int]
 
 
 def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
-    """Signed crossings with cones over one closed path, apex after apex."""
+    """Signed crossings with cones over a closed path, for one apex after another."""
     corners, reach = _outline(part)
     low, high = corners.min(axis=0), corners.max(axis=0)
     width = float((high - low).max())
@@ -100,7 +100,7 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
     near = _stretches(lines, np.array(part.centre), low - margin, high + margin)
     corners = _polygon(lines, part, near)
     rng = np.random.default_rng(0)
-    # Each apex is in general position but by an accident: so many accidents are none.
+    # Only by accident is an apex not in general position: so many accidents do not happen.
     for _ in range(32):
         # Beside the middle, so that no symmetry of a lattice puts a node into the surface.
         apex = corners.mean(axis=0) + width * rng.uniform(-0.25, 0.25, 3)
@@ -117,11 +117,11 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
 
 
 def _pieces(part: Part) -> tuple[np.ndarray, np.ndarray]:
-    """Number of the arc and ends in s of the pieces that are straight enough to begin with."""
+    """Number of the arc and ends in s of pieces that are straight enough for a first polygon."""
     owner: list[int] = []
     ends: list[tuple[float, float]] = []
     for k, arc in enumerate(part.arcs):
-        # Eight to the shortest wave, as the winding number takes them.
+        # Eight pieces to the shortest wave, as for the winding number.
         count = 1 if isinstance(arc, Segment) else 8 * max(4, arc.waves)
         s = np.linspace(0, 1, count + 1)
         owner += [k] * count
@@ -236,7 +236,7 @@ def _stretches(
     reach = (low + corners * (high - low)) @ box.inverse
     begins = places[first] @ box.inverse
     finish = begins + lines.steps @ box.inverse
-    # Rounding may put an image outside that touches; a thousandth of a period more does no harm.
+    # Rounding may exclude an image that touches; a thousandth of a period more does no harm.
     least = np.ceil(reach.min(axis=0) - np.maximum(begins, finish) - 1e-3)
     most = np.floor(reach.max(axis=0) - np.minimum(begins, finish) + 1e-3)
     least, most = (np.where(box.periodic, x, 0) for x in (least, most))
@@ -255,7 +255,7 @@ def _stretches(
         width = counts[chosen, axis].astype(np.int64)
         shifts[:, axis] = least[chosen, axis].astype(np.int64) + rank % width
         rank = rank // width
-    # A node has the same digits in all lines that end there: images of nodes are formed first.
+    # A node must have the same digits in all its lines: images of nodes are formed first.
     starts = places[first[chosen]] + shifts @ box.vectors
     ends = places[second[chosen]] + (shifts + lines.cochain.complex.images[chosen]) @ box.vectors
     every = _Stretches(chosen, shifts, starts, ends)
@@ -278,7 +278,7 @@ def _cone(near: _Stretches, corners: np.ndarray, apex: np.ndarray) -> Counts | N
         before = _sign(some.starts - apex, one, two)
         after = _sign(some.ends - apex, one, two)
         signs = np.array(round_it)
-        # Outside for certain: on one side of the plane, or past a side of the triangle.
+        # Certainly outside: on one side of the plane, or beyond a side of the triangle.
         outside = (before * after > 0) | ((signs > 0).any(axis=0) & (signs < 0).any(axis=0))
         inside = ~outside & (before * after < 0) & (signs != 0).all(axis=0)
         if not (outside | inside).all():

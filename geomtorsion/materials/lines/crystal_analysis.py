@@ -23,7 +23,7 @@ from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import CONSTRAINTS
 from geomtorsion.materials.structures import STRUCTURES
 
-# One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.
+# A number that ParaDiS gives to nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
 
 NAMES = tuple(name for name, one in STRUCTURES.items() if one.number)
@@ -34,12 +34,12 @@ NAMES = tuple(name for name, one in STRUCTURES.items() if one.number)
 
 @dataclass(frozen=True, eq=False)
 class Cluster:
-    """A grain, as OVITO has it.
+    """A grain, in the form that OVITO uses.
 
     lattice: one of NAMES, by whose families OVITO names and colours lines.
-    matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
-        the orientation of the cluster. The file has b in units of the lattice.
-    atoms: how many.
+    matrix: takes a vector in units of the lattice to one in space, shape (3, 3); OVITO calls it the
+        orientation of the cluster. The file has b in units of the lattice.
+    atoms: number of atoms.
     """
 
     lattice: str = ""
@@ -56,7 +56,7 @@ class Cluster:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes a vector in space to one in units of the lattice."""
+        """Takes a vector in space to a vector in units of the lattice."""
         return np.linalg.inv(self.matrix)
 
 
@@ -172,7 +172,7 @@ def _row(values: np.ndarray) -> str:
 
 
 def _rings(curves: Sequence[Polyline]) -> Iterator[str]:
-    """For the end and the start of each line the next one in the ring about their node."""
+    """The next end in the ring around their node, for the end and the start of each line."""
     arms: dict[object, list[tuple[int, int]]] = {}
     for k, curve in enumerate(curves):
         arms.setdefault(curve.nodes[-1], []).append((1, k))
@@ -207,11 +207,11 @@ class _Rows:
         return self.rows[self.line - 1].split()
 
     def fail(self, message: str) -> NoReturn:
-        """Refuse the row that was read last."""
+        """Refuse the last row that was read."""
         raise FileFormatError(f"{self.name}: line {self.line}: {message}")
 
     def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
-        """So many finite numbers; OVITO may write the size of the core behind a point."""
+        """Finite numbers of a given count; OVITO may write the size of the core after a point."""
         if len(words) < count:
             self.fail(f"{what}: {count} numbers were needed, but {len(words)} came.")
         found = [x for x in map(finite_number, words[:count]) if x is not None]
@@ -220,7 +220,7 @@ class _Rows:
         return found
 
     def whole(self, words: Sequence[str], what: str, most: int) -> int:
-        """The whole number that ends a row, from 0 to below `most`."""
+        """The whole number at the end of a row, from 0 to below `most`."""
         word = words[-1] if words else ""
         if not re.fullmatch("[0-9]{1,18}", word) or int(word) >= most:
             self.fail(
@@ -237,8 +237,8 @@ class _Rows:
 def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
     """Read the dislocation lines of a Crystal Analysis file; b in space, each line once.
 
-    Of several clusters each is a grain, numbered from 0 in their order. Lines that end where no
-    other begins (at a surface, a grain boundary) are marked so.
+    Each of several clusters is a grain, numbered from 0 in their order. Line ends where no other
+    line begins (at a surface, a grain boundary) are marked as such.
 
     Raises
     ------
@@ -371,7 +371,7 @@ class _Contents:
         self.joined = True
 
     def lines(self) -> LineArrays:
-        """All of it: ends that belong to one ring are one node."""
+        """All lines: ends that belong to one ring are one node."""
         if self.vectors is None:
             raise FileFormatError("SIMULATION_CELL_MATRIX is missing. Is the file complete?")
         if not self.periodic:
@@ -409,7 +409,7 @@ class _Contents:
         positions = np.array(places).reshape(-1, 3)
         numbers = np.array(pairs, dtype=np.int64).reshape(-1, 2)
         gaps = positions[numbers[:, 1]] - positions[numbers[:, 0]]
-        # By how many periods the node is meant farther: what the step has more than the places.
+        # The node is moved by so many periods: the step less the difference of positions.
         images = -box.images(np.array(steps).reshape(-1, 3) - gaps)
         table = np.array(vectors).reshape(-1, 3)
         return LineArrays(

@@ -48,13 +48,13 @@ class DislocationNetwork:
         attribute `surface=True` may end lines (they leave the crystal there). The graph is copied.
     tolerance: share of the largest b within which floats count as equal; ints, Fractions and
         sympy numbers are compared exactly.
-    box: the cell of a simulation. With it, an edge may have the attribute `image`, shape (3,): how
-        many periods further its end is meant; the nearest if not given.
+    box: the cell of a simulation. With it, an edge may have the attribute `image`, shape (3,): the
+        number of periods by which its end is moved; the nearest image if not given.
 
     Raises
     ------
     NetworkError
-        An edge has no Burgers vector, or one that is zero or of another length.
+        An edge has no Burgers vector, or a zero one, or one of another length.
 
     Examples
     --------
@@ -188,7 +188,7 @@ class DislocationNetwork:
         return cls.of_arrays(lines, burgers=burgers)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a file by the end of its name: .vtk, OVITO .ca, .json, and else ParaDiS .data.
+        """Write a file in the format of its suffix: .vtk, OVITO .ca, .json, and else ParaDiS .data.
 
         All but .vtk, which has no box, read as the same network, digit by digit. In .ca lines of
         crystals are in a cluster for each grain, with the families of its lattice.
@@ -196,7 +196,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            Nodes have no positions, there is no box that the format needs, b has not three
+            Nodes have no positions, the format needs a box and there is none, b does not have three
             components, or a line is too long for .data, which keeps no images.
         """
         grains = clusters_of(self.graph.graph, self.lines, self.owners, self.polylines)
@@ -206,25 +206,26 @@ class DislocationNetwork:
 
     @classmethod
     def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:
-        """From what OpenDiS exports: tables `cell`, `nodes` and `segs` of arrays.
+        """From the export of OpenDiS: tables `cell`, `nodes` and `segs` of arrays.
 
         Raises
         ------
         NetworkError
-            A table or an array is missing, or of another shape.
+            A table or an array is missing, or has another shape.
         """
         return cls.of_arrays(arrays_of_opendis(data))
 
     def opendis(self) -> dict[str, dict[str, np.ndarray]]:
-        """The network as OpenDiS imports it (`DisNet.import_data`): cell, nodes and segs."""
+        """The tables cell, nodes and segs that OpenDiS imports (`DisNet.import_data`)."""
         return opendis_of_arrays(self.arrays)
 
     # -- what it holds ----------------------------------------------------------------------------
 
     @cached_property
     def arrays(self) -> LineArrays:
-        """Positions, pairs, Burgers vectors and images as arrays, in the order of `lines`; lines
-        along several points as straight pieces.
+        """Positions, pairs, Burgers vectors and images as arrays, in the order of `lines`.
+
+        Lines along several points are straight pieces.
 
         Raises
         ------
@@ -240,7 +241,7 @@ class DislocationNetwork:
 
     @property
     def owners(self) -> list[int]:
-        """The number among `lines` of that to which each straight piece of `arrays` belongs."""
+        """The number in `lines` of the line to which each straight piece of `arrays` belongs."""
         return self._pieces[1]
 
     @property
@@ -250,7 +251,7 @@ class DislocationNetwork:
 
     @cached_property
     def lines(self) -> tuple[DislocationLine, ...]:
-        """All lines: tuples of start, end, key and b, which know their length and more."""
+        """All lines: tuples of start, end, key and b, with their length and other properties."""
         return tuple(
             DislocationLine.of(self.graph, (u, v, k), d, self.box)
             for u, v, k, d in self.graph.edges(keys=True, data=True)
@@ -283,14 +284,14 @@ class DislocationNetwork:
 
     @property
     def names(self) -> list[str] | None:
-        """The family of each straight piece of `arrays` in its crystal, if all are known."""
+        """The family in its crystal of each straight piece of `arrays`, if all are known."""
         found = [self.lines[k].family for k in self.owners]
         known = [name for name in found if name is not None]
         return known if found and len(known) == len(found) else None
 
     @property
     def junctions(self) -> tuple[Hashable, ...]:
-        """Nodes in which three lines or more meet."""
+        """Nodes at which three lines or more meet."""
         return tuple(node for node, degree in self.graph.degree if degree > 2)
 
     def excess(self, node: Hashable) -> Vector:
@@ -308,7 +309,7 @@ class DislocationNetwork:
         return total([*out, *into])
 
     def node_rule(self) -> tuple[NodeViolation, ...]:
-        """Every inner node at which the Burgers vectors do not sum to zero; none: all is well."""
+        """Inner nodes at which the Burgers vectors do not sum to zero; empty if b is conserved."""
         found = []
         for node in self._suspects():
             data = self.graph.nodes[node]
@@ -320,7 +321,7 @@ class DislocationNetwork:
         return tuple(found)
 
     def _suspects(self) -> Iterable[Hashable]:
-        """Nodes at which b may not be conserved: all, or of floats those where sums are large."""
+        """Nodes at which b may not be conserved: all, or for floats only those with large sums."""
         vectors = [b for *_, b in self.graph.edges(data="burgers")]
         if not vectors or not all(type(x) is float for b in vectors for x in b):
             return self.graph.nodes
@@ -328,7 +329,7 @@ class DislocationNetwork:
         pairs = np.array([(numbers[a], numbers[b]) for a, b, _ in self.graph.edges])
         chain = Complex.of_edges(pairs, len(numbers))
         sums = chain.boundary(0).T @ np.array(vectors)
-        # Half of what counts as zero: sums in another order differ in their last digits.
+        # Half of the limit for zero, since sums in another order differ in their last digits.
         large = np.abs(sums).max(axis=1) > self.tolerance * self._scale / 2
         nodes = list(self.graph)
         return [nodes[k] for k in np.flatnonzero(large)]
@@ -339,7 +340,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            It does not; the message names the nodes.
+            The rule does not hold; the message names the nodes.
         """
         violations = self.node_rule()
         if violations:
@@ -353,7 +354,7 @@ class DislocationNetwork:
     # -- measures ---------------------------------------------------------------------------------
 
     def burgers(self, loop: Loop, lattice: Lattice | None = None) -> LineBurgers:
-        """The Burgers vector of a circuit: of all lines, images included, that it links with.
+        """Burgers vector of a circuit: the sum over all lines, images included, that it links with.
 
         Signed crossings with a surface that spans the loop, positive where the loop is right-handed
         about the sense of a line; a second surface must give the same.
@@ -377,7 +378,7 @@ class DislocationNetwork:
         return circuit_burgers(self.arrays, self._vectors, loop, lattice, self.tolerance)
 
     def families(self, symmetry: Symmetry = "cubic") -> tuple[LineFamily, ...]:
-        """Lines by the family of their b: how many, length, density, screw share; longest first.
+        """Lines by the family of their b: number, length, density, screw share; longest first.
 
         Parameters
         ----------
@@ -415,7 +416,7 @@ class DislocationNetwork:
         return self._per_volume(self.arrays.burgers.T @ self.arrays.steps)
 
     def _per_volume(self, values: np.ndarray) -> np.ndarray:
-        """Values over the volume of the box, which there must be."""
+        """Values over the volume of the box, which must exist."""
         if self.box is None:
             raise NetworkError(
                 "a density needs a volume, but the network has no box. Give one: "

@@ -30,7 +30,7 @@ class LineArrays:
     pairs: first and second node of each line, along its sense, shape (lines, 2).
     burgers: b of each line, shape (lines, n).
     box: the cell of the simulation; without one nothing repeats.
-    images: how many periods further the second node is meant, shape (lines, 3); the nearest image
+    images: number of periods by which the second node is moved, shape (lines, 3); the nearest image
         if not given.
     labels: names of the nodes; their numbers if not given.
     constraints: the number that a simulation gives each node, shape (nodes,); zero if not given.
@@ -41,7 +41,7 @@ class LineArrays:
     Raises
     ------
     NetworkError
-        Shapes do not fit, a node is not there, or a number is not finite.
+        Shapes do not fit, a node does not exist, or a number is not finite.
     """
 
     positions: np.ndarray
@@ -111,7 +111,7 @@ class LineArrays:
             )
 
     def _found_images(self, given: ArrayLike | None) -> np.ndarray:
-        """Images as given, or the nearest."""
+        """The given images, or the nearest ones."""
         if self.box is None:
             if given is not None and np.size(given):
                 raise NetworkError("images: lines have periodic images, but no box came. Give it.")
@@ -168,7 +168,7 @@ class LineArrays:
 
 
 class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
-    """A line of a network: the tuple (start, end, key, b), and what else is known of it.
+    """A line of a network: the tuple (start, end, key, b), and other known properties.
 
     Examples
     --------
@@ -222,7 +222,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def image(self) -> tuple[int, ...]:
-        """How many periods further the end is meant, shape (3,); (): it is not given."""
+        """Number of periods by which the end is moved, shape (3,); () if it is not given."""
         return self.data.get("image", ())
 
     @cached_property
@@ -261,9 +261,12 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def kind(self) -> str:
-        """ "closed": ends where it begins; "periodic": ends there in another image; "wall": an end
-        is in a wall between grains; "surface": on a surface; "joined": both ends are
-        junctions."""
+        """ "closed", "periodic", "wall", "surface" or "joined".
+
+        "closed": it ends where it begins; "periodic": it ends there in another image; "wall": an
+        end is in a wall between grains; "surface": an end is on a surface; "joined": both ends are
+        junctions.
+        """
         if self[0] == self[1]:
             return "periodic" if any(self.image) else "closed"
         if any(node.get("wall") for node in self.ends):
@@ -277,7 +280,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
 
 def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[LineArrays, list[int]]:
-    """Straight pieces of all lines of a graph, and to which line each belongs.
+    """Straight pieces of all lines of a graph, and the line of each piece.
 
     Raises
     ------

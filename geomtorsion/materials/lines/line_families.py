@@ -1,4 +1,4 @@
-"""Line families: lines whose Burgers vectors a symmetry of the lattice takes into each other."""
+"""Line families: lines whose Burgers vectors are equivalent by a symmetry of the lattice."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class LineFamily:
     """Lines of one family.
 
     name: its Burgers vectors, as 0.7071 <1 1 0>; burgers: one of them, shape (n,).
-    lines: how many; length: of all of them, coordinates.
+    lines: number of lines; length: of all of them, coordinates.
     density: length over volume of the box, None without a box.
     screw: share of b^2 along the line, averaged over length; the rest is edge.
     """
@@ -38,7 +38,7 @@ class LineFamily:
 
     @property
     def edge(self) -> float:
-        """Share of b^2 across the line."""
+        """Share of b^2 perpendicular to the line."""
         return 1.0 - self.screw
 
 
@@ -72,7 +72,7 @@ def line_families(
     near = tolerance * float(np.abs(vectors).max(initial=0.0))
     orbit = _operations(symmetry, dimension)
     family = np.full(len(vectors), -1)
-    # Members of a family are equally long: only those are compared.
+    # Members of a family are equally long: only vectors of equal length are compared.
     sizes = np.linalg.norm(vectors, axis=1)
     order = np.argsort(sizes, kind="stable")
     breaks = np.flatnonzero(np.diff(sizes[order]) > 2 * near * np.sqrt(dimension)) + 1
@@ -166,13 +166,13 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
 
 
 def _largest(images: np.ndarray) -> np.ndarray:
-    """The image that comes last in the order of dictionaries; rounding decides nothing."""
+    """The last image in lexicographic order, independent of rounding."""
     shown = np.round(images / np.abs(images).max(), 6)
     return images[np.lexsort(shown.T[::-1])[-1]] + 0.0
 
 
 def _name(vector: Sequence[float], marks: str) -> str:
-    """A Burgers vector as a length times small whole numbers, where it is."""
+    """A Burgers vector as a length times small whole numbers, if possible."""
     least = min(abs(x) for x in vector if abs(x) > 1e-6 * max(map(abs, vector)))
     ratios = [x / least for x in vector]
     if all(abs(x - round(x)) < 1e-4 * max(map(abs, ratios)) and abs(x) < 10 for x in ratios):
@@ -182,7 +182,7 @@ def _name(vector: Sequence[float], marks: str) -> str:
 
 
 def lattice_vectors(lattice: Lattice, dimension: int) -> np.ndarray:
-    """Lattice vectors as rows, shape (n, n), of a lattice that was given by name or by vectors.
+    """Lattice vectors as rows, shape (n, n), of a lattice given by name or by vectors.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
         Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
         shortest.
     tolerance
-        Share of the largest vector that they may differ from lattice vectors.
+        Largest difference from lattice vectors, as a share of the largest vector.
 
     Raises
     ------

@@ -41,12 +41,12 @@ def read_lines(
 
     Returns
     -------
-    The lines, and their b where the file has them more exactly than floats.
+    The lines, and their b if the file has them more exactly than floats.
 
     Raises
     ------
     FileFormatError
-        The file is missing, truncated or malformed; the message names the line where there is one.
+        The file is missing, truncated or malformed; the message names the line if there is one.
     """
     kind = ending(path)
     if kind == ".vtk":
@@ -123,7 +123,7 @@ def vtk_text(curves: Sequence[Polyline]) -> str:
         "# vtk DataFile Version 3.0", "dislocation lines by geomtorsion", "ASCII",
         "DATASET UNSTRUCTURED_GRID", f"POINTS {len(places)} double",
         *(" ".join(map(repr, place)) for place in places),
-        # Three whole numbers a piece; 3 is VTK's number of a straight one, which all programs know.
+        # Three whole numbers a piece; 3 is the VTK type of a straight piece, read by all programs.
         f"CELLS {len(cells)} {3 * len(cells)}", *cells,
         f"CELL_TYPES {len(cells)}", *["3"] * len(cells), f"CELL_DATA {len(cells)}",
         "SCALARS line int 1", "LOOKUP_TABLE default", *numbers,
@@ -184,7 +184,7 @@ def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
 
 
 def _name(label: Hashable) -> int | str | list[int]:
-    """The name of a node, as JSON can keep it."""
+    """The name of a node in a form that JSON can keep."""
     plain = checks.plain(label)
     if isinstance(plain, str):
         return plain
@@ -254,7 +254,7 @@ def read_json_lines(
 
 
 def _column(rows: Sequence[Mapping[str, Any]], key: str, name: str) -> list[Any] | None:
-    """What all lines have under a key, or None where none has it."""
+    """The values of all lines under a key, or None if no line has the key."""
     found = [row.get(key) for row in rows]
     if None not in found:
         return found or None
