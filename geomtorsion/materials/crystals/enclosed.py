@@ -1,7 +1,7 @@
 """Enclosed: the number of atoms in excess of lattice sites inside a closed dislocation line.
 
 A surface is placed around the line, in the good crystal. There every atom has a site, given by
-whole numbers that add up from bond to bond. The path of this sum does not matter, because the
+whole numbers that add up from bond to bond. This sum does not depend on the path, because the
 surface is a sphere without torsion. The sites that the surface separates from the outside are the
 inner sites. The atoms in excess of them are the atoms that the line has inserted.
 """

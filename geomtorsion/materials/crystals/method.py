@@ -28,8 +28,8 @@ class Method:
     share: at most this share of the atoms of a liquid have neighbours like those in a crystal.
     places: in a crystal with so much noise that hardly an atom fits, more than this share of atoms
         have another atom near each neighbour place; in a gas up to a seventh have, by chance.
-    crowd: atoms with more than so many times the neighbours of the lattice are a lattice of more
-        atoms: one more in two cells of diamond, as in fluorite, is half as many more.
+    crowd: atoms with more than so many times the neighbours of the lattice belong to a lattice with
+        more atoms: one more in two cells of diamond, as in fluorite, is half as many more.
     sigma: a deformation counts if it is more than so many standard errors: atoms around a line
         deviate together, so that three, which noise by itself needs, are too few.
     seeds, sample: number of atoms that suggest an orientation, and number of atoms that decide.

@@ -27,7 +27,7 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     Parameters
     ----------
     convention
-        Of the sign of b; see `conventions.burgers`.
+        Convention for the sign of b; see `conventions.burgers`.
 
     Returns
     -------

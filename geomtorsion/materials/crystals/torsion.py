@@ -93,7 +93,7 @@ class Torsion:
         return found
 
     def relaxed(self) -> Torsion:
-        """The same torsion, but for what closes on the surfaces of cores, on the shortest lines.
+        """The same torsion on the shortest lines, up to parts that close on the surfaces of cores.
 
         Cores are first the torn or doubtful tetrahedra; then all tetrahedra with an atom in common
         with the remaining torsion. A ring that no circuit outside of its own atoms detects is a

@@ -100,7 +100,7 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
     near = _stretches(lines, np.array(part.centre), low - margin, high + margin)
     corners = _polygon(lines, part, near)
     rng = np.random.default_rng(0)
-    # Only by accident is an apex not in general position: so many accidents do not happen.
+    # An apex fails to be in general position only by accident: so many do not happen in a row.
     for _ in range(32):
         # Beside the middle, so that no symmetry of a lattice puts a node into the surface.
         apex = corners.mean(axis=0) + width * rng.uniform(-0.25, 0.25, 3)

@@ -219,7 +219,7 @@ class DislocationNetwork:
         """The tables cell, nodes and segs that OpenDiS imports (`DisNet.import_data`)."""
         return opendis_of_arrays(self.arrays)
 
-    # -- what it holds ----------------------------------------------------------------------------
+    # -- contents ---------------------------------------------------------------------------------
 
     @cached_property
     def arrays(self) -> LineArrays:

@@ -217,7 +217,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def grain(self) -> int | None:
-        """The grain along whose axes b is meant, which contains the line; None: it is not known."""
+        """The grain that contains the line and whose axes apply to b; None if it is not known."""
         return self.data.get("grain")
 
     @property
