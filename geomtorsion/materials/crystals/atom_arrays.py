@@ -12,7 +12,7 @@ from geomtorsion.materials.crystals.given import POSITIONS, Given
 from geomtorsion.materials.fields.contents import guarded
 from geomtorsion.npz import ArrayForm, read_npz
 
-# Arrays of an .npz file. An .npy file holds the positions alone.
+# Arrays of an .npz file. An .npy file holds only the positions.
 _FORMS = {
     POSITIONS: ArrayForm((None, 3)),
     "cell": ArrayForm(optional=True),
@@ -21,7 +21,7 @@ _FORMS = {
 
 
 def is_atom_array(path: Path) -> bool:
-    """Whether the name of a file is one of an array."""
+    """Whether the name of a file has the suffix of an array."""
     return path.suffix.lower() in (".npy", ".npz")
 
 
@@ -30,7 +30,7 @@ def read_atom_array(
 ) -> AtomData:
     """Atoms of an array of positions, shape (atoms, 3).
 
-    cell, periodic: as for `Crystal`; those of the file if None.
+    cell, periodic: as for `Crystal`; if None, those in the file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Atom counts: atoms and columns that a file says it has, checked before ase reads it."""
+"""Atom counts: the numbers of atoms and columns in a file, checked before ase reads it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _WHOLE = re.compile("[+-]?[0-9]+")
 
 
 def check_declared(name: str, kind: str, rows: list[str]) -> None:
-    """Refuse counts above what the file has room for, since ase takes memory for them at once.
+    """Refuse counts that exceed the size of the file, since ase allocates memory for them at once.
 
     An atom takes a row, and a column takes a word in each row.
     """
@@ -28,13 +28,13 @@ def check_declared(name: str, kind: str, rows: list[str]) -> None:
 
 
 def _counts(kind: str, rows: list[str]) -> Iterator[tuple[int, str, list[str], int]]:
-    """Rows of a table that say how many things follow.
+    """Rows of a table that count the entries after them.
 
-    number of the row from 0, what is counted, words of the row, most that there can be.
+    number of the row from 0, the counted thing, words of the row, largest possible count.
     """
     most = len(rows)
     if kind == "vasp":
-        # Of the fourth version, or, below a row of symbols, of the fifth.
+        # A row of the fourth version or, below a row of symbols, of the fifth.
         for number in (5, 6):
             words = rows[number].split() if number < most else []
             if words and _WHOLE.fullmatch(words[0]):
@@ -69,7 +69,7 @@ def _counts(kind: str, rows: list[str]) -> Iterator[tuple[int, str, list[str], i
 
 
 def check_count_of_gro(name: str, rows: list[str]) -> None:
-    """Refuse a GRO file that has not as many rows as it says: ase takes the last for the cell."""
+    """Refuse a GRO file with a wrong number of rows, since ase takes the last row for the cell."""
     said = rows[1].strip() if len(rows) > 1 else ""
     if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
         raise FileFormatError(

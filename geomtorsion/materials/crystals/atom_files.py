@@ -30,8 +30,8 @@ from geomtorsion.materials.crystals.xyz import xyz_blocks, xyz_frame
 if TYPE_CHECKING:
     from ase import Atoms
 
-# Formats that are text or NetCDF, by their names in ase. Some of its others read Python objects or
-# run Python: files of those are refused before ase looks into them.
+# Formats that are text or NetCDF, by their names in ase. Some other formats of ase read Python
+# objects or run Python: their files are refused before ase opens them.
 FORMATS = {
     "extxyz": "extended XYZ",
     "xyz": "XYZ",
@@ -48,15 +48,15 @@ FORMATS = {
     "proteindatabank": "PDB",
     "xsf": "XSF",
 }
-# Those that are tables of numbers below a title, which are looked at before ase reads them.
+# Formats that are tables of numbers below a title, which are checked before ase reads them.
 TABLES = frozenset(("vasp", "vasp-xdatcar", "cfg", "dlp4", "eon", "gromacs", "xsf"))
-# Formats of one frame after another that are read here: what tells frames apart, and reads one.
+# Formats with several frames that are read here: how to split the frames, and how to read one.
 FRAMES = {
     "extxyz": (xyz_blocks, xyz_frame),
     "xyz": (xyz_blocks, xyz_frame),
     "lammps-dump-text": (dump_blocks, dump_frame),
 }
-# Ends of names that ase knows under other names, or not at all.
+# Suffixes that ase has under other names, or not at all.
 ENDS = {
     ".xyz": "extxyz",
     ".extxyz": "extxyz",
@@ -79,12 +79,12 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
     Parameters
     ----------
     form
-        A name of FORMATS; found from the name and the beginning of the file if not given.
+        A name of FORMATS; if not given, it is found from the name and beginning of the file.
 
     Raises
     ------
     FileFormatError
-        The file is missing, damaged, or of a format that is not read.
+        The file is missing, damaged, or of an unsupported format.
     MissingExtraError
         ase is not installed.
     """
@@ -133,7 +133,7 @@ def _form_of(file: Path, form: str | None) -> str:
     try:
         found = formats.filetype(str(file), read=True, guess=False)
     except Exception:  # noqa: BLE001
-        # What ase makes of damaged beginnings is not its own class of errors alone.
+        # A damaged beginning makes ase raise more than its own class of errors.
         raise FileFormatError(
             f"{file.name}: its format is not known by its name or beginning. Name it by form=... "
             f"(--read-as), one of {known}."
@@ -177,7 +177,7 @@ def _text_of(file: Path) -> Iterator[io.TextIOBase]:
 
 
 def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
-    """Frames as ase has them."""
+    """Frames as ase reads them."""
     ase_io, formats = _ase("ase.io"), _ase("ase.io.formats")
     source: Any = str(file)
     length = 1.0
@@ -206,16 +206,16 @@ def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
                 atoms.set_cell(length * atoms.cell, scale_atoms=True)
             yield atoms
     except Exception as error:  # noqa: BLE001
-        # Readers of many formats, each with errors of its own.
+        # Readers of many formats have errors of their own.
         raise _unreadable(file.name, kind, error) from None
 
 
 def _length_of_cfg(name: str, text: str) -> float:
-    """The length in which a CFG file gives its cell: ase takes it for 1."""
+    """The unit of length of the cell in a CFG file, which ase takes for 1."""
     for number, row in enumerate(text.split("\n"), 1):
         key, equals, said = row.partition("=")
         if not equals and row.strip() and not row.lstrip().startswith(("#", ".")):
-            # Here the atoms begin.
+            # The atoms begin here.
             break
         if key.strip() == "A":
             words = said.split()
@@ -230,7 +230,7 @@ def _length_of_cfg(name: str, text: str) -> float:
 
 
 def _check_numbers(name: str, line: int, rows: list[str]) -> None:
-    """Refuse what Python alone takes for a number; line: the number of the first row."""
+    """Refuse numbers that only Python accepts; line: the number of the first row."""
     text = "".join(rows)
     if text.isascii() and "_" not in text:
         return
@@ -240,7 +240,7 @@ def _check_numbers(name: str, line: int, rows: list[str]) -> None:
 
 
 def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | MissingExtraError:
-    """The error for what ase refuses."""
+    """The error for a file that ase refuses."""
     if isinstance(error, ModuleNotFoundError):
         return MissingExtraError(
             f"{where}: {FORMATS[kind]} is read by {error.name}, which is not installed. Run `pip "
@@ -254,7 +254,7 @@ def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | Mi
 
 
 def _data(atoms: Atoms, where: str) -> AtomData:
-    """What is needed of a frame."""
+    """The values that a frame needs."""
     edges = np.array(atoms.cell, dtype=float)
     flags = tuple(bool(x) for x in atoms.pbc)
     missing = [k for k in range(3) if flags[k] and not edges[k].any()]
@@ -263,7 +263,7 @@ def _data(atoms: Atoms, where: str) -> AtomData:
             f"{where}: it is said to repeat along edge {missing[0] + 1} of its cell, but the file "
             "gives no such edge. Give the cell (Lattice in extended XYZ), or pbc F there."
         )
-    # Edges along which nothing repeats may be missing; they are put across the others.
+    # Edges along which nothing repeats may be missing; perpendicular ones replace them.
     cell = completed(edges)
     return AtomData(
         positions=np.array(atoms.positions, dtype=float),
@@ -275,7 +275,7 @@ def _data(atoms: Atoms, where: str) -> AtomData:
 
 
 def frame_count(path: str | PathLike[str], form: str | None = None) -> int:
-    """How many frames a file has; of formats whose frames are not told apart by their lines, 1.
+    """How many frames a file has; 1 for formats whose lines do not separate frames.
 
     Raises
     ------

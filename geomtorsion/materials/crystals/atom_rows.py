@@ -29,7 +29,7 @@ class AtomData:
     where: str
 
     def chosen(self, species: Sequence[str] | None) -> AtomData:
-        """The atoms of some species alone; all without any.
+        """Only the atoms of some species; all atoms without any species.
 
         Raises
         ------
@@ -54,7 +54,7 @@ class AtomData:
 
 
 def words_of(name: str, lines: Sequence[int], rows: Sequence[str], width: int) -> list[list[str]]:
-    """The words of rows that all have so many; lines: the number of each row in the file."""
+    """The words of rows of one width; lines: the number of each row in the file."""
     found = [row.split() for row in rows]
     odd = next((k for k, words in enumerate(found) if len(words) != width), None)
     if odd is not None:
@@ -88,7 +88,7 @@ def numbers_of(
 
 
 def check_number(name: str, line: int, word: str) -> None:
-    """Refuse what Python takes for a number and nobody else: 1_8 is 18 to it."""
+    """Refuse words that only Python accepts as a number, such as 1_8 for 18."""
     if (not word.isascii() or "_" in word) and is_number(word):
         raise FileFormatError(
             f"{name}: line {line}: {shown(word)} is no number as programs write it, but would be "
@@ -97,7 +97,7 @@ def check_number(name: str, line: int, word: str) -> None:
 
 
 def is_number(word: str) -> bool:
-    """Whether Python takes a word for a number."""
+    """Whether Python accepts a word as a number."""
     try:
         float(word)
     except ValueError:
@@ -106,7 +106,7 @@ def is_number(word: str) -> bool:
 
 
 def completed(edges: np.ndarray) -> np.ndarray | None:
-    """Edges of a cell, with unit vectors across the others for those that are 0; None without any.
+    """Edges of a cell, with unit vectors across the others for zero edges; None without any.
 
     Examples
     --------

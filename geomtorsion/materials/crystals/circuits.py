@@ -1,4 +1,4 @@
-"""Circuits: closed paths from atom to atom in a crystal, and the lattice vector that they miss."""
+"""Circuits: closed paths from atom to atom in a crystal, and their closure failure."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 from numpy.typing import ArrayLike
 
 from geomtorsion import checks
@@ -20,7 +20,7 @@ from geomtorsion.materials.crystals.shells import reach_of_shells
 from geomtorsion.materials.crystals.triangulation import Cell
 from geomtorsion.materials.lines.reactions import Vector, written
 
-# An atom and how many periods further it is meant.
+# An atom, and the number of periods by which it is moved.
 Site = tuple[int, int, int, int]
 
 
@@ -28,12 +28,12 @@ Site = tuple[int, int, int, int]
 class AtomCircuit(Burgers):
     """A closed path from atom to atom; b is the exact sum of the lattice vectors of its steps.
 
-    atoms: the path, numbers of the atoms, the first again at its end. images: how many periods
-        further each is meant, shape (k, 3).
+    atoms: the path, numbers of the atoms, the first again at its end. images: the number of periods
+        by which each atom is moved, shape (k, 3).
     steps: lattice vectors of the bonds between them, whole numbers in units of
         `crystal.frame.lattice.units`, shape (k - 1, 3). `whole` is their sum.
     vector: in the coordinates of the positions, with the mean deformation of the crystal.
-    frame: how the crystal lies.
+    frame: lattice and orientation of the crystal.
     """
 
     atoms: tuple[int, ...]
@@ -66,7 +66,7 @@ class AtomCircuit(Burgers):
 
     @property
     def burgers(self) -> Vector:
-        """b in the coordinates of the positions, as lines have it, shape (3,)."""
+        """b in the coordinates of the positions, as for lines, shape (3,)."""
         return tuple(self.vector.tolist())
 
     def __repr__(self) -> str:
@@ -78,10 +78,10 @@ class AtomCircuit(Burgers):
 
 @dataclass(frozen=True, eq=False)
 class AtomCircuits:
-    """Makes circuits in a crystal: call it with atoms, or ask for one around a point.
+    """Makes circuits in a crystal: call it with atoms, or call `around` with a point.
 
-    places: of the atoms in the cell, shape (atoms, 3). moved: periods that led there from where
-        they were given. cell: the cell. frame: how the crystal lies.
+    places: of the atoms in the cell, shape (atoms, 3). moved: periods from the given positions to
+        these places. cell: the cell. frame: lattice and orientation of the crystal.
     decoded: lattice vectors of steps between pairs of atoms.
     """
 
@@ -102,8 +102,8 @@ class AtomCircuits:
         Raises
         ------
         CrystalError
-            An atom is not there, fewer than three are named, the circuit comes back in another
-            image, or bonds on its way are those of a core, with no lattice vector nearest.
+            An atom does not exist, fewer than three are named, the circuit ends in another image,
+            or some of its bonds belong to a core and have no nearest lattice vector.
         """
         numbers = [
             checks.count(k, f"atoms[{j}]", CrystalError, 0, len(self.places) - 1)
@@ -136,13 +136,13 @@ class AtomCircuits:
             Its centre, shape (3,).
         normal
             Shape (3,), of any length.
-        radius
+        In the unit of the positions; a few neighbour distances, so that it meets no core.
             In the unit of the positions; some neighbour distances, so that no core is met.
 
         Raises
         ------
         CrystalError
-            No numbers, a normal or a radius of zero, or no atoms or a core on the way.
+            Values that are not numbers, a zero normal or radius, or no atoms or a core on the way.
         """
         rim = self.rim(point, normal, radius)
         found = [self.nearest(place) for place in rim]
@@ -155,7 +155,7 @@ class AtomCircuits:
         return self._through([*sites, sites[0]])
 
     def rim(self, point: ArrayLike, normal: ArrayLike, radius: float) -> np.ndarray:
-        """Places on the circle of `around`, as far apart as neighbours, shape (k, 3)."""
+        """Positions on the circle of `around`, as far apart as neighbours, shape (k, 3)."""
         centre = checks.array(point, "point", CrystalError, shape=(3,))
         axis = checks.array(normal, "normal", CrystalError, shape=(3,))
         size = checks.positive(radius, "radius", CrystalError)
@@ -167,7 +167,7 @@ class AtomCircuits:
                 f"radius: at least the distance of neighbours, {nearest:.4g}, was needed for a "
                 f"circuit of atoms, but {size:.4g} came."
             )
-        # Two columns across the axis, right-handed with it.
+        # Two columns perpendicular to the axis, right-handed with it.
         across = np.linalg.qr(np.column_stack([axis, np.eye(3)[np.abs(axis).argsort()[:2]].T]))[0]
         first = across[:, 1]
         second = np.cross(axis / np.linalg.norm(axis), first)
@@ -178,35 +178,35 @@ class AtomCircuits:
 
     @cached_property
     def _reach(self) -> float:
-        """Bonds are no longer: the neighbours of a perfect crystal, and half a step more."""
+        """Largest length of a bond: the one between perfect neighbours, and half a step more."""
         return reach_of_shells(self.frame)
 
     @cached_property
     def _images(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, scipy.spatial.cKDTree]:
-        """Atoms and their images about the cell: places, numbers, images; and a tree of them."""
+        """Atoms and their images around the cell: positions, numbers, images; and their tree."""
         points, numbers, offsets = self.cell.with_ghosts(self.places, 2 * self._reach)
         return points, numbers, offsets, scipy.spatial.cKDTree(points)
 
     def _place(self, site: Site) -> np.ndarray:
-        """Where an atom in one of its images lies."""
+        """Position of an atom in one of its images."""
         return self.places[site[0]] + np.array(site[1:]) @ self.cell.vectors
 
     def _nearest_image(self, gap: np.ndarray) -> tuple[int, int, int]:
-        """Periods that make a step the shortest; in oblique cells shares alone do not tell."""
+        """Periods that make a step the shortest; in oblique cells rounding does not suffice."""
         near = np.where(self.cell.periodic, -np.rint(gap @ self.cell.inverse), 0)
-        # The shortest is no longer than that one: its shares are bounded by the heights.
+        # The shortest is no longer than this one: the heights bound its fractional coordinates.
         length = np.linalg.norm(gap + near @ self.cell.vectors)
         reach = np.ceil(length / self.cell.heights - 0.5) * self.cell.periodic
         ranges = [range(-n, n + 1) for n in np.maximum(reach, 0).astype(int).tolist()]
         more = np.array(sorted(product(*ranges), key=lambda one: sum(map(abs, one))))
         sizes = np.linalg.norm(gap + (near + more) @ self.cell.vectors, axis=1)
-        # Rounding does not decide between equals: the one that shares tell stays.
+        # Rounding does not decide between equals: the one found by rounding stays.
         best = more[int((sizes <= sizes.min() * (1 + 1e-9)).argmax())]
         x, y, z = (near + best).astype(int).tolist()
         return x, y, z
 
     def nearest(self, place: np.ndarray) -> Site:
-        """The atom that is nearest to a place."""
+        """The atom nearest to a position."""
         inside, moved = self.cell.wrapped(place[None])
         _, numbers, offsets, tree = self._images
         apart, k = tree.query(inside[0])
@@ -228,21 +228,21 @@ class AtomCircuits:
             steps += labels
         return AtomCircuit.of(
             tuple(site[0] for site in path),
-            # For positions as they were given.
+            # Images refer to the positions as given.
             np.array([site[1:] for site in path]) + self.moved[[site[0] for site in path]],
             np.array(steps, dtype=np.int64).reshape(-1, 3),
             self.frame,
         )
 
     def _way(self, one: Site, two: Site) -> tuple[list[Site], list[np.ndarray]]:
-        """The shortest way along bonds next to the straight line, and the labels of its bonds."""
+        """The shortest path along bonds next to the straight line, and the labels of its bonds."""
         start, end = self._place(one), self._place(two)
         sites = self._near(start, end)
         place_of = {site: k for k, site in enumerate(sites)}
         points = np.array([self._place(site) for site in sites])
         pairs = scipy.spatial.cKDTree(points).query_pairs(self._reach, output_type="ndarray")
         atoms = np.array([site[0] for site in sites])
-        # One sense of each bond is read, so that both are opposite whole numbers.
+        # Only one sense of each bond is read, so that the two senses are opposite whole numbers.
         first, second = np.where(
             atoms[pairs[:, :1]] <= atoms[pairs[:, 1:]], pairs, pairs[:, ::-1]
         ).T
@@ -252,7 +252,7 @@ class AtomCircuits:
         clear = (self.frame.apart(vectors, labels) < limit) & labels.any(axis=1)
         first, second, labels = first[clear], second[clear], labels[clear]
         lengths = np.linalg.norm(vectors[clear], axis=1)
-        # Before 1.15, scipy finds ways in tables with short indices only.
+        # Before 1.15, scipy finds paths only in tables with short indices.
         ends = (first.astype(np.int32), second.astype(np.int32))
         table = scipy.sparse.coo_array((lengths, ends), shape=(len(sites),) * 2)
         source, target = place_of[one], place_of[two]
@@ -274,7 +274,7 @@ class AtomCircuits:
         return [sites[k] for k in way[1:]], found
 
     def _near(self, start: np.ndarray, end: np.ndarray) -> list[Site]:
-        """Atoms in their images that lie next to a straight line."""
+        """Atoms, with their images, next to a straight line."""
         _, numbers, offsets, tree = self._images
         count = max(int(np.linalg.norm(end - start) / self._reach * 2), 1)
         line = start + np.linspace(0, 1, count + 1)[:, None] * (end - start)

@@ -58,17 +58,17 @@ class Crystal(InFrame):
     (conventions.py), in the coordinates of the positions.
 
     positions: shape (atoms, 3), in any unit of length.
-    cell: edges of the cell as rows, shape (3, 3) or (3,) where they lie along the coordinates; None
+    cell: edges of the cell as rows, shape (3, 3), or (3,) for edges along the coordinates; None
         where nothing is periodic.
     periodic: along which edges the cell repeats, shape (3,).
-    species: of each atom, if known: it decides nothing here.
+    species: of each atom, if known; not used here.
 
-    lattice, orient and constant are found where they are not given.
+    lattice, orient and constant are found if not given.
 
     Raises
     ------
     CrystalError
-        Positions are no atoms in space, the cell does not fit them, or they are no crystal.
+        Positions are not atoms in space, the cell does not fit them, or they are not a crystal.
 
     Examples
     --------
@@ -118,16 +118,16 @@ class Crystal(InFrame):
                 )
             put("species", tuple(map(str, names)))
 
-    # -- how it lies ------------------------------------------------------------------------------
+    # -- its frame --------------------------------------------------------------------------------
 
     @property
     def count(self) -> int:
-        """How many atoms there are."""
+        """Number of atoms."""
         return len(self.positions)
 
     @cached_property
     def frame(self) -> Frame:
-        """Lattice, orientation and lattice constant together; of a polycrystal those of grain 0."""
+        """Lattice, orientation and lattice constant together; in a polycrystal those in grain 0."""
         found, fit = self._found
         if self._own is not None:
             return found
@@ -139,8 +139,8 @@ class Crystal(InFrame):
     def overlapping(self) -> np.ndarray:
         """Pairs of atoms at nearly one position, by number, shape (pairs, 2).
 
-        They are ten times as near to each other as most neighbours. Circuits and lines count the
-        step between them as none.
+        Their distance is below a tenth of the distance of most neighbours. Circuits and lines take
+        the step between them as zero.
 
         Examples
         --------
@@ -155,13 +155,13 @@ class Crystal(InFrame):
 
     @property
     def share(self) -> float:
-        """Share of the atoms whose neighbours are all where the lattice of their grain has them."""
+        """Share of the atoms whose neighbours all fit the lattice of their grain."""
         found = self.grains.fitting if self.frame is not self._found[0] else None
         return float(self._found[1].whole.mean()) if found is None else found
 
     @cached_property
     def _found(self) -> tuple[Frame, Fit]:
-        """The frame, and how a sample of the atoms fits into it."""
+        """The frame, and how well a sample of the atoms fits into it."""
         given = self._given
         if self._own is not None:
             own = self._own.frame
@@ -182,7 +182,7 @@ class Crystal(InFrame):
         if given.orient is not None and self._before is None:
             check_turn(found[0], vectors)
         elif given.orient is not None and share_within(found[0], vectors) < METHOD.share:
-            # The crystal has turned in time: it is found anew, in the axes next to those before.
+            # The crystal has rotated in time: find it again, in the axes nearest to those before.
             new, _ = frame_of(vectors, given.lattice, None, given.constant, shares)
             turned = in_variant(new, found[0])
             return turned, fitted(turned, vectors[:, : turned.lattice.shells])
@@ -198,7 +198,7 @@ class Crystal(InFrame):
 
     @property
     def _box(self) -> Cell:
-        """The cell, or any where nothing is periodic."""
+        """The cell, or an arbitrary one where nothing is periodic."""
         return self._given.box
 
     @cached_property
@@ -208,8 +208,8 @@ class Crystal(InFrame):
 
     @cached_property
     def _places(self) -> Places:
-        """The atoms in the cell, with those about each."""
-        # Most atoms have as many neighbours as a frame needs within it, whatever the structure.
+        """The atoms in the cell, with the atoms around each."""
+        # Most atoms have as many neighbours as a frame needs within it, for any structure.
         reach = 3 * (_spanned(self.positions, self._box) / len(self.positions)) ** (1 / 3)
         return Places(self._wrapped[0], self._box, reach)
 
@@ -217,11 +217,11 @@ class Crystal(InFrame):
 
     @cached_property
     def grains(self) -> Grains:
-        """Its grains in order, the walls between them with their misorientation, and what lies in
-        none; a single crystal is one grain.
+        """Grains in order, and the walls between them with their misorientation.
 
-        Grains of another lattice are those of another phase. Two orientations that differ by less
-        than 15 degrees are one grain, with dislocations between them.
+        Atoms may also belong to no grain; a single crystal is one grain. Grains with another
+        lattice belong to another phase. Two orientations that differ by less than 15 degrees are
+        one grain, with dislocations between them.
 
         Examples
         --------
@@ -246,11 +246,13 @@ class Crystal(InFrame):
         return found if self._before is None else self._before.followed(found)
 
     def following(self, before: Crystal | KnownGrains) -> Crystal:
-        """The same atoms as the next frame of a trajectory: grains that hold the same atoms, by
-        their order, as in the frame before keep their numbers and their axes, so that Burgers
-        vectors of their lines are the same in time along these; in the coordinates of the positions
-        they follow the deformation of the crystal. One that has turned by more than 15 degrees is
-        a new grain; a crystal that has is read along the axes next to those before.
+        """The same atoms as the next frame of a trajectory.
+
+        Grains that hold the same atoms, by their order, as in the frame before keep their numbers
+        and axes, so that Burgers vectors of their lines along these axes are the same in time. In
+        the coordinates of the positions, Burgers vectors follow the deformation of the crystal. A
+        grain that has turned by more than 15 degrees is a new grain; a single crystal that has
+        turned so far is described along the axes nearest to those before.
 
         Examples
         --------
@@ -273,7 +275,7 @@ class Crystal(InFrame):
         return made
 
     def grain(self, number: int) -> Crystal:
-        """The crystal of one grain alone, in its own frame; atoms are those of `grains`."""
+        """The crystal of a single grain, in its own frame; atoms are numbered as in `grains`."""
         grain = self.grains[number]
         species = None if self.species is None else [self.species[k] for k in grain.atoms]
         periodic = self.periodic.tolist()
@@ -294,7 +296,7 @@ class Crystal(InFrame):
 
     @property
     def _is_narrow(self) -> bool:
-        """Whether an atom may be its own neighbour: numbers alone do not tell images there."""
+        """Whether an atom may be its own neighbour, so that a number does not identify an image."""
         frame = self._found[0]
         width = 4 * frame.lattice.nearest * frame.constant
         return bool((self._box.heights < width)[self.periodic].any())
@@ -324,14 +326,14 @@ class Crystal(InFrame):
     def labels(self, pairs: ArrayLike | None = None, images: ArrayLike | None = None) -> np.ndarray:
         """The lattice vectors of bonds, whole numbers in units of `frame.lattice.units`, (k, 3).
 
-        Of fcc and bcc they count halves of the lattice constant.
+        Whole numbers count halves of the lattice constant in fcc and bcc.
 
         Parameters
         ----------
         pairs
-            Numbers of the two atoms of each bond, shape (k, 2); those of `bonds` if not given.
+            Numbers of the two atoms of each bond, shape (k, 2); all pairs of `bonds` if not given.
         images
-            How many periods further the second atom is meant, shape (k, 3); none if not given.
+            The number of periods by which the second atom is moved, shape (k, 3); 0 if not given.
         """
         if pairs is None:
             return self.bonds.values
@@ -366,7 +368,9 @@ class Crystal(InFrame):
 
     @cached_property
     def circuit(self) -> AtomCircuits | GrainCircuits:
-        """Closed paths from atom to atom: `crystal.circuit(atoms=[...])` through atoms by number,
+        """Closed paths from atom to atom.
+
+        `crystal.circuit(atoms=[...])` runs through atoms by number, and
         `crystal.circuit.around(point, normal, radius)` along a circle; see `AtomCircuits`.
 
         Examples
@@ -385,7 +389,7 @@ class Crystal(InFrame):
 
     @cached_property
     def _circuits(self) -> AtomCircuits:
-        """Circuits in its one frame."""
+        """Circuits in the frame of the whole crystal."""
         return AtomCircuits(
             self._wrapped[0], self._wrapped[1], self._box, self.frame, self._decoded
         )
@@ -398,8 +402,8 @@ class Crystal(InFrame):
         Parameters
         ----------
         partials
-            Whether partial dislocations at the edges of stacking faults are told apart, in fcc and
-            diamond those of 1/6<112>, in hcp those of basal faults (Shockley 1/3<1-100>, Frank
+            Whether partial dislocations at the edges of stacking faults are separated: 1/6<112> in
+            fcc and diamond, partials of basal faults in hcp (Shockley 1/3<1-100>, Frank
             1/6<20-23>); if not, their sum is given.
 
         Returns
@@ -420,7 +424,7 @@ class Crystal(InFrame):
         return lines_of(faces, self._wrapped[0], self._box, self.frame, partials, occupied)
 
     def _near_torsion(self, partials: bool) -> tuple[Torsion, int]:
-        """The torsion, on tetrahedra where neighbours alone do not exclude it, and vacancies."""
+        """The torsion, on tetrahedra where neighbours do not already exclude it, and vacancies."""
         frame, (places, _) = self.frame, self._wrapped
         if self._is_narrow:
             return torsion_on(frame, self.mesh, self.kinds, partials), 0
@@ -437,8 +441,10 @@ class Crystal(InFrame):
 
 
 def _spanned(positions: np.ndarray, cell: Cell) -> float:
-    """About the volume that the atoms fill: that of the cell without its widest empty layers, or of
-    a box about them."""
+    """Approximate volume that the atoms fill.
+
+    It is the cell without its widest empty layers, or a box around the atoms.
+    """
     shares = (positions @ cell.inverse).T
     sizes = [
         _filled(one) if flag else np.ptp(one)
@@ -448,8 +454,10 @@ def _spanned(positions: np.ndarray, cell: Cell) -> float:
 
 
 def _filled(shares: np.ndarray) -> float:
-    """Share of a period without the widest layer in which no atom lies, in as many slices as there
-    are atoms."""
+    """Share of a period without the widest layer that contains no atom.
+
+    The period is divided into as many slices as there are atoms.
+    """
     count = len(shares)
     slices = np.floor((shares - np.floor(shares)) * count).astype(np.int64)
     taken = np.flatnonzero(np.bincount(slices))

@@ -1,9 +1,9 @@
-"""Enclosed: how many atoms more than lattice sites lie inside of a closed dislocation line.
+"""Enclosed: the number of atoms in excess of lattice sites inside a closed dislocation line.
 
-About the line a surface is put that lies in the good crystal. There every atom has its site, whole
-numbers that add up from bond to bond; since the surface is a sphere without torsion, it does not
-matter along which. Sites that these separate from all outside are those inside; what there is of
-atoms more than of them is what the line has put in.
+A surface is placed around the line, in the good crystal. There every atom has a site, given by
+whole numbers that add up from bond to bond. This sum does not depend on the path, because the
+surface is a sphere without torsion. The sites that the surface separates from the outside are the
+inner sites. The atoms in excess of them are the atoms that the line has inserted.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
@@ -26,10 +26,10 @@ from geomtorsion.materials.crystals.triangulation import Cell, distinct
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """A prism about a closed path, its base convex and in the plane of the path.
+    """A prism around a closed path; its base is convex and in the plane of the path.
 
-    middle: of a box about it, shape (3,); axes: of that box as rows, shape (3, 3); half: half of
-        its sides, shape (3,).
+    middle: centre of a box around the path, shape (3,); axes: axes of the box as rows, shape
+        (3, 3); half: half of its sides, shape (3,).
     sides: outward normals of the base and their distances from the middle, shape (k, 3).
     """
 
@@ -40,7 +40,7 @@ class Around:
 
     @classmethod
     def of(cls, path: np.ndarray) -> Around | None:
-        """The one along the principal axes of a path; None of one without area."""
+        """The prism along the principal axes of a path; None for a path without area."""
         mean = path.mean(axis=0)
         axes = np.linalg.svd(path - mean)[2]
         along = (path - mean) @ axes.T
@@ -51,21 +51,21 @@ class Around:
             hull = scipy.spatial.ConvexHull(flat).equations
         except scipy.spatial.QhullError:
             return None
-        # With the sides of the box corners of acute angles do not reach out of it.
+        # The sides of the box keep corners of acute angles within it.
         box = [[1, 0, -half[0]], [-1, 0, -half[0]], [0, 1, -half[1]], [0, -1, -half[1]]]
         return cls(mean + (low + high) / 2 @ axes, axes, half, np.concatenate([hull, box]))
 
     def inside(
         self, places: np.ndarray, cell: Cell, margin: float, every: bool = True
     ) -> np.ndarray:
-        """From the middle to all images of places that lie in it or in a margin about it, (k, 3).
+        """Vectors from the middle to all images of places inside it or within a margin, (k, 3).
 
-        every: if not, places are unwrapped, and the image in which they come is left out.
+        every: if False, places are unwrapped, and their own image is omitted.
         """
         steps, found = places - self.middle, [np.zeros((0, 3))]
         if every:
             steps -= (np.rint(steps @ cell.inverse) * cell.periodic) @ cell.vectors
-        # How far it reaches along the edges, in periods.
+        # Its extent along the edges, in periods.
         shares = np.abs(self.axes @ cell.inverse).T @ (self.half + margin)
         wide = cell.periodic & (shares >= 0.5)
         for image in product(*((-1, 0, 1) if flag else (0,) for flag in wide)):
@@ -76,7 +76,7 @@ class Around:
         return np.concatenate(found)
 
     def depth(self, steps: np.ndarray) -> np.ndarray:
-        """How far outside steps from the middle end, shape (k,); less than none is inside."""
+        """Distance of the ends of steps from the prism, shape (k,); negative inside."""
         along = steps @ self.axes.T
         base = (along[:, :2] @ self.sides[:, :2].T + self.sides[:, 2]).max(axis=1, initial=-np.inf)
         return np.maximum(base, np.abs(along[:, 2]) - self.half[2])
@@ -85,30 +85,30 @@ class Around:
 def inserted_about(
     path: np.ndarray, others: np.ndarray, frame: Frame, cell: Cell, places: np.ndarray
 ) -> int | None:
-    """Atoms more than sites about a closed line; an isolated vacancy counts as an atom.
+    """Atoms in excess of sites around a closed line; an isolated vacancy counts as an atom.
 
     Parameters
     ----------
     path
-        Of the line, shape (k, 3).
+        Points of the line, shape (k, 3).
     others
         Points of all other lines, shape (n, 3).
     places
-        Of all atoms in the cell, shape (atoms, 3).
+        Positions of all atoms in the cell, shape (atoms, 3).
 
     Returns
     -------
-    None where there is no good crystal all about this line alone: at a surface, in much noise, next
-    to another line, in a cell that is hardly larger.
+    None where no good crystal surrounds this line by itself: at a surface, in much noise, next
+    to another line, or in a cell that is hardly larger than the line.
     """
     around = Around.of(path)
     if around is None:
         return None
     nearest, reach = frame.lattice.nearest * frame.constant, reach_of_shells(frame)
-    # A core is no wider on either side than two lines that are still told apart.
+    # On either side, a core is at most as wide as the least distance of two separate lines.
     for margin in nearest * np.arange(1, 2 * METHOD.width + 1):
         outer = margin + reach
-        # Neither another line lies in it nor an image of this one.
+        # Neither another line nor an image of this line is inside.
         if len(around.inside(others, cell, outer)) or len(around.inside(path, cell, outer, False)):
             return None
         steps = around.inside(places, cell, outer + reach)
@@ -121,7 +121,7 @@ def inserted_about(
 def _counted(
     steps: np.ndarray, around: Around, margin: float, outer: float, frame: Frame
 ) -> int | None:
-    """Atoms more than sites in the midst, if all is sound between two depths; steps: of atoms."""
+    """Atoms in excess of sites inside, if all is sound between two depths; steps: of atoms."""
     if len(steps) < 2:
         return None
     lattice, middle = frame.lattice, (margin + outer) / 2
@@ -141,40 +141,42 @@ def _counted(
 
     free, outside = _free(sites, lattice, apart, outer + 2 * reach_of_shells(frame))
     if len(distinct(sites.T)[0]) < len(sites):
-        # Two atoms are at one site.
+        # Two atoms share one site.
         return None
     every = np.concatenate([free, sites])
-    # Where a free site next to the shell should lie tells on which side of it: nothing else is
-    # missing in the shell, and it has no hole.
+    # The expected position of a free site next to the shell decides on which side it is: nothing
+    # else is missing in the shell, and the shell has no hole.
     which = distinct(np.concatenate([every, beside]).T)[1]
     number = np.full(which.max() + 1, len(every))
     number[which[: len(every)]] = np.arange(len(every))
     other = number[which[len(every) :]]
     ideal = np.array(lattice.ideal)[shells.kind[shell]] @ frame.matrix
     expected = around.depth((steps[shell][:, None] + ideal).reshape(-1, 3)) > middle
-    # What is no site that was looked at is far outside.
+    # A site that was not examined is far outside.
     gaps = (other < len(free)) | (other == len(every))
     outside = np.concatenate([outside, np.ones(len(sites) + 1, dtype=bool)])
     if (outside[other[gaps]] != expected[gaps]).any():
         return None
     first = shells.vacancies
     slot = (shells.near[first] == shells.sites[:, None]).argmax(axis=1)
-    # The site itself tells: the first atom beside it may lie on the other side of the middle.
+    # The site itself decides: the first atom beside it may be on the other side of the middle.
     vacant = steps[first] + np.array(lattice.ideal)[shells.kind[first], slot] @ frame.matrix
     vacancies = int((around.depth(vacant) < middle).sum())
     return int((deep <= margin).sum()) + vacancies - int((~outside).sum())
 
 
 def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | None:
-    """Sites of atoms in whole numbers, from one of the first kind, shape (k, 3); None where it
-    matters along which bonds they are counted, or not all atoms hang together."""
+    """Sites of atoms in whole numbers, from an atom of the first kind, shape (k, 3).
+
+    None where the sites depend on the path along bonds, or where the atoms are not connected.
+    """
     kind, count = shells.kind[shell], len(shell)
     if not count or kind.all():
         return None
     number = np.full(len(shells.near) + 1, -1)
     number[shell] = np.arange(count)
     near = shells.near[shell]
-    # Behind the atoms there are vacancies.
+    # The numbers after the atoms are vacancies.
     to = number[np.where(near < len(shells.near), near, -1)]
     first, slot = np.nonzero(to >= 0)
     second = to[first, slot]
@@ -184,7 +186,7 @@ def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | 
     order, before = scipy.sparse.csgraph.breadth_first_order(table, root)
     if len(order) < count:
         return None
-    # The bond by which each was reached, and then sums along all of them, twice as many each time.
+    # The bond that reached each atom, and then sums along bonds, twice as many each time.
     before[root] = root
     sites = np.zeros((count, 3), dtype=np.int64)
     chosen = before[second] == first
@@ -199,8 +201,10 @@ def _sites(shells: Shells, shell: np.ndarray, lattice: Lattice) -> np.ndarray | 
 def _free(
     sites: np.ndarray, lattice: Lattice, depth: Callable[[np.ndarray], np.ndarray], far: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sites no deeper than far about others, in whole numbers, and which of them those do not
-    separate from all that is outside."""
+    """Sites around others no deeper than far, in whole numbers, and a mask.
+
+    The mask marks the sites that the others do not separate from the outside.
+    """
     period = np.array(lattice.period)
     low, high = (
         (sites.min(axis=0) // period - 2).tolist(),
@@ -213,7 +217,7 @@ def _free(
         some = (cells[:, None] + np.concatenate(kinds)).reshape(-1, 3)
         parts.append(some[depth(some) < far])
     every = np.concatenate(parts)
-    # The first occurrence of each is kept: what comes behind is taken.
+    # Keep the first occurrence of each; those after the old sites are free.
     first, _ = distinct(np.concatenate([sites, every]).T)
     free = every[first[first >= len(sites)] - len(sites)]
     longest = np.linalg.norm(lattice.ideal[0], axis=1).max()

@@ -1,4 +1,4 @@
-"""Faults: bonds across stacking faults, whose shift is no lattice vector."""
+"""Faults: bonds across stacking faults, whose shift is not a lattice vector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from geomtorsion.materials.crystals.lattices import LATTICES, Lattice
 
 # Differences of lattice vectors of fcc and shifts 1/6<112> are again face-centred, in sixths of a.
 SIXTHS = replace(LATTICES["fcc"], units=(1 / 6, 1 / 6, 1 / 6))
-# The same of diamond, whose bonds are counted in quarters of a, in twelfths.
+# As above in twelfths, for diamond, whose bonds are counted in quarters of a.
 TWELFTHS = replace(
     LATTICES["diamond"],
     units=(1 / 12, 1 / 12, 1 / 12),
@@ -19,8 +19,8 @@ TWELFTHS = replace(
 MODULES = {"fcc": SIXTHS, "diamond": TWELFTHS}
 # Normals of the planes {111}: bonds of diamond, from its atoms of the first kind.
 NORMALS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-# How far the layer above a fault is moved, in sixths of a, three times the same but for lattice
-# vectors: the other sense would lead from B over A not to C but onto A.
+# Shift of the layer above a fault, in sixths of a, three equivalent ones up to lattice vectors:
+# the other sense would lead from B over A not to C but onto A.
 SHIFTS = NORMALS[:, None] * [[1, 1, -2], [1, -2, 1], [-2, 1, 1]]
 
 
@@ -32,11 +32,12 @@ def fault_labels(
     kinds: np.ndarray,
     known: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Labels of bonds in sixths of a, of diamond in twelfths, and those about whose layers the two
-    atoms do not agree.
+    """Labels of bonds in sixths of a (diamond: in twelfths), and a mask.
 
-    Of each plane {111}, the layers above and below an atom lie where the lattice has them, or are
-    moved; its bonds, free of its own deviation from them in the plane, tell which by least squares.
+    The mask marks bonds about whose layers the two atoms do not agree.
+
+    For each plane {111}, the layers above and below an atom are where the lattice has them, or are
+    shifted; the bonds of the atom, free of its own deviation in the plane, decide by least squares.
     A bond to the next layer is read in the way of its two atoms.
 
     Parameters
@@ -56,8 +57,8 @@ def fault_labels(
     moved = np.zeros(values.shape, dtype=np.int64)
     torn = np.zeros(len(values), dtype=bool)
     for normal, shifts in zip(NORMALS, SHIFTS, strict=True):
-        # Two atoms of diamond that a bond along the normal joins are one of fcc: faults lie in the
-        # glide set, between such layers.
+        # A bond along the normal joins two diamond atoms that count as one fcc atom: faults are in
+        # the glide set, between such layers.
         steps = (values - change[:, None] * normal * (scale - 1)) / scale
         upwards = steps @ normal / 2
         above = np.rint(upwards).astype(np.int64)
@@ -75,10 +76,10 @@ def fault_labels(
 def _shifted(
     off: np.ndarray, height: np.ndarray, pairs: np.ndarray, shifts: np.ndarray, known: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How many shifts bonds have, and those about which their atoms do not agree.
+    """Number of shifts of each bond, and a mask of bonds whose two atoms do not agree.
 
-    off: from the nearest site in the layer where a bond ends, shape (k, 3); height: how many layers
-    further up it is, shape (k,); shifts: of the layer above a fault, in the same units, (3, 3).
+    off: from the nearest site in the layer at the end of a bond, shape (k, 3); height: the number
+    of layers up to it, shape (k,); shifts: of the layer above a fault, in the same units, (3, 3).
     """
     count = len(known)
     inside, steep = (np.flatnonzero(np.abs(height) == m) for m in (0, 1))
@@ -96,11 +97,11 @@ def _shifted(
         way[known & (np.bincount(atom, _gain(free, shifts), minlength=count) > 0)] = 1
     one, other = ways[0, low], ways[1, high]
     layers = np.zeros(len(height), dtype=np.int64)
-    # Of two atoms that do not agree, that counts to which the bond is nearer.
+    # Where two atoms do not agree, the one whose label is nearer to the bond counts.
     layers[steep] = np.where(one == other, one, 0)[steep]
     split = steep[one[steep] != other[steep]]
     layers[split] = _gain(sense[split, None] * off[split], shifts) > 0
-    # A layer further off lies where the ways of both lead.
+    # A layer further off is where the shifts of both lead.
     far = np.abs(height) > 1
     layers[far] = (one + other)[far]
     torn = np.zeros(len(height), dtype=bool)
@@ -109,7 +110,7 @@ def _shifted(
 
 
 def _gain(off: np.ndarray, shifts: np.ndarray) -> np.ndarray:
-    """By how much squared distances from sites fall where these are moved, shape (k,)."""
+    """Decrease of squared distances from sites when these are shifted, shape (k,)."""
     x, y, z = off.T
     best = np.max([x * a + y * b + z * c for a, b, c in shifts], axis=0)
     return 2 * best - shifts[0] @ shifts[0]

@@ -22,15 +22,15 @@ from geomtorsion.materials.crystals.method import METHOD
 from geomtorsion.materials.crystals.triangulation import by_rows
 from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaternion_from_matrix
 
-# Of each atom of a sample: twice as many as tell a lattice, since noise brings others among them.
+# For each atom of a sample: twice as many as determine a lattice, since noise adds others.
 NEIGHBOURS = 2 * max(lattice.shells for lattice in LATTICES.values())
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """How a crystal lies in the specimen.
+    """Lattice, orientation and mean deformation of a crystal in the specimen.
 
-    lattice: which, with c/a of a hexagonal one; constant: mean lattice constant a, coordinates.
+    lattice: with c/a if hexagonal; constant: mean lattice constant a, coordinates.
     orient: crystal axes from specimen axes, a rotation, shape (3, 3): v_crystal = orient @ v.
     deformation: mean deformation gradient of the crystal from the perfect one of this constant and
         orientation, in specimen axes, shape (3, 3): b along the crystal axes is
@@ -61,7 +61,7 @@ class Frame:
 
     @property
     def largest_stretch(self) -> float:
-        """By how much the deformation makes vectors longer at most."""
+        """Largest factor by which the deformation stretches a vector."""
         return float(np.linalg.norm(self.deformation, 2))
 
     def values(self, vectors: np.ndarray) -> np.ndarray:
@@ -79,44 +79,46 @@ class Frame:
         )
 
     def deformed(self, vectors: np.ndarray, fit: Fit) -> tuple[Frame, Fit]:
-        """The same lattice, orientation and constant with the mean deformation of atoms that fit,
-        from their neighbour vectors, shape (atoms, k, 3), or without one where the atoms scatter
-        more; and how these fit. fit: how they fit into this frame, which has no deformation."""
+        """The same lattice, orientation and constant with a mean deformation, and the new fit.
+
+        The deformation is found from the neighbour vectors of atoms that fit, shape (atoms, k, 3),
+        and omitted where it is within the scatter of the atoms. fit: the fit to this frame, which
+        has no deformation.
+        """
         frame = self
-        # As for the frame itself: labels are exchanged a few times at most.
+        # As for the frame itself, labels are exchanged a few times at most.
         for _ in range(5):
-            # All neighbours of a whole atom are there: none is missing on one side.
+            # A whole atom has all its neighbours: none is missing on one side.
             ideal = fit.labels[fit.whole] * np.array(self.lattice.units)
             if not len(ideal):
                 break
             squares = np.swapaxes(ideal, 1, 2) @ ideal
             each = np.linalg.solve(squares, np.swapaxes(ideal, 1, 2) @ vectors[fit.whole])
             each = np.swapaxes(each, 1, 2) @ self.orient / self.constant
-            # Lines along an axis leave no scatter there, but the mean is no better for it.
+            # Lines along an axis leave no scatter there, but the mean is not better for it.
             error = float(each.std(axis=0).max()) / np.sqrt(len(each))
             before, frame = frame, self.of(each.mean(axis=0), error)
-            # In the same frame all atoms fit as before.
+            # Without a deformation all atoms fit as before.
             if np.array_equal(frame.matrix, before.matrix):
                 break
             fit = fitted(frame, vectors)
         return frame, fit
 
     def along(self, like: Frame) -> Frame:
-        """The same lattice vectors in space, described by the lattice, orientation and constant of
-        another frame, whose axes are about these."""
+        """The same lattice vectors in space, described by another frame with nearly equal axes."""
         units = np.array(self.lattice.units) / np.array(like.lattice.units)
         matrix = units[:, None] * self.matrix
         return like.of(matrix.T @ like.orient / like.constant, self.error)
 
     def of(self, deformation: np.ndarray, error: float) -> Frame:
-        """The same frame with a deformation, or without where its error may be all of it."""
+        """The same frame with a deformation, or without one if it may be only error."""
         off = np.abs(deformation - np.eye(3))
         found = deformation if off.max() > METHOD.sigma * error else np.eye(3)
         return replace(self, deformation=found, error=error)
 
 
 class InFrame:
-    """The parts of the frame in which something lies: a field `frame`, or found when asked for."""
+    """Parts of the frame of an object, which has it as a field `frame` or finds it on demand."""
 
     @property
     def lattice(self: Any) -> str:
@@ -135,8 +137,11 @@ class InFrame:
 
     @property
     def deformation(self: Any) -> np.ndarray:
-        """Mean deformation gradient, specimen axes, shape (3, 3): the lattice vector b (crystal
-        axes, coordinates) is deformation @ orient.T @ b in the coordinates of the positions."""
+        """Mean deformation gradient, specimen axes, shape (3, 3).
+
+        The lattice vector b (crystal axes, coordinates) is deformation @ orient.T @ b in the
+        coordinates of the positions.
+        """
         return self.frame.deformation
 
 
@@ -144,9 +149,9 @@ class InFrame:
 class Fit:
     """How well neighbours fit a frame.
 
-    kind: of each atom, from 0: which of the sets of neighbour vectors it has, shape (atoms,).
+    kind: set of neighbour vectors of each atom, from 0, shape (atoms,).
     labels: the neighbour vector nearest to each, whole numbers, shape (atoms, k, 3).
-    whole: atoms whose neighbours all lie nearer to places of their own than half the neighbour
+    whole: atoms with each neighbour nearer to a place of its own than half the neighbour
         distance, shape (atoms,).
     misfit: root mean square distance over the neighbour distance, shape (atoms,).
     """
@@ -158,7 +163,7 @@ class Fit:
 
 
 def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
-    """Neighbour vectors, shape (atoms, k, 3), held against those of the perfect crystal."""
+    """Neighbour vectors, shape (atoms, k, 3), compared with the vectors of the perfect crystal."""
     lattice = frame.lattice
     count, k, _ = vectors.shape
     at = vectors.reshape(-1, 3) @ frame.inverse
@@ -166,7 +171,7 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
     missing = (lattice.nearest / 2) ** 2
     places = []
     for ideal in lattice.ideal:
-        # The nearest is that with the largest 2 x.t - t.t.
+        # The nearest place has the largest 2 x.t - t.t.
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
         places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
@@ -182,10 +187,10 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """Atoms with another one at every neighbour vector, shape (atoms,) of truth values.
+    """Atoms with another atom at every neighbour vector, shape (atoms,) of truth values.
 
-    It is there if it lies nearer than half the neighbour distance; what else is near, as in a
-    lattice whose next shell noise mixes with this one, does not count.
+    A neighbour exists if it is nearer than half the neighbour distance. Other atoms nearby do not
+    count, as in a lattice whose next shell noise mixes with this one.
     """
     lattice = frame.lattice
     at = vectors @ frame.inverse
@@ -200,10 +205,10 @@ def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def is_ordered(frame: Frame, vectors: np.ndarray) -> bool:
-    """Whether neighbours lie at their places in the mean, in which noise cancels.
+    """Whether neighbours are at their places in the mean, in which noise cancels.
 
-    In another lattice, such as simple cubic, atoms may have a neighbour for every place, but not in
-    its midst. Deformation is not taken off: it would make any lattice of one atom another one.
+    In another lattice, such as simple cubic, atoms may have a neighbour for every place, but not at
+    its centre. Deformation is not removed: it would turn any lattice of one atom into another.
     """
     frame = replace(frame, deformation=np.eye(3))
     return _is_ordered(frame, vectors, fitted(frame, vectors[:, : frame.lattice.shells]).kind)
@@ -215,7 +220,7 @@ def _is_ordered(frame: Frame, vectors: np.ndarray, kinds: np.ndarray) -> bool:
     for kind, ideal in enumerate(lattice.ideal):
         at = vectors[kinds == kind] @ (frame.orient.T / frame.constant)
         if len(at):
-            # The nearest is that with the least x.x - 2 x.t.
+            # The nearest place has the least x.x - 2 x.t.
             rows, sizes = np.arange(len(at)), squared(at)
             off = [at[rows, (sizes - at @ (2 * x)).argmin(axis=1)].mean(axis=0) for x in ideal]
             misfit = np.sqrt(squared(np.array(off) - ideal).mean()) / lattice.nearest
@@ -225,15 +230,19 @@ def _is_ordered(frame: Frame, vectors: np.ndarray, kinds: np.ndarray) -> bool:
 
 
 def share_of(frame: Frame, fit: Fit, vectors: np.ndarray) -> float:
-    """Share of some atoms that fit into a frame without deformation; none where those are of
-    another lattice."""
+    """Share of some atoms that fit into a frame without deformation.
+
+    It is zero if the atoms are of another lattice.
+    """
     some, kinds = vectors[fit.whole], fit.kind[fit.whole]
     return len(some) / len(vectors) if len(some) and _is_ordered(frame, some, kinds) else 0.0
 
 
 def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
-    """Whether more atoms lie about most than the lattice has: of an atom in the next shell noise
-    brings as many in as out."""
+    """Whether most atoms have more atoms around them than the lattice has.
+
+    Noise moves as many atoms of the next shell in as out.
+    """
     lattice = frame.lattice
     more = replace(lattice, shells=lattice.shells + 1)
     sizes = np.linalg.norm(more.ideal[0], axis=1)
@@ -243,14 +252,16 @@ def _is_crowded(frame: Frame, vectors: np.ndarray) -> bool:
 
 
 def share_within(frame: Frame, vectors: np.ndarray) -> float:
-    """Share of those atoms that tell an orientation that lie in the frame, up to the angle of a
-    wall; all where none tells."""
+    """Share of the atoms with an orientation that agree with the frame within the angle of a wall.
+
+    It is 1 where no atom has an orientation.
+    """
     angles = _turns(frame, vectors)
     return float((angles < METHOD.wall).mean()) if len(angles) else 1.0
 
 
 def check_turn(frame: Frame, vectors: np.ndarray) -> None:
-    """Refuse a given orientation in which no atom of a crystal lies."""
+    """Refuse a given orientation that no atom of a crystal has."""
     if share_within(frame, vectors) == 0:
         least = np.degrees(_turns(frame, vectors).min())
         raise CrystalError(
@@ -261,7 +272,7 @@ def check_turn(frame: Frame, vectors: np.ndarray) -> None:
 
 
 def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
-    """Misorientations of single atoms from a frame, of those that fit in one of their own, rad."""
+    """Misorientations from a frame of single atoms that fit in a frame of their own, rad."""
     local = local_frames(frame.lattice, vectors)
     found = local.quaternions[local.good]
     own = np.tile(quaternion_from_matrix(frame.orient.T), (len(found), 1))
@@ -269,7 +280,7 @@ def _turns(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
-    """The frame of one atom, from its neighbour vectors alone, shape (k, 3)."""
+    """The frame of one atom, from only its neighbour vectors, shape (k, 3)."""
     ideal = lattice.ideal[0]
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
@@ -277,12 +288,12 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     other = int(np.abs(unit @ unit[0]).argmin())
     directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
     angle = unit[0] @ unit[other]
-    # Any pair of neighbour vectors with about this angle may be these two.
+    # Any pair of neighbour vectors with about this angle is a candidate for these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
     if not len(first) or not unit[0].any():
-        # All neighbours lie on a line, or seem so from very far, or one overlaps with the atom: any
-        # turn is as good.
+        # All neighbours are on a line, or seem so from very far, or one overlaps with the atom: any
+        # rotation fits equally.
         return Frame(lattice, np.eye(3), float(scale))
     here = triads(unit[:1], unit[other : other + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
@@ -294,9 +305,9 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
 def refined(
     frame: Frame, vectors: np.ndarray, keep_orient: bool = False, keep_constant: bool = False
 ) -> Frame:
-    """The frame that fits neighbour vectors best, in the sense of least squares."""
+    """The frame that fits neighbour vectors best by least squares."""
     before = None
-    # Labels are exchanged a few times at most; without a crystal it may go on.
+    # Exchange labels a few times at most; without a crystal this may not end.
     for _ in range(5):
         fit = fitted(frame, vectors)
         if before is not None and (fit.labels == before).all():
@@ -314,7 +325,7 @@ def refined(
         if not keep_constant:
             at = r @ orient.T
             constant = float((at * ideal).sum() / (ideal**2).sum())
-            # Atoms at a core have lost neighbours on one side, which would shift c/a.
+            # Atoms at a core lack neighbours on one side, which would shift c/a.
             whole = np.repeat(fit.whole, vectors.shape[1])[near]
             at, ideal = at[whole], ideal[whole]
             if lattice.is_hexagonal and ideal[:, :2].any() and ideal[:, 2].any():
@@ -337,8 +348,8 @@ def best_frame(frame: Frame, vectors: np.ndarray) -> Frame:
 def upright(frame: Frame) -> Frame:
     """The same frame in the variant of its symmetry that is nearest to the axes of the specimen.
 
-    Of variants that are equally near to a thousandth, the one with the largest first entries: which
-    atom suggested the frame does not matter.
+    Among variants within a thousandth of the nearest, it takes the one with the largest first
+    entries, so that the result does not depend on the atom that suggested the frame.
     """
     group = symmetry_of(frame.lattice.name)
     turns = product(quaternion_from_matrix(frame.orient.T), group.quaternions)
@@ -354,7 +365,7 @@ def single_frame(
     orient: np.ndarray | None = None,
     constant: float | None = None,
 ) -> tuple[Frame, Fit]:
-    """The frame into which most atoms fit, of those that single atoms suggest, and how they fit."""
+    """The frame into which most atoms fit, among those from single atoms, and its fit."""
     k = lattice.shells
     vectors = vectors[:, :k]
     if orient is not None:
@@ -380,7 +391,7 @@ def single_frame(
 
 
 def sampled(count: int) -> np.ndarray:
-    """Numbers of atoms that stand for all."""
+    """Numbers of atoms that represent all."""
     if count <= METHOD.sample:
         return np.arange(count)
     return np.sort(np.random.default_rng(0).choice(count, METHOD.sample, replace=False))
@@ -389,13 +400,15 @@ def sampled(count: int) -> np.ndarray:
 def likely_lattice(
     vectors: np.ndarray, orient: np.ndarray | None = None, constant: float | None = None
 ) -> tuple[Frame, Fit]:
-    """The frame of the lattice into which most atoms fit, in axes that may be given; without its
-    deformation."""
-    # Few tell the lattice, all then its orientation and constant; where few fit, all tell it.
+    """The frame, without deformation, of the lattice into which most atoms fit.
+
+    Its axes may be given.
+    """
+    # A few atoms decide the lattice, or all if few of these fit; all give orientation and constant.
     for some in (vectors[:: max(len(vectors) // (10 * METHOD.seeds), 1)], vectors):
         found = [single_frame(lattice, some, orient) for lattice in LATTICES.values()]
         shares = [share_of(frame, fit, some) for frame, fit in found]
-        # Under strain atoms may fit into two: each counts for that into which it fits best.
+        # Under strain atoms may fit into two lattices: each counts for the better fit.
         off = [
             np.where(fit.whole & (share > 0), fit.misfit, np.inf)
             for (_, fit), share in zip(found, shares, strict=True)
@@ -418,13 +431,13 @@ def frame_of(
 ) -> tuple[Frame, Fit]:
     """The frame of a crystal from neighbour vectors of a sample of its atoms, and how they fit.
 
-    name, orient, constant: of the lattice, where they are given. shares: of atoms that fit into
-    each lattice in frames of their own, as in a polycrystal.
+    name, orient, constant: of the lattice, where they are given. shares: shares of atoms that fit
+    into each lattice in frames of their own, as in a polycrystal.
 
     Raises
     ------
     CrystalError
-        The atoms are no crystal, or one of another lattice.
+        The atoms are not a crystal, or are a crystal of another lattice.
     """
     if name is None:
         found = likely_lattice(vectors, orient, constant)
@@ -433,18 +446,18 @@ def frame_of(
     share = share_of(*found, vectors)
     alike = True
     if share < 0.5 and shares is not None:
-        # In many grains single atoms tell the lattice.
+        # In many grains, single atoms decide the lattice.
         parts = shares(found[0].lattice)
         most = max(parts, key=lambda key: parts[key])
         if name is None and parts[most] > max(share, parts[found[0].lattice.name]):
             found = single_frame(lattice_named(most), vectors, orient, constant)
-        # Next to atoms in frames of their own others lie alike, as in grains.
+        # Atoms around those with frames of their own must be oriented alike, as in grains.
         alike = parts[found[0].lattice.name] > 0
         share = max(share_of(*found, vectors), parts[found[0].lattice.name])
     if name is not None and share < 0.5:
         other = likely_lattice(vectors)
         rival = share_of(*other, vectors)
-        # Without a doubt it is another one.
+        # Clearly another lattice.
         if other[0].lattice.name != name and rival > 2 * share:
             raise CrystalError(
                 f"lattice: the neighbours of {rival:.1%} of the atoms fit into "
@@ -463,6 +476,6 @@ def frame_of(
 
 
 def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:
-    """Whether atoms are a crystal under much noise: hardly one fits, but places are occupied."""
+    """Whether atoms are a crystal in much noise: hardly one fits, but places are occupied."""
     taken = occupied(frame, vectors).mean() >= METHOD.places
     return bool(taken) and is_ordered(frame, vectors) and not _is_crowded(frame, vectors)

@@ -1,4 +1,4 @@
-"""Given: how a crystal lies, as far as somebody says it."""
+"""Given: cell and orientation of a crystal, as far as the user gives them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ POSITIONS = "positions"
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """Cell and frame of a crystal, None for what is to be found.
+    """Cell and frame of a crystal, None for parts that are to be found.
 
     cell: edges as rows, shape (3, 3). periodic: along which it repeats, shape (3,).
     lattice, orient, constant: as of a `Crystal`.
@@ -40,7 +40,7 @@ class Given:
         orient: ArrayLike | None,
         constant: float | None,
     ) -> Given:
-        """What came, looked at once; errors say what was needed."""
+        """The checked input; errors name the expected values."""
         edges = None if cell is None else _cell(cell)
         flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
         if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
@@ -54,13 +54,13 @@ class Given:
 
     @cached_property
     def box(self) -> Cell:
-        """The cell, or any where nothing is periodic."""
+        """The cell, or an arbitrary one where nothing is periodic."""
         vectors = np.eye(3) if self.cell is None else self.cell
         return Cell(vectors, self.periodic)
 
 
 def positions_of(given: object) -> np.ndarray:
-    """Positions of atoms, shape (atoms, 3), that span a volume that is a number."""
+    """Positions of atoms, shape (atoms, 3), checked to span a finite volume."""
     found = checks.array(given, POSITIONS, CrystalError, shape=(None, 3))
     largest = float(max(found.max(initial=0), -found.min(initial=0)))
     limit = float(np.finfo(float).max ** (1 / 3)) / 2
@@ -93,7 +93,7 @@ def _cell(given: ArrayLike) -> np.ndarray:
 
 
 def _rotation(given: ArrayLike | None) -> np.ndarray | None:
-    """A rotation, put right to the last digit."""
+    """A rotation, corrected to the last digit."""
     if given is None:
         return None
     found = checks.array(given, "orient", CrystalError, shape=(3, 3))
@@ -105,7 +105,7 @@ def _rotation(given: ArrayLike | None) -> np.ndarray | None:
             "crystal, of length one and right-handed."
         )
     nearest = u @ v
-    # What is a rotation up to rounding stays as it is, frame by frame of a trajectory.
+    # A rotation up to rounding stays unchanged, frame by frame of a trajectory.
     if np.abs(nearest - found).max() < 16 * np.finfo(float).eps:
         return found
     return nearest

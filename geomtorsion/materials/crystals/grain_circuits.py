@@ -18,7 +18,7 @@ from geomtorsion.materials.crystals.grains import Grains, Nowhere
 class GrainCircuits:
     """Makes circuits in a polycrystal, as `AtomCircuits` does in a single crystal.
 
-    whole: of all atoms. grains: to which grain each belongs. single: circuits in each alone.
+    whole: of all atoms. grains: the grain of each atom. single: circuits in each single grain.
 
     A circuit through a wall has no Burgers vector: bonds there are vectors of neither lattice.
     """
@@ -33,7 +33,7 @@ class GrainCircuits:
         Raises
         ------
         CrystalError
-            As in a single crystal, or atoms lie in two grains or in none.
+            As in a single crystal, or atoms are in two grains or in none.
         """
         last = len(self.grains.number) - 1
         numbers = [
@@ -57,7 +57,7 @@ class GrainCircuits:
         return self._named(number, self.single(number).around(point, normal, radius))
 
     def _one_grain(self, atoms: Sequence[int]) -> int:
-        """The grain of all these atoms."""
+        """The common grain of all these atoms."""
         found = {int(self.grains.number[k]): k for k in reversed(atoms)}
         inside = sorted(number for number in found if number >= 0)
         if len(inside) > 1:
@@ -82,7 +82,7 @@ class GrainCircuits:
         return inside[0]
 
     def _where(self, atom: int) -> str:
-        """The wall in which an atom lies, in words."""
+        """The wall that contains an atom, in words."""
         for wall in self.grains.walls:
             if (wall.atoms == atom).any():
                 one, other = wall.grains
@@ -90,6 +90,6 @@ class GrainCircuits:
         return "a wall"
 
     def _named(self, number: int, circuit: AtomCircuit) -> AtomCircuit:
-        """The circuit with the numbers that atoms have in the polycrystal."""
+        """The circuit with the atom numbers of the polycrystal."""
         inside = self.grains[number].atoms
         return replace(circuit, atoms=tuple(int(inside[k]) for k in circuit.atoms))

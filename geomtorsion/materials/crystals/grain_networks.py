@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.grains import Grains
 from geomtorsion.materials.crystals.method import METHOD
@@ -20,17 +20,17 @@ def network_of_grains(
 ) -> DislocationNetwork:
     """The networks of single grains as one; b of each line is along the axes of its grain.
 
-    An end with atoms of no grain or of another one next to it lies in a wall. What reaches no
-    further from a wall than a core is wide belongs to the wall.
+    An end next to atoms of no grain or of another grain is in a wall. A line that reaches no
+    further from a wall than the width of a core belongs to the wall.
 
     Parameters
     ----------
     networks
-        Of each grain, as found in it alone.
+        For each grain, as found in that grain by itself.
     cell, places
-        The cell, and the places of all atoms in it, shape (atoms, 3).
+        The cell, and the positions of all atoms in it, shape (atoms, 3).
     """
-    import networkx as nx  # 0.15 s, and networks alone need it
+    import networkx as nx  # 0.15 s, and only networks need it
 
     found = nx.MultiDiGraph()
     for grain, network in zip(grains, networks, strict=True):
@@ -55,7 +55,7 @@ def network_of_grains(
 
 
 class _Outside:
-    """Atoms outside of a grain, and what lies as near to them as a core is wide."""
+    """Atoms outside a grain, and atoms as near to them as the width of a core."""
 
     def __init__(self, places: np.ndarray, cell: Cell, width: float) -> None:
         points, _, _ = cell.with_ghosts(places, width)
@@ -63,7 +63,7 @@ class _Outside:
         self.cell, self.width = cell, width
 
     def all_near(self, points: np.ndarray) -> bool:
-        """Whether all of some points are."""
+        """Whether all of some points are near."""
         if self.tree is None:
             return False
         return bool(self.tree.query(self.cell.wrapped(points)[0])[0].max() < self.width)

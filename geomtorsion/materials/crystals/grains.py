@@ -17,7 +17,7 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion, product, quaterni
 
 
 class Nowhere(IntEnum):
-    """What stands in the place of its grain for an atom that belongs to none."""
+    """Stand-in for the grain of an atom that belongs to none."""
 
     wall = -1
     none = -2
@@ -27,10 +27,10 @@ class Nowhere(IntEnum):
 class Grain(InFrame):
     """A single crystal of a polycrystal.
 
-    number: from 0; 0 is the grain of `crystal.frame`, the others are larger first. In a trajectory
-        a grain keeps its number.
-    frame: how it lies; orient is the variant nearest to that of grain 0 of the same lattice.
-    atoms: their numbers, ascending, those of its dislocation cores included, shape (n,).
+    number: from 0; 0 is the grain of `crystal.frame`, the others are sorted by size, largest first.
+        In a trajectory a grain keeps its number.
+    frame: its lattice and orientation; orient is the variant nearest to grain 0 of this lattice.
+    atoms: their numbers, ascending, with the atoms of its dislocation cores, shape (n,).
     centre: centre of gravity of the atoms, in the cell, shape (3,).
     """
 
@@ -49,7 +49,7 @@ class Wall:
 
     grains: their numbers, ascending. atoms: numbers of atoms that belong to neither, shape (n,).
     angle: of the misorientation, the least of all symmetric equivalents, rad; None between
-        different lattices. axis: of that turn, a unit vector in crystal axes within the standard
+        different lattices. axis: of the rotation, a unit vector in crystal axes within the standard
         triangle, shape (3,).
     """
 
@@ -80,11 +80,11 @@ class Grains:
     """All grains of a crystal, in order, and the walls between neighbours.
 
     number: the grain of each atom, -1 in a wall, -2 in a region without a lattice, shape (atoms,).
-    walls: those between two grains that touch, by the numbers of the grains.
-    fitting: share of the atoms whose neighbours are where the lattice of their grain has them;
-        None of a single crystal.
+    walls: walls between grains that touch, by the numbers of the grains.
+    fitting: share of the atoms whose neighbours fit the lattice of their grain; None for a single
+        crystal.
     used: how many numbers have been given, in this frame of a trajectory and before.
-    vanished: numbers of grains that were there in the frame before and are there no more.
+    vanished: numbers of grains of the frame before that no longer exist.
     """
 
     grains: tuple[Grain, ...]
@@ -96,7 +96,7 @@ class Grains:
 
     @property
     def is_single(self) -> bool:
-        """Whether it is one crystal, with no atom outside of it."""
+        """Whether it is one crystal that contains all atoms."""
         return self.fitting is None
 
     @property
@@ -112,12 +112,12 @@ class Grains:
         return found
 
     def wall(self, one: int, other: int) -> Wall:
-        """The wall between two grains, or what it would be where they do not touch.
+        """The wall between two grains, or its misorientation where they do not touch.
 
         Raises
         ------
         CrystalError
-            A number is that of no grain, or both are the same.
+            A number belongs to no grain, or both are the same.
         """
         first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
         if first is second:
@@ -137,7 +137,7 @@ class Grains:
         return iter(self.grains)
 
     def __getitem__(self, number: int) -> Grain:
-        """The grain of a number."""
+        """The grain with a number."""
         wanted = checks.count(number, "number", CrystalError)
         for grain in self.grains:
             if grain.number == wanted:
@@ -155,7 +155,7 @@ class Grains:
 
 
 def single_grain(frame: Frame, places: np.ndarray) -> Grains:
-    """A single crystal as its one grain."""
+    """A single crystal as a single grain."""
     count = len(places)
     grain = Grain(0, frame, np.arange(count), places.mean(axis=0))
     return Grains((grain,), np.zeros(count, dtype=np.int64), (), None, 1)
@@ -180,7 +180,7 @@ def quaternion_of(frame: Frame) -> np.ndarray:
 
 
 def in_variant(frame: Frame, like: Frame) -> Frame:
-    """The same frame in the variant of its symmetry that is nearest to another of its lattice."""
+    """The same frame in the variant of its symmetry nearest to another frame of its lattice."""
     group, own = symmetry_of(frame.lattice.name), quaternion_of(frame)
     variant, _ = group.nearest(quaternion_of(like)[None], own[None])
     turned = product(own, group.quaternions[variant[0]])

@@ -1,4 +1,4 @@
-"""Known grains: those of the frame before, which keep their numbers and their frames in time."""
+"""Known grains: grains of the frame before, which keep their numbers and frames in time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.grains import (
@@ -22,7 +22,7 @@ from geomtorsion.materials.crystals.method import METHOD
 
 @dataclass(frozen=True, eq=False)
 class KnownGrains:
-    """What a frame of a trajectory leaves to the next.
+    """Grains of one frame of a trajectory, for the next frame.
 
     frames: of each grain, by its number. owner: the grain of each atom, as in `Grains.number`,
     shape (atoms,). used: how many numbers have been given so far.
@@ -34,12 +34,12 @@ class KnownGrains:
 
     @classmethod
     def of(cls, grains: Grains) -> KnownGrains:
-        """Those of a frame."""
+        """The grains of a frame."""
         return cls({grain.number: grain.frame for grain in grains}, grains.number, grains.used)
 
     @property
     def largest(self) -> Frame:
-        """The frame of the grain with the most atoms, which does not vanish in one step."""
+        """The frame of the grain with the most atoms, which does not vanish within one step."""
         numbers = sorted(self.frames)
         counts = [int((self.owner == number).sum()) for number in numbers]
         return self.frames[numbers[int(np.argmax(counts))]]
@@ -47,8 +47,8 @@ class KnownGrains:
     def followed(self, grains: Grains) -> Grains:
         """The grains of the next frame with the numbers and frames of these.
 
-        Of all ways to pair them that by which most atoms stay in their grain; those of another
-        lattice, or turned by more than the angle of a wall, are others. New ones get new numbers.
+        Pairs are chosen so that most atoms stay in their grain. A grain of another lattice, or one
+        turned by more than the angle of a wall, is another grain. New grains get new numbers.
         """
         old, new = sorted(self.frames), list(grains)
         count = min(len(self.owner), len(grains.number))
@@ -91,12 +91,12 @@ class KnownGrains:
 
 
 def _in_order(one: Grain, other: Grain) -> tuple[Grain, Grain]:
-    """Two grains by their numbers."""
+    """Two grains in the order of their numbers."""
     return (one, other) if one.number < other.number else (other, one)
 
 
 def _is_same(one: Frame, other: Frame) -> bool:
-    """Whether two frames may be those of one grain at two times."""
+    """Whether two frames may belong to one grain at two times."""
     if one.lattice.name != other.lattice.name:
         return False
     group = symmetry_of(one.lattice.name)

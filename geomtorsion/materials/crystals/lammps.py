@@ -36,7 +36,7 @@ _STYLES = {
 }  # fmt: skip
 # Styles that are tried where a file names none, in this order.
 _LIKELY = ("atomic", "charge", "molecular", "full")
-# What rows above the sections end in.
+# Ends of the rows above the sections.
 _KEYS = (
     "atoms", "atom types", "xlo xhi", "ylo yhi", "zlo zhi", "xy xz yz", "avec", "bvec", "cvec",
 )  # fmt: skip
@@ -45,12 +45,12 @@ _SIDES = re.compile(r"(?m)^[^#\n]*\b(?:xlo[ \t]+xhi|avec)\b")
 
 
 def seems_dump(text: str) -> bool:
-    """Whether a file begins as a text dump."""
+    """Whether a file begins like a text dump."""
     return text.lstrip().startswith("ITEM: ")
 
 
 def seems_data(text: str) -> bool:
-    """Whether the beginning of a file is that of a data file."""
+    """Whether a file begins like a data file."""
     return bool(_ATOMS.search(text) and _SIDES.search(text))
 
 
@@ -58,8 +58,10 @@ def seems_data(text: str) -> bool:
 
 
 def dump_blocks(name: str, stream: TextIOBase) -> Iterator[tuple[int, list[str]]]:
-    """Frames of a dump as rows, with the numbers of their first lines; UNITS and TIME may stand in
-    front of each."""
+    """Frames of a dump as rows, with the numbers of their first lines.
+
+    UNITS and TIME may precede each frame.
+    """
     first, rows, inside = 1, [], False
     for number, row in enumerate(stream, 1):
         is_item = row.startswith("ITEM: ")
@@ -91,7 +93,7 @@ def _marks(rows: Sequence[str]) -> dict[str, int]:
 
 
 def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
-    """The rows of a frame, as many as it says itself."""
+    """The rows of a frame, as many as its header states."""
     marks = _marks(rows)
     for key in ("TIMESTEP", "NUMBER", "BOX", "ATOMS"):
         if key not in marks:
@@ -123,10 +125,10 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
 
 
 def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
-    """The atoms of a frame in the order of their ids; line: of its first row in the file.
+    """The atoms of a frame in the order of their ids; line: number of its first row in the file.
 
-    A box without flags of its sides repeats along each edge, as LAMMPS has it by default. Species
-    are those of the column element, or of type.
+    A box without flags of its sides repeats along each edge, the default of LAMMPS. Species
+    come from the column element, or from type.
     """
     marks = _marks(rows)
     start = marks["ATOMS"]
@@ -159,7 +161,7 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
 def _box(
     name: str, line: int, rows: Sequence[str]
 ) -> tuple[np.ndarray, np.ndarray, tuple[bool, bool, bool]]:
-    """Origin, edges and periods of the box of a dump, from its item on."""
+    """Origin, edges and periods of the box of a dump, from its item onwards."""
     head = rows[0].split()[3:]
     flags = [x for x in head if re.fullmatch("[pfsm]{1,2}", x)]
     periodic = [x[0] == "p" for x in flags] if len(flags) == 3 else [True] * 3
@@ -179,7 +181,7 @@ def _box(
         return sides[:, 3], sides[:, :3].copy(), flags3
     low, high = sides[:, 0].copy(), sides[:, 1].copy()
     xy, xz, yz = sides[:, 2] if sides.shape[1] == 3 else np.zeros(3)
-    # The box of a dump is the one round the tilted cell.
+    # The box of a dump is the bounding box of the tilted cell.
     low[:2] -= min(0.0, xy, xz, xy + xz), min(0.0, yz)
     high[:2] -= max(0.0, xy, xz, xy + xz), max(0.0, yz)
     return low, _edges(high - low, xy, xz, yz), flags3
@@ -196,7 +198,7 @@ def _edges(lengths: np.ndarray, xy: float, xz: float, yz: float) -> np.ndarray:
 def data_frame(name: str, text: str) -> AtomData:
     """The atoms of a data file, in the order of their ids; its cell repeats along each edge.
 
-    The style of the atoms is what stands behind Atoms (Atoms # atomic), or else what their columns
+    The style of the atoms is the word after Atoms (Atoms # atomic), or else the style that columns
     allow. Species are labels of types, comments of Masses, or numbers.
     """
     rows = text.split("\n")
@@ -266,7 +268,7 @@ def _style(
 
 
 def _fits(words: Sequence[Sequence[str]], style: tuple[int, int, int], types: int) -> bool:
-    """Whether rows may be those of a style: types that are there, and image flags, if any."""
+    """Whether rows fit a style: types that exist, and image flags, if any."""
     kind, _, width = style
     extra = (len(words[0]) if words else width) - width
     if extra not in (0, 3):
@@ -287,7 +289,7 @@ def _labels(
     sections: dict[str, int],
     heads: Sequence[int],
 ) -> dict[str, str]:
-    """Number of a type -> its label: of Atom Type Labels, or a word behind its mass."""
+    """Number of a type -> its label: from Atom Type Labels, or the comment after its mass."""
     found: dict[str, str] = {}
     for title in ("Masses", "Atom Type Labels"):
         start = sections.get(title)

@@ -13,7 +13,7 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 
-# No lattice vector is perpendicular to it: it tells which of v and -v is decoded.
+# No lattice vector is perpendicular to it: its sign decides whether v or -v is decoded.
 _SIDE = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
 
 
@@ -22,13 +22,13 @@ class Lattice:
     """A lattice as a rectangular cell with more than one point in it, and perhaps a basis.
 
     name: "fcc", "bcc", "hcp", "diamond" or "hexagonal diamond".
-    units: what whole numbers count along each crystal axis, in lattice constants a, shape (3,).
+    units: unit of whole numbers along each crystal axis, in lattice constants a, shape (3,).
     period: the rectangular cell in these units, shape (3,).
     points: the lattice points in it, in these units.
     basis: from an atom of the first kind to the nearest of the second, or () where all are alike.
-    shells: how many neighbours an atom has in the shells that tell the lattice.
-    screw: from an atom to the nearest that lies like it, but turned by half a turn about c; or ()
-        where no atoms do. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 lie a screw further.
+    shells: how many neighbours an atom has in the shells that determine the lattice.
+    screw: from an atom to the nearest one with the same surroundings turned by half a turn about
+        c; () if there is none. Kinds 0 and 1 of atoms differ by the basis, 2 and 3 by a screw more.
 
     Examples
     --------
@@ -56,36 +56,38 @@ class Lattice:
 
     @property
     def heights(self) -> int:
-        """What whole numbers along c count: c over so much."""
+        """Number of units in c: whole numbers along c count c over this number."""
         return 8 if self.screw else 2
 
     @cached_property
     def offsets(self) -> np.ndarray:
-        """Where an atom of each kind lies in a primitive cell, whole numbers, shape (kinds, 3)."""
+        """Position of an atom of each kind in a primitive cell, whole numbers, shape (kinds, 3)."""
         found = [np.zeros(3, dtype=np.int64)]
         for step in (self.basis, self.screw):
             found += [place + step for place in found] if step else []
         return np.array(found)
 
     def shift(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """What `decode` has to know of the kinds of two atoms: the basis counts as 1, the screw as
-        3, backwards as less than none."""
+        """Value of `shift` in `decode` for the kinds of two atoms.
+
+        The basis counts as 1, the screw as 3, and the reverse directions are negative.
+        """
         codes = np.array([0, 1, 3, 4])
         return codes[second] - codes[first]
 
     def decode(self, values: np.ndarray, shift: np.ndarray | None = None) -> np.ndarray:
         """The nearest lattice vectors, shape (k, 3), whole numbers.
 
-        Of a rectangular lattice with several points in its cell it is the best of one rounding for
-        each point. decode(-v) = -decode(v), in ties, too.
+        A rectangular lattice with several points in its cell takes the best of one rounding for
+        each point. decode(-v) = -decode(v), also in ties.
 
         Parameters
         ----------
         values
             Vectors along the crystal axes in units of `units`, shape (k, 3).
         shift
-            From the sublattice of the first atom to that of the second: -1, 0 or 1 without a screw,
-            else as `shift` has it, shape (k,).
+            From the sublattice of the first atom to the sublattice of the second: -1, 0 or 1
+            without a screw, else as `shift` has it, shape (k,).
         """
         side = np.where(values @ _SIDE < 0, -1.0, 1.0)
         y = values * side[:, None]
@@ -110,13 +112,13 @@ class Lattice:
 
     @cached_property
     def _moves(self) -> np.ndarray:
-        """Offset for each shift; of those below zero, which count from the end, minus it."""
+        """Offset for each shift; negative shifts count from the end and have minus the offset."""
         found = np.zeros((9, 3))
         for kind, place in enumerate(self.offsets):
             code = int(self.shift(np.array(0), np.array(kind)))
             found[code], found[-code] = place, -place
         if self.screw:
-            # From the second sublattice to the first a screw further.
+            # From the second sublattice to the first, one screw further.
             found[2] = self.offsets[2] - self.offsets[1]
             found[-2] = -found[2]
         return found
@@ -133,7 +135,7 @@ class Lattice:
 
     @cached_property
     def ideal(self) -> tuple[np.ndarray, ...]:
-        """The same in lattice constants."""
+        """The vectors of `neighbours` in lattice constants."""
         return tuple(vectors * np.array(self.units) for vectors in self.neighbours)
 
     @cached_property
@@ -153,8 +155,9 @@ class Lattice:
         return _shortest_basis(self._around(np.zeros(3)), np.array(self.units), self._cell)
 
     def basis_of(self, values: np.ndarray) -> np.ndarray:
-        """Three vectors that span the lattice, those first that are most frequent, up to their
-        signs, among some, shape (3, 3).
+        """Three vectors among some that span the lattice, shape (3, 3).
+
+        The most frequent ones, up to their signs, come first.
 
         Examples
         --------
@@ -231,14 +234,14 @@ def _hcp(ratio: float) -> Lattice:
 
 
 def _hexagonal_diamond(ratio: float) -> Lattice:
-    """Hexagonal diamond, of which wurtzite has two species: hcp with pairs of atoms along c."""
+    """Hexagonal diamond, the lattice of wurtzite with one species: hcp with pairs along c."""
     return Lattice(
         "hexagonal diamond",
         (0.5, sqrt(3) / 6, ratio / 8),
         (2, 6, 8),
         ((0, 0, 0), (1, 3, 0)),
         (0, 0, 3),
-        # Its third shell, one atom along c, is 2 % further away than the second.
+        # The one atom of its third shell, along c, is 2 % further away than the second shell.
         17,
         (0, 2, 4),
     )
@@ -263,12 +266,12 @@ _OF_RATIO = {"hcp": _hcp, "hexagonal diamond": _hexagonal_diamond}
 
 
 def lattice_named(name: object, ratio: float | None = None) -> Lattice:
-    """The lattice of a name; ratio: c/a of a hexagonal one, the ideal one if not given.
+    """The lattice with a name; ratio: c/a of a hexagonal one, the ideal one if not given.
 
     Raises
     ------
     CrystalError
-        There is none of this name.
+        No lattice has this name.
     """
     checks.choice(name, tuple(LATTICES), "lattice", CrystalError)
     if ratio is not None and name in _OF_RATIO:

@@ -13,11 +13,11 @@ from geomtorsion.materials.crystals.triangulation import distinct
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """A dislocation line between two nodes, or one that closes.
+    """A dislocation line between two nodes, or a closed line.
 
-    start, end: numbers of its nodes; equal where it closes, there or in another image.
+    start, end: numbers of its nodes; equal where it closes, in the same or in another image.
     burgers: whole numbers, shape (3,); path: positions, unwrapped, shape (k, 3).
-    image: how many periods further its end is meant, shape (3,).
+    image: number of periods by which its end is moved, shape (3,).
     """
 
     start: int
@@ -32,7 +32,7 @@ class Strand:
         return length_of(self.path)
 
     def reversed(self, vectors: np.ndarray) -> Strand:
-        """The same line in the other sense, from where its end lies in the cell."""
+        """The same line in the other sense, starting from the position of its end in the cell."""
         path = self.path[::-1] - self.image @ vectors
         return Strand(self.end, self.start, -self.burgers, path, -self.image)
 
@@ -46,9 +46,9 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
     """A path without waves shorter than a width; its ends stay unless it closes.
 
     Points at equal distances, less the straight line from the first to the last, are a periodic
-    function: of a line with ends after it has been continued backwards with the other sign. Of its
-    waves those are kept that 1 - (1 - g)^2 keeps, g a Gauss curve: long ones lose nothing to the
-    second order.
+    function; a line with ends is first continued backwards with the other sign. Each wave is
+    multiplied by 1 - (1 - g)^2, with g a Gauss curve: long waves lose nothing to the second
+    order.
     """
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     at = np.concatenate([[0.0], np.cumsum(steps)])
@@ -64,7 +64,7 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
         rest = np.concatenate([rest, np.zeros((1, 3)), -rest[:0:-1]])
         length *= 2
     waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
-    # Half of a wave that is cut to a tenth is then about as long as two cores are wide.
+    # Half of a wave that is cut to a tenth is then about twice as long as a core is wide.
     gauss = np.exp(-0.5 * (1.5 * waves * width) ** 2)
     kept = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
     kept = np.concatenate([kept[:count], kept[:1]]) if closed else kept[: count + 1]
@@ -75,9 +75,9 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
 class DualGraph:
     """Faces with torsion as edges from one tetrahedron to the next.
 
-    pairs: tetrahedra at both sides, those behind a surface as new nodes, shape (n, 2).
+    pairs: tetrahedra at both sides, those outside a surface as new nodes, shape (n, 2).
     burgers: whole numbers, shape (n, 3); images: of the second node for the first, shape (n, 3).
-    places: of nodes, shape (nodes, 3); surface: whether a node lies on a surface.
+    places: of nodes, shape (nodes, 3); surface: whether a node is on a surface.
     """
 
     pairs: np.ndarray
@@ -88,7 +88,7 @@ class DualGraph:
 
     @classmethod
     def of(cls, faces: TornFaces) -> DualGraph:
-        """The faces as a graph; nodes are in the order of tetrahedra, those of surfaces last."""
+        """The faces as a graph; nodes are in the order of tetrahedra, nodes on surfaces last."""
         there = faces.cells[:, :, 0] >= 0
         centres = faces.centres[there]
         first, which = distinct(faces.cells[there].T)
@@ -96,7 +96,7 @@ class DualGraph:
         pairs = np.empty(there.shape, dtype=np.int64)
         pairs[there] = which
         pairs[~there] = len(first) + np.arange(outside.sum())
-        # The end lies in the face, next to the one tetrahedron that there is.
+        # The end is in the face, next to its only tetrahedron.
         images = np.where(outside[:, None], 0, faces.images)
         inner = faces.centres[outside][there[outside]]
         places = np.concatenate([centres[first], inner])
@@ -104,7 +104,7 @@ class DualGraph:
 
 
 def flux(graph: DualGraph, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Component of each node, and sum of b (x) dl over each, shape (components, 3, 3).
+    """Component of each node, and sum of b (x) dl over each component, shape (components, 3, 3).
 
     It is the integral of the Nye tensor: b (x) L on a line of period L, zero on closed lines.
     """
@@ -131,7 +131,7 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
     found = []
 
     def follow(first: int, sense: int) -> Strand:
-        """Along a line until a node where it ends, or where it began."""
+        """Follow a line to a node where it ends, or back to its beginning."""
         edge, going = first, sense
         start = int(graph.pairs[edge, 0 if going > 0 else 1])
         offset = np.zeros(3, dtype=np.int64)
@@ -152,7 +152,7 @@ def strands(graph: DualGraph, vectors: np.ndarray) -> list[Strand]:
             for edge, sense in around[node]:
                 if not done[edge]:
                     found.append(follow(edge, sense))
-    # What is left is closed; each call follows a whole ring.
+    # The remaining edges are closed; each call follows a whole ring.
     rings = (follow(edge, 1) for edge in range(len(done)) if not done[edge])
     return [*found, *rings]
 
@@ -162,9 +162,9 @@ def simplified(
 ) -> list[Strand]:
     """Lines between junctions nearer to each other than a width become one junction.
 
-    What is smaller is inside of a core, where lines cannot be told apart; a ring no wider than a
-    core is a point defect, and two lines between the same junctions that are a ring no wider are
-    one. Sums of b at the junctions stay what they are.
+    Smaller structures are inside a core, where lines cannot be separated. A ring no wider than a
+    core is a point defect, and two lines between the same junctions that form a ring no wider
+    than a core are one line. Sums of b at the junctions do not change.
     """
     lines = dict(enumerate(_without_eyes(found, surface, vectors, width)))
     short = sorted(
@@ -177,7 +177,7 @@ def simplified(
             continue
         gone, kept = line.end, line.start
         del lines[k]
-        # The node that goes lies where the line begins, so many periods back.
+        # The removed node moves to the beginning of the line, so many periods back.
         place, offset = line.path[0] - line.image @ vectors, line.image
         for m, other in list(lines.items()):
             if gone in (other.start, other.end):
@@ -192,7 +192,7 @@ def simplified(
 def _without_eyes(
     found: list[Strand], surface: np.ndarray, vectors: np.ndarray, width: float
 ) -> list[Strand]:
-    """Lines that part and meet again within a core, as one with the sum of their b."""
+    """Merge lines that part and meet again within a core into one with the sum of their b."""
     lines: dict[int, Strand] = {}
     known: dict[tuple[int, ...], int] = {}
     for k, one in enumerate(found):
@@ -213,7 +213,7 @@ def _without_eyes(
 def _moved(
     line: Strand, gone: int, kept: int, place: np.ndarray, offset: np.ndarray, vectors: np.ndarray
 ) -> Strand:
-    """A line whose ends at one node now lie at another, `place` for the one in the cell."""
+    """A line with its ends at one node moved to another, whose position in the cell is `place`."""
     start, end, path, image = line.start, line.end, line.path, line.image
     if end == gone:
         path = np.concatenate([path, [place + image @ vectors]])
@@ -225,7 +225,7 @@ def _moved(
 
 
 def _joined(lines: dict[int, Strand], surface: np.ndarray, vectors: np.ndarray) -> list[Strand]:
-    """Lines of one b that meet at a node where nothing else does become one."""
+    """Merge lines of one b that meet at a node where no other line ends."""
     at: dict[int, list[int]] = {}
     for k, line in lines.items():
         for node in (line.start, line.end):

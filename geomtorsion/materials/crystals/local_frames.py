@@ -1,4 +1,4 @@
-"""Local frames: orientation and lattice constant of each single atom, from its neighbours alone."""
+"""Local frames: orientation and lattice constant of each atom, from only its neighbours."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion, quaternion_from_m
 
 @dataclass(frozen=True, eq=False)
 class LocalFrames:
-    """How the neighbours of single atoms lie.
+    """Orientation, lattice constant and misfit of the neighbours of single atoms.
 
     quaternions: crystal to specimen, in any variant of the symmetry, shape (atoms, 4).
     constants: lattice constants, shape (atoms,).
-    good: atoms each neighbour of which lies nearer to a place of its own than half the neighbour
+    good: atoms with each neighbour nearer to a place of its own than half the neighbour
         distance, shape (atoms,).
     misfit: root mean square distance over the neighbour distance, shape (atoms,).
     """
@@ -32,21 +32,21 @@ class LocalFrames:
 
 @cache
 def symmetry_of(name: str) -> LaueGroup:
-    """Rotations that a lattice does not notice, its two sublattices counted as one."""
+    """Rotations that map a lattice to itself, its two sublattices counted as one."""
     return laue_group("6/mmm" if LATTICES[name].is_hexagonal else "m-3m")
 
 
 def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
-    """The frame of each atom for which its neighbours fit best, and how well they do.
+    """The frame of each atom that its neighbours fit best, and how well they fit.
 
-    Two of the neighbours, as perpendicular as any, are laid upon each pair of neighbours of the
-    perfect crystal that symmetry does not make one; the rotation that fits best is then put right
-    by least squares.
+    Two of the neighbours, as perpendicular as any, are mapped to each pair of neighbours of the
+    perfect crystal that is not equivalent by symmetry to another pair. The best rotation is then
+    refined by least squares.
 
     Parameters
     ----------
     vectors
-        To the nearest neighbours, nearest first, shape (atoms, k, 3), k no less than
+        To the nearest neighbours, nearest first, shape (atoms, k, 3), with k at least
         `lattice.shells`.
     """
     part = METHOD.together // lattice.shells
@@ -59,12 +59,12 @@ def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
 
 @cache
 def clear_misfit(name: str) -> float:
-    """The least misfit in a lattice of an atom that lies in another one without any noise."""
+    """The least misfit in a lattice of an atom that is in another lattice without any noise."""
     found = [np.inf]
     for other in LATTICES.values():
         if other.name != name:
             ideal = replace(other, shells=50).ideal[0]
-            # Of neighbours that are equally far away any may be counted.
+            # Any of several neighbours at the same distance may be counted.
             moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
             order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
             fit = local_frames(LATTICES[name], np.take_along_axis(moved, order, axis=1))
@@ -87,13 +87,13 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     squares = (ideal**2).sum(axis=1)
     at = (r @ np.swapaxes(here, 1, 2)).reshape(-1, 3)
     for there in _seeds(lattice):
-        # Neighbours along the triad here, places along the triad there.
+        # Neighbours along their triad, and places along the triad of the lattice.
         close = largest(at @ (2 * there @ ideal.T) - squares)
         total = close.reshape(count, k).sum(axis=1)
         closer = total > best
         best = np.where(closer, total, best)
         turns[closer] = there.T @ here[closer]
-    # Places are exchanged once or twice, as in `frames.refined`.
+    # Places are reassigned once or twice, as in `frames.refined`.
     for _ in range(3):
         which, _ = _nearest(r @ np.swapaxes(turns, 1, 2), ideal)
         u, _, v = np.linalg.svd(np.swapaxes(ideal[which], 1, 2) @ r)
@@ -116,13 +116,13 @@ def _nearest(at: np.ndarray, ideal: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def squared(vectors: np.ndarray) -> np.ndarray:
-    """Squares of lengths, shape (..., 3) to (...); numpy is slow at sums of three."""
+    """Squared lengths, shape (..., 3) to (...), since numpy is slow at sums of three."""
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     return x**2 + y**2 + z**2
 
 
 def largest(table: np.ndarray) -> np.ndarray:
-    """The largest of each row; numpy is slow at rows of a dozen, and fast at columns."""
+    """The largest entry of each row, found by columns, since numpy is slow at short rows."""
     found = table[:, 0].copy()
     for column in table.T[1:]:
         np.maximum(found, column, out=found)
@@ -138,19 +138,19 @@ def triads(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 @lru_cache(16)
 def _seeds(lattice: Lattice) -> np.ndarray:
-    """Triads of pairs of neighbours, one of each set that symmetry makes one, shape (n, 3, 3)."""
+    """Triads of pairs of neighbours, one for each set of equivalent pairs, shape (n, 3, 3)."""
     ideal = lattice.ideal[0]
     unit = ideal / np.linalg.norm(ideal, axis=1)[:, None]
     rotations = matrix_from_quaternion(symmetry_of(lattice.name).quaternions)
     turned = np.einsum("nij,kj->nki", rotations, ideal)
     apart = np.linalg.norm(turned[:, :, None] - ideal, axis=3)
-    # Those that bring neighbours of the one sublattice upon neighbours of it.
+    # Symmetries that map neighbours of one sublattice to neighbours of the same sublattice.
     images = apart.argmin(axis=2)[apart.min(axis=2).max(axis=1) < lattice.nearest / 2]
     seen: set[tuple[int, int]] = set()
     found = []
     for a in range(len(ideal)):
         for b in range(len(ideal)):
-            # Two neighbours that tell an orientation lie on no line.
+            # Two neighbours that determine an orientation are not on a line.
             if (a, b) in seen or abs(unit[a] @ unit[b]) > 0.9:
                 continue
             seen |= {(int(image[a]), int(image[b])) for image in images}

@@ -8,32 +8,32 @@ from math import radians
 
 @dataclass(frozen=True)
 class Method:
-    """What decides where a crystal ends and how lines are drawn; b depends on none of it.
+    """Values that decide where a crystal ends and how lines are drawn; b depends on none of them.
 
     reach: radius of the largest empty sphere of a crystal with a vacancy in it, in neighbour
-        distances; what is larger is a void, or lies outside.
-    uneven: share of that radius beyond which other atoms leave an atom at a surface: up to about
-        the sphere of a single vacancy, one neighbour distance or two thirds of the radius, would
-        take cores for surfaces, the whole radius no surface with a step or an edge for one.
+        distances; a larger sphere is a void, or is outside.
+    uneven: share of that radius beyond which the other atoms leave an atom at a surface. A share up
+        to the sphere of a single vacancy (one neighbour distance or two thirds of the radius) would
+        take cores for surfaces; the whole radius would miss surfaces with a step or an edge.
     jitter: share of that radius by which atoms are moved, so that those on exact lattice sites have
         one Delaunay triangulation, the same in every image.
-    sound: a line through triangles without torsion and doubt counts as so many times as long: lines
+    sound: factor on the length of a line through triangles without torsion and doubt, so that lines
         stay where the crystal is torn.
     width: of a core, in neighbour distances: lines have no shorter waves, closed lines no
         wider than this are point defects, nearer junctions are one.
-    wall: least misorientation of two grains, rad: walls of less are rows of dislocations, of more
-        a wall (the usual limit, [Brandon1966]: their cores, b/wall = 4 b apart, then touch).
-    strain: a lattice constant further than this from that of the atoms is one of other units or of
-        another lattice: perfect metals yield at shears of 1 / 2 pi [HirthLothe1982].
-    share: no more than this share of the atoms of a liquid have neighbours like those of a crystal.
-    places: of a crystal under so much noise that hardly an atom fits, more than this share of the
-        atoms have another one near each neighbour place; of a gas up to a seventh have by chance.
-    crowd: more atoms about each than so many times those of the lattice are a lattice of more
-        atoms: one more in two cells of diamond, as in fluorite, is half as many more.
-    sigma: a deformation is told from none if it is more than so many standard errors: atoms about
-        a line deviate together, so that three, which noise alone needs, are too few.
-    seeds, sample: atoms that suggest an orientation, and atoms that decide.
-    together: atoms that are looked at together: it decides about memory, not about values.
+    wall: least misorientation of two grains, rad: a smaller one is a row of dislocations, a larger
+        one a wall (the usual limit, [Brandon1966]: their cores, b/wall = 4 b apart, then touch).
+    strain: a lattice constant further than this from the one of the atoms has other units or
+        belongs to another lattice: perfect metals yield at shears of 1 / 2 pi [HirthLothe1982].
+    share: at most this share of the atoms of a liquid have neighbours like those in a crystal.
+    places: in a crystal with so much noise that hardly an atom fits, more than this share of atoms
+        have another atom near each neighbour place; in a gas up to a seventh have, by chance.
+    crowd: atoms with more than so many times the neighbours of the lattice belong to a lattice with
+        more atoms: one more in two cells of diamond, as in fluorite, is half as many more.
+    sigma: a deformation counts if it is more than so many standard errors: atoms around a line
+        deviate together, so that three, which noise by itself needs, are too few.
+    seeds, sample: number of atoms that suggest an orientation, and number of atoms that decide.
+    together: number of atoms that are processed together; it affects memory, not values.
     """
 
     reach: float = 1.5

@@ -21,10 +21,10 @@ from geomtorsion.materials.lines.dislocation_network import DislocationNetwork
 
 @dataclass(frozen=True, eq=False)
 class Atoms:
-    """Atoms in a cell, perhaps of many more.
+    """Atoms in a cell that may contain many more.
 
-    numbers: among all, increasing, shape (k,); places: wrapped, shape (k, 3); kinds: sublattice of
-    each, shape (k,).
+    numbers: among all atoms, increasing, shape (k,); places: wrapped, shape (k, 3); kinds:
+    sublattice of each, shape (k,).
     """
 
     numbers: np.ndarray
@@ -33,7 +33,7 @@ class Atoms:
 
 
 def lattice_read(frame: Frame, partials: bool) -> Lattice:
-    """The lattice of which bonds are vectors, with those of stacking faults if partials are."""
+    """The lattice of the bond vectors, with the vectors of stacking faults if partials are kept."""
     lattice = frame.lattice
     if not partials:
         return lattice
@@ -63,7 +63,7 @@ def torsion_on(
     here = replace(frame, lattice=module)
     if partials:
         return Torsion(mesh, module, read, torn | (here.apart(steps, read) > limit))
-    # A fault joins its partials to one core, in which they cannot be told apart.
+    # A fault joins its partials to one core, in which they cannot be separated.
     crossing = (read != finer * labels).any(axis=1)
     return Torsion(mesh, lattice, labels, doubtful | crossing)
 
@@ -71,7 +71,7 @@ def torsion_on(
 def torsion_near(
     frame: Frame, cell: Cell, wanted: np.ndarray, atoms: Atoms, partials: bool
 ) -> Torsion:
-    """The torsion about some of the atoms, and about those to which it goes on from there.
+    """The torsion around some of the atoms, and around the atoms to which it continues from there.
 
     wanted: which atoms, shape (atoms,).
     """
@@ -86,7 +86,7 @@ def torsion_near(
 
 
 def sites_in(frame: Frame, cell: Cell) -> int | None:
-    """How many sites the lattice has in a cell that is periodic along all edges."""
+    """Number of lattice sites in a cell that is periodic along all edges."""
     if not cell.periodic.all():
         return None
     lattice, values = frame.lattice, frame.values(cell.vectors)

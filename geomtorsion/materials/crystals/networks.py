@@ -29,12 +29,12 @@ def network_of(
 ) -> DislocationNetwork:
     """The lines that carry torsion, smoothed, in the frame of a crystal.
 
-    width: of a core. extra: volume of the atoms more than sites about a closed path, given the
+    width: of a core. extra: volume of the atoms in excess of sites around a closed path, given the
     points of all other lines; 0.0 where they cannot be counted. A closed line is drawn so that
-    b . A is that volume, since bonds across it flip a little inside of it. cluster: how OVITO has
-    the crystal.
+    b . A is that volume, since bonds across it change their label slightly inside of it. cluster:
+    the crystal as OVITO describes it.
     """
-    import networkx as nx  # 0.15 s, and networks alone need it
+    import networkx as nx  # 0.15 s, and only networks need it
 
     graph = DualGraph.of(faces)
     found = nx.MultiDiGraph(clusters={None: cluster})
@@ -52,7 +52,7 @@ def network_of(
         for node in (line.start, line.end):
             if node not in numbers:
                 numbers[node] = len(numbers)
-                # Of a line without junctions only the line itself says where it begins.
+                # The beginning of a line without junctions is known only from the line itself.
                 place = path[0] if one else graph.places[node]
                 outside = bool(graph.surface[node])
                 found.add_node(numbers[node], position=tuple(place.tolist()), surface=outside)
@@ -69,20 +69,20 @@ def network_of(
 
 
 def cluster_of(frame: Frame, atoms: int = 0) -> Cluster:
-    """A crystal or a grain as OVITO has it."""
+    """A crystal or a grain as OVITO describes it."""
     lattice, scale = frame.lattice, np.ones(3)
     if lattice.is_hexagonal:
-        # Its vectors of hcp are those of the ideal c/a, with neighbours 1/sqrt(2) apart.
+        # OVITO takes the hcp vectors for the ideal c/a, with neighbours 1/sqrt(2) apart.
         scale = np.sqrt([2, 2, 3 / 4 * lattice.ratio**2])
     return Cluster(lattice.name, frame.matrix.T * scale, atoms)
 
 
 def _with_area(path: np.ndarray, burgers: np.ndarray, volume: float) -> np.ndarray:
-    """A closed path about its centre, as large as b . A is a volume, if it is about that."""
+    """A closed path scaled about its centre so that b . A is a volume, if it nearly is already."""
     middle = path[:-1].mean(axis=0)
     spokes = path - middle
     found = np.cross(spokes[:-1], spokes[1:]).sum(axis=0) @ burgers / 2
-    # Twice as much in area is more than a core can hide: other defects have been counted, too.
+    # A core cannot hide twice as much area: other defects have been counted as well.
     if not 0.5 < volume / (found or np.inf) < 2:
         return path
     return middle + np.sqrt(volume / found) * spokes

@@ -20,7 +20,7 @@ Species = str | int | Sequence[str | int] | None
 
 
 def species_of(given: Species) -> tuple[str, ...] | None:
-    """The names of species, as files have them."""
+    """The names of species in the form that files use."""
     if given is None:
         return None
     each = (given,) if isinstance(given, str) or checks.whole(given) is not None else given
@@ -50,24 +50,24 @@ def read(
     Parameters
     ----------
     frame
-        Which of a trajectory, counted from 0.
+        Number of a frame in a trajectory, from 0.
     lattice, orient, constant
         As for `Crystal`; found from the atoms if not given.
     form
         The format, one of `atom_files.FORMATS`; found from name and content if not given.
     species
         Atoms to keep, by chemical symbol or number of type: "U" of UO2, or several, ("U", "Pu"). A
-        sublattice is a crystal where all atoms together are none.
+        sublattice may be a crystal even if all atoms together are not.
 
     Raises
     ------
     FileFormatError
-        The file is missing, damaged (the message names the line where there is one), has no such
-        frame or species, or is of a format that may hold more than numbers.
+        The file is missing, damaged (the message names the line if there is one), does not have
+        this frame or species, or has a format that may hold more than numbers.
     CrystalError
-        The atoms are no crystal.
+        The atoms are not a crystal.
     MissingExtraError
-        ase is not installed, which reads all formats but XYZ and LAMMPS: the extra `crystals`.
+        ase, which reads all formats but XYZ and LAMMPS, is not installed: the extra `crystals`.
 
     Examples
     --------
@@ -100,10 +100,10 @@ def read_all(
 ) -> Iterator[Crystal]:
     """The crystals of all frames of a trajectory, one after another, in one frame of axes.
 
-    What is found in the first frame (lattice, orientation, lattice constant) is kept in all later
-    ones, so that a Burgers vector along the crystal axes is the same from frame to frame; of a
-    polycrystal that of each grain, which keeps its number (`Crystal.following`). Parameters and
-    errors as for `read`.
+    Lattice, orientation and lattice constant of the first frame are kept in all later ones, so
+    that a Burgers vector along the crystal axes is the same from frame to frame; in a polycrystal
+    this holds for each grain, which keeps its number (`Crystal.following`). Parameters and errors
+    as for `read`.
     """
     known, names = None, species_of(species)
     for data in atom_frames(path, form):
@@ -119,14 +119,13 @@ def crystal_of(
     constant: float | None,
     known: KnownGrains | None = None,
 ) -> Crystal:
-    """The crystal of a frame, behind one whose grains are known; what is wrong with it is told with
-    its file."""
+    """The crystal of a frame, after one with known grains; errors name the file of the frame."""
     try:
         made = Crystal(
             data.positions, data.cell, data.periodic, lattice, orient, constant, data.species
         )
         made = made if known is None else made.following(known)
-        # Found now, so that a file that holds no crystal is told as such.
+        # Found now, so that a file without a crystal is reported with its name.
         _ = made.frame
     except CrystalError as error:
         raise CrystalError(f"{data.where}: {error}") from None

@@ -1,4 +1,4 @@
-"""Reports: what is found in a crystal as plain data, frame by frame, and lines followed in time."""
+"""Reports: properties of a crystal as plain data, frame by frame, and lines followed in time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.conventions import burgers
 from geomtorsion.materials.crystals.crystal import Crystal
@@ -17,7 +17,7 @@ from geomtorsion.materials.crystals.lattices import lattice_named
 from geomtorsion.materials.lines import DislocationNetwork
 from geomtorsion.materials.lines.line_arrays import DislocationLine
 
-# A frame, or a line in it, as JSON has it.
+# A frame, or a line in it, as JSON.
 Json = dict[str, Any]
 
 
@@ -27,22 +27,22 @@ def crystal_report(crystal: Crystal, net: DislocationNetwork, convention: str = 
     Parameters
     ----------
     convention
-        Of the sign of b; see `conventions.burgers`.
+        Convention for the sign of b; see `conventions.burgers`.
 
     Returns
     -------
     atoms, lattice, constant, orient, deformation, share, cell, periodic: of the crystal; of a
     hexagonal one also ratio, its c/a; overlapping: pairs of atoms at nearly one position, if any.
-    length, junctions, nye: of all lines. lines: of each burgers (coordinates of the file, deformed
-    as the crystal is), burgers_lattice (crystal axes, fractions
-    as text, in lattice constants), family, length, kind, path, and of closed ones `inserted`, how
-    many atoms their half plane has: less than none for vacancies.
+    length, junctions, nye: of all lines. lines: for each line, burgers (coordinates of the file,
+    deformed as the crystal is), burgers_lattice (crystal axes, fractions as text, in lattice
+    constants), family, length, kind, path, and for closed lines `inserted`, the number of atoms
+    of their half plane, which is negative for vacancies.
 
-    What is no single crystal, or was none in a frame before, has more. shares: of the atoms in each
-    lattice, in walls and in none. grains: of each number, lattice, constant, orient, deformation,
-    atoms (how many) and centre. walls: of each the two grains, degrees and axis of the
-    misorientation, and atoms (how many). vanished: grains that were there in the frame before;
-    numbers: how many have been given. Lines have their grain.
+    A crystal that has, or had in a frame before, several grains or phases has more. shares: of the
+    atoms in each lattice, in walls and in no lattice. grains: for each number, lattice, constant,
+    orient, deformation, atoms (how many) and centre. walls: for each, the two grains, degrees and
+    axis of the misorientation, and atoms (how many). vanished: grains of the frame before that no
+    longer exist; numbers: how many numbers have been given. Lines have their grain.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def _ratio(frame: Frame) -> Json:
 
 
 def _polycrystal(crystal: Crystal) -> Json:
-    """Grains and walls of what is no single crystal."""
+    """Grains and walls of a crystal that is more than one single crystal."""
     if _is_single(crystal):
         return {}
     grains = crystal.grains
@@ -90,12 +90,12 @@ def _polycrystal(crystal: Crystal) -> Json:
 
 
 def _is_single(crystal: Crystal) -> bool:
-    """Whether it is a single crystal, and was in frames before."""
+    """Whether it is a single crystal, and was one in all frames before."""
     return crystal.grains.is_single and crystal.grains.used == 1
 
 
 def known_of(report: Json, owner: np.ndarray) -> KnownGrains:
-    """The grains of a report, for the frame behind it; owner: the grain of each atom."""
+    """The grains of a report, for the next frame; owner: the grain of each atom."""
     rows = report.get("grains", [{"number": 0, **report}])
     frames = {
         row["number"]: Frame(
@@ -158,15 +158,15 @@ def _line(crystal: Crystal, line: DislocationLine, convention: str) -> Json:
 
 
 def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
-    """How many atoms a closed line has between its half planes; of vacancies less than none.
+    """Number of atoms that a closed line has between its half planes; negative for vacancies.
 
     Equation
     --------
     n = b . A / (volume of an atom), A = closed integral of r x dr / 2 along the line; b as in
-    conventions.py, of which the integral of du, the opening of a cut, is minus.
+    conventions.py, which is minus the integral of du, the opening of a cut.
 
-    It is exact where atoms and sites could be counted: where good crystal lies all about the line,
-    which is then drawn by that count. `inserted_error` tells.
+    It is exact where atoms and sites could be counted: where good crystal surrounds the line,
+    which is then drawn from that count. `inserted_error` reports whether this is so.
     """
     frame = _frame_of(line, crystal)
     b = np.array([float(x) for x in line.burgers])
@@ -174,14 +174,14 @@ def inserted_atoms(line: DislocationLine, crystal: Crystal) -> float:
 
 
 def inserted_error(line: DislocationLine, crystal: Crystal) -> float:
-    """How far `inserted_atoms` may be off: 0.0 where atoms and sites were counted.
+    """Largest error of `inserted_atoms`: 0.0 where atoms and sites were counted.
 
-    Elsewhere, at a surface, next to another line, in much noise, the line alone tells. It lies
-    where bonds turn from one label to the next, within half a neighbour distance d:
+    Elsewhere, at a surface, next to another line, or in much noise, it comes from the line, which
+    is drawn where bonds turn from one label to the next, within half a neighbour distance d:
     |b| (length of the line) d / 2 over the volume of an atom.
     """
     found, frame = inserted_atoms(line, crystal), _frame_of(line, crystal)
-    # Of a line that is drawn by a count it is whole but for rounding.
+    # A line drawn from a count encloses a whole number of atoms, but for rounding.
     if abs(found - round(found)) < 1e-9 * max(abs(found), 1.0):
         return 0.0
     b = np.linalg.norm([float(x) for x in line.burgers])
@@ -190,7 +190,7 @@ def inserted_error(line: DislocationLine, crystal: Crystal) -> float:
 
 
 def _frame_of(line: DislocationLine, crystal: Crystal) -> Frame:
-    """The frame of the grain in which a line lies."""
+    """The frame of the grain that contains a line."""
     if line.grain is not None:
         return crystal.grains[line.grain].frame
     return crystal.frame
@@ -199,9 +199,9 @@ def _frame_of(line: DislocationLine, crystal: Crystal) -> Frame:
 def tracks(frames: Sequence[Json]) -> list[list[int]]:
     """Numbers of the lines of each frame, so that one line keeps its number in time.
 
-    Lines of two frames that follow each other are one if they lie in one grain, have the same
-    exact b (or one has the opposite sense), and lie nearest to each other: of all ways to pair them
-    that with the least sum of mean distances. What has no partner ends or begins.
+    Lines of two frames that follow each other are one line if they are in one grain, have the same
+    exact b (or opposite b and sense), and are nearest to each other: lines are paired so that the
+    sum of mean distances is least. A line without a partner ends or begins.
 
     Parameters
     ----------
@@ -234,8 +234,8 @@ def tracks(frames: Sequence[Json]) -> list[list[int]]:
 def followed(frames: Sequence[Json]) -> list[Json]:
     """The same reports with a number `track` for each line, which it keeps in time, and its sense.
 
-    Where a line is found with the opposite sense, and so with -b, it is described the other way
-    round: b of a track is one vector.
+    A line that is found with the opposite sense, and so with -b, is reversed: b of a track is
+    one vector.
     """
     senses: dict[int, list[str]] = {}
     found = []
@@ -265,13 +265,13 @@ def _opposite(exact: Sequence[str]) -> list[str]:
 
 
 def _direction(line: Json) -> tuple[int, tuple[str, ...]]:
-    """The grain, and b without its sign, which turns round with the sense of the line."""
+    """The grain, and b without its sign, which changes with the sense of the line."""
     exact = line["burgers_lattice"]
     return line.get("grain", 0), max(tuple(exact), tuple(_opposite(exact)))
 
 
 def _apart(one: Json, two: Json, frame: Json) -> float:
-    """Mean distance of the points of two lines from each other, nearest images."""
+    """Mean distance between the points of two lines, by nearest images."""
     first, second = np.array(one["path"]), np.array(two["path"])
     gaps = first[:, None] - second[None]
     if frame["cell"] is not None:

@@ -1,8 +1,8 @@
 """Segmentation: which atoms belong to which grain of a polycrystal.
 
 Neighbours whose own orientations differ by less than the angle of a wall belong together, as far as
-all of them lie that near to the mean of their grain. Dislocations of low-angle walls stay what they
-are: between them the orientation changes by less from atom to atom.
+all of them are within this angle of the mean of their grain. Dislocations of low-angle walls remain
+dislocations: between them the orientation changes by less from atom to atom.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.frames import Frame, best_frame, upright
@@ -85,7 +85,7 @@ def segmented(specimen: Specimen) -> Grains:
 def _groups(
     lattice: Lattice, local: Local, mine: np.ndarray, numbers: np.ndarray, vectors: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """Atoms of one lattice that hang together and lie near the mean orientation of their group."""
+    """Connected atoms of one lattice near the mean orientation of their group."""
     group, q = symmetry_of(lattice.name), local.quaternions
     atoms = np.flatnonzero(mine)
     pairs = np.stack(
@@ -113,7 +113,7 @@ def _groups(
 
 
 def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray]:
-    """Atoms that hang together by pairs, with more than so many of them, smallest number first."""
+    """Sets of more than so many atoms connected by pairs, smallest number first."""
     both = pairs[inside[pairs].all(axis=1)]
     number = components(len(inside), both)
     atoms = np.flatnonzero(inside)
@@ -125,11 +125,13 @@ def _parts(inside: np.ndarray, pairs: np.ndarray, least: int) -> list[np.ndarray
 def _inner(
     groups: list[tuple[Frame, np.ndarray]], numbers: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """Groups with an inside: an atom most of whose neighbours belong to it, and neither they nor
-    theirs to another.
+    """Groups with an inside.
 
-    What is no wider about its middle than a core, two neighbour distances, is a fault: the two or
-    three layers of one in fcc are as in hcp, and the other way round, but have no inside.
+    Most neighbours of an inner atom belong to its group, and no neighbour of it or of these
+    neighbours belongs to another group.
+
+    A group no wider around its middle than a core, two neighbour distances, is a fault: its two or
+    three layers are as in hcp within fcc, or as in fcc within hcp, but have no inside.
     """
     owner = _owners(groups, len(numbers))
     clear = np.ones(len(numbers), dtype=bool)
@@ -156,7 +158,7 @@ def _owners(groups: list[tuple[Frame, np.ndarray]], count: int) -> np.ndarray:
 def _in_order(
     specimen: Specimen, groups: list[tuple[Frame, np.ndarray]], vectors: np.ndarray
 ) -> list[tuple[Frame, np.ndarray]]:
-    """The group of the frame of the specimen first, then by size; with what was given."""
+    """The group of the frame of the specimen first, then by size; with the given values."""
     main = specimen.frame
 
     def off(frame: Frame) -> float:
@@ -184,7 +186,7 @@ def _in_order(
 
 
 def _in_variants(frames: list[Frame]) -> list[Frame]:
-    """Each but the first of its lattice in the variant nearest to that."""
+    """Each group in the variant nearest to the first group of its lattice."""
     first: dict[str, Frame] = {}
     found = []
     for frame in frames:
@@ -201,14 +203,14 @@ def _filled(
 ) -> tuple[np.ndarray, dict[tuple[int, int], np.ndarray]]:
     """The grain of each atom, and atoms in the walls of grains that touch.
 
-    What fits nowhere lies in a wall if two grains are no further from it than a core is wide, in no
-    grain at all in the midst of a region of such atoms, and else in a core or at a surface of the
-    grain that is nearest.
+    An atom that fits nowhere is in a wall if two grains are at most the width of a core away from
+    it. In the midst of a region of such atoms it is in no grain. Else it is in a core or at a
+    surface of the nearest grain.
     """
     filled = owner.copy()
     held = owner >= 0
     odd = np.flatnonzero(~held)
-    # Under noise few atoms fit in a frame of their own, more in that of the crystal.
+    # Under noise few atoms fit in frames of their own, and more in the frame of the crystal.
     fits = held | fitting(specimen.frame, vectors)
     first, second = _two_nearest(specimen, odd, owner)
     wall = second >= 0
@@ -226,7 +228,7 @@ def _filled(
         which, _ = nearest_held(specimen, rest, held, reach)
         filled[rest] = owner[which]
     found: dict[tuple[int, int], list[np.ndarray]] = {}
-    # Grains touch in a wall, or where atoms that fit into one are neighbours of the other's.
+    # Grains touch in a wall, or where atoms that fit into one neighbour atoms of the other.
     steps = numbers[:, : specimen.frame.lattice.shells]
     a, b = np.repeat(owner, steps.shape[1]), owner[steps].ravel()
     met = (a != b) & (a >= 0) & (b >= 0)
@@ -242,14 +244,14 @@ def _filled(
 def _two_nearest(
     specimen: Specimen, atoms: np.ndarray, owner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of some atoms the nearest grain, and the second nearest, no further than a core is wide."""
+    """The nearest grain and the second nearest to some atoms, within the width of a core."""
     reach = METHOD.width * specimen.nearest
     chosen = np.flatnonzero(owner >= 0)
     points, numbers, _ = specimen.cell.with_ghosts(specimen.places[chosen], reach)
     tree = scipy.spatial.cKDTree(points)
     codes = np.append(owner[chosen[numbers]], Nowhere.wall)
     first, second = np.full(len(atoms), Nowhere.wall), np.full(len(atoms), Nowhere.wall)
-    # A sphere as wide as this holds no more atoms of a crystal.
+    # A sphere of this width holds at most so many atoms of a crystal.
     most = min(max(int(8 * METHOD.width**3), 2), len(points))
     for start in range(0, len(atoms), METHOD.together):
         part = slice(start, start + METHOD.together)
@@ -270,7 +272,7 @@ def _joined(
     touching: dict[tuple[int, int], np.ndarray],
     vectors: np.ndarray,
 ) -> list[tuple[Frame, np.ndarray]] | None:
-    """The groups with two neighbours made one that differ by less than the angle of a wall."""
+    """The groups, with two neighbours merged if they differ by less than the angle of a wall."""
     for one, other in sorted(touching):
         (frame, part), (second, more) = groups[one], groups[other]
         name = frame.lattice.name
@@ -287,7 +289,7 @@ def _joined(
 
 
 def _centre(specimen: Specimen, atoms: np.ndarray) -> np.ndarray:
-    """Centre of gravity of atoms, round the cell where it is periodic, in the cell."""
+    """Centre of gravity of atoms, across the edges of a periodic cell, in the cell."""
     cell, places = specimen.cell, specimen.places[atoms]
     shares = places @ cell.inverse
     turns = np.exp(2j * np.pi * shares).mean(axis=0)

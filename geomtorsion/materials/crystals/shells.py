@@ -1,7 +1,7 @@
 """Shells: the neighbours of each atom by the lattice vector between them, and where they close.
 
-Where every atom has all its neighbours and every triangle of lattice vectors comes back to the atom
-where it began, there is no torsion: only the rest needs a triangulation.
+Where every atom has all its neighbours and every triangle of lattice vectors closes at its first
+atom, there is no torsion: only the other regions need a triangulation.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import Frame
 from geomtorsion.materials.crystals.lattices import Lattice
@@ -29,7 +29,7 @@ class Shells:
     closed: atoms about which every triangle closes, shape (atoms,); those at a surface lack
         neighbours.
     vacancies: sites without an atom on which all their neighbours agree: the first of these.
-    sites: numbers of these sites in `near`, behind those of the atoms.
+    sites: numbers of these sites in `near`, after the numbers of the atoms.
     """
 
     near: np.ndarray
@@ -43,13 +43,13 @@ def dilated(atoms: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Atoms and their neighbours, shape (atoms,) of truth values."""
     found = atoms.copy()
     behind = near[atoms].ravel()
-    # What is no atom is a vacancy, or not there.
+    # Other numbers are vacancies or missing neighbours.
     found[behind[(behind >= 0) & (behind < len(atoms))]] = True
     return found
 
 
 def reach_of_shells(frame: Frame) -> float:
-    """Within which an atom has all its neighbours, coordinates."""
+    """Distance within which an atom has all its neighbours, coordinates."""
     lattice = frame.lattice
     longest = np.linalg.norm(lattice.ideal[0], axis=1).max()
     return float(frame.largest_stretch * frame.constant * (longest + lattice.nearest / 2))
@@ -58,9 +58,9 @@ def reach_of_shells(frame: Frame) -> float:
 def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> Shells:
     """Neighbours of all atoms in a cell, and where their vectors close.
 
-    A neighbour counts if it lies nearer to its place than half the neighbour distance. Missing
-    ones on whose place all others agree are vacancies: they are put in before it is tested. So many
-    atoms are looked at together, which decides about memory, not about values.
+    A neighbour counts if it is nearer to its place than half the neighbour distance. Missing
+    neighbours on whose place all others agree are vacancies: they are inserted before the test. So
+    many atoms are processed together, which affects memory, not values.
     """
     lattice, places, cell = frame.lattice, atoms.places, atoms.cell
     count, reach = len(places), reach_of_shells(frame)
@@ -81,7 +81,7 @@ def shells_of(atoms: Places, frame: Frame, together: int = METHOD.together) -> S
     gaps = np.flatnonzero((near[:count] < 0).any(axis=1) & closed[:count])
     if len(gaps):
         closed[gaps] = _at_surface(gaps, near, kind, tree, places, cell, frame)
-    # What leans on a vacancy that does not close is open, too.
+    # An atom that needs a vacancy that does not close is also open.
     leaning = held[~closed[count:]].ravel()
     closed[leaning[leaning < count]] = False
     filled = (near[count:] >= 0).all(axis=1) & closed[count:]
@@ -108,7 +108,7 @@ def _slots(
         sure = there & (apart < sure_below)
         near = np.full(found.shape, -1, dtype=np.int64)
         near[np.broadcast_to(rows, found.shape)[sure], which[sure]] = numbers[safe[sure]]
-        # What has lost its place to a vacancy counts as missing, wherever it is.
+        # A neighbour that lost its place to a vacancy counts as missing, wherever it is.
         misfit = np.where(there, np.minimum(apart, sure_below), sure_below).sum(axis=1)
         single = (near >= 0).sum(axis=1) == sure.sum(axis=1)
         if best is None:
@@ -126,8 +126,11 @@ def _slots(
 
 
 def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, int, int, int]]]:
-    """Slot of each vector reversed, and kind of the atom behind it, both of shape (kinds, k); and
-    for each kind the triangles (kind, s, t, u): first s, then t of the neighbour, is u."""
+    """Slots of reversed vectors, kinds of their atoms, and triangles for each kind.
+
+    Slot of each vector reversed, and kind of the atom at its end, both of shape (kinds, k).
+    A triangle is (kind, s, t, u): vector s, then vector t of the neighbour, is vector u.
+    """
     kinds = lattice.neighbours
     slot = [{tuple(v): k for k, v in enumerate(vectors.tolist())} for vectors in kinds]
     behind = np.zeros((len(kinds), lattice.shells), dtype=np.int64)
@@ -143,7 +146,7 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
             for kind, vectors in enumerate(kinds)
         ]
     )
-    # Each triangle is run through once, along a direction that is perpendicular to no side.
+    # Each triangle is counted once, along a direction that is perpendicular to no side.
     along = np.array([1.0, np.sqrt(2) - 1, np.sqrt(3) - np.sqrt(2)])
     triangles = []
     for kind, vectors in enumerate(kinds):
@@ -160,7 +163,7 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
 
 
 def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray:
-    """Atoms whose neighbours, where they are, lie back, and whose triangles close."""
+    """Atoms whose existing neighbours have them as neighbours, and whose triangles close."""
     back, behind, triangles = _tables(lattice)
     torn = np.zeros(len(near), dtype=bool)
     # The neighbour of number -1, which is none, has no neighbours.
@@ -174,7 +177,7 @@ def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray
             wrong |= kind[other] != behind[number, s]
             wrong &= other >= 0
             torn[mine[wrong]] = True
-            # One that is not seen back is not where it should be, either.
+            # A neighbour that does not have this atom as a neighbour is out of place as well.
             torn[other[wrong]] = True
         for one, s, t, u in triangles:
             if one != number:
@@ -191,7 +194,7 @@ def _at_surface(
     atoms: np.ndarray, near: np.ndarray, kind: np.ndarray, tree: scipy.spatial.cKDTree,
     places: np.ndarray, cell: Cell, frame: Frame,
 ) -> np.ndarray:  # fmt: skip
-    """Which of some atoms touch a sphere without atoms that is larger than any in a crystal."""
+    """Which of some atoms touch an empty sphere that is larger than any in a crystal."""
     lattice = frame.lattice
     ideal = np.array(lattice.ideal)
     missing = near[atoms] < 0
@@ -202,10 +205,10 @@ def _at_surface(
     for number, way in enumerate(ways):
         left = np.flatnonzero(~found & (missing[:, number - 1] if number else True))
         out = way[left] / np.maximum(np.linalg.norm(way[left], axis=1), 1e-300)[:, None]
-        # In the cell: outside of it images are there only as far as neighbours reach.
+        # In the cell, since outside of it images extend only as far as neighbours do.
         centres, _ = cell.wrapped(places[atoms[left]] + radius * out)
         apart, _ = tree.query(centres)
-        # The atom itself touches it; others may reach in a little where the surface is uneven.
+        # The atom itself touches the sphere; others may be slightly inside at an uneven surface.
         found[left[apart > METHOD.uneven * radius]] = True
     return found
 
@@ -213,12 +216,14 @@ def _at_surface(
 def _with_vacancies(
     near: np.ndarray, kind: np.ndarray, places: np.ndarray, cell: Cell, frame: Frame
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Neighbours with sites for vacancies behind the atoms; and the atoms about each of them, their
-    number where there is none, shape (sites, k)."""
+    """Neighbours extended by sites for vacancies after the atoms, and the atoms around each site.
+
+    The atoms around a site have the number of all atoms where there is none, shape (sites, k).
+    """
     lattice = frame.lattice
     back, behind, _ = _tables(lattice)
     gaps = (near < 0).sum(axis=1)
-    # An atom that lacks most of its neighbours knows no places.
+    # An atom that lacks most of its neighbours does not determine their places.
     atom, slot = np.nonzero((near < 0) & (gaps <= lattice.shells // 2)[:, None])
     if not len(atom):
         return near, kind, np.zeros((0, lattice.shells), dtype=np.int64)
@@ -235,7 +240,7 @@ def _with_vacancies(
     _, site = scipy.sparse.csgraph.connected_components(table, directed=False)
     many, count = int(site.max()) + 1, len(near)
     first = np.unique(site, return_index=True)[1]
-    # One place for each, about that where it was seen first.
+    # One place for each, around the one that was found first.
     from_first, _ = _nearest_image(seen - seen[first][site], cell)
     centre = seen[first].copy()
     sums = np.zeros((many, 3))
@@ -247,7 +252,7 @@ def _with_vacancies(
     where = back[kind[atom], slot]
     np.add.at(claims, (site, where), 1)
     around[site, where] = atom
-    # Sites that are neighbours of each other are seen from the atoms about them.
+    # Neighbouring sites are found from the atoms around them.
     inside, _ = cell.wrapped(centre)
     size = frame.largest_stretch * frame.constant * np.linalg.norm(ideal[0], axis=1).max() + near_by
     points, numbers, _ = cell.with_ghosts(inside, size)

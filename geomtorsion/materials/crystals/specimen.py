@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.frames import (
     NEIGHBOURS,
@@ -28,12 +28,12 @@ from geomtorsion.rigid.attitude import matrix_from_quaternion
 
 # Numbers of neighbours, shape (atoms, k), and vectors to them, shape (atoms, k, 3).
 Neighbours = tuple[np.ndarray, np.ndarray]
-# Neighbours of an atom that any of the lattices asks for.
+# Largest number of neighbours that any of the lattices needs.
 MOST = max(lattice.shells for lattice in LATTICES.values())
 
 
 def own_first(own: Lattice) -> list[Lattice]:
-    """All lattices, that of a specimen first as it was found."""
+    """All lattices, with the one of a specimen first, as it was found."""
     return [own, *(lattice for name, lattice in LATTICES.items() if name != own.name)]
 
 
@@ -41,7 +41,7 @@ def own_first(own: Lattice) -> list[Lattice]:
 class Specimen:
     """Atoms, and the frame of one of their grains.
 
-    atoms: in their cell. frame: as found for all of them together.
+    atoms: in their cell. frame: as found for all atoms together.
     keep_orient, keep_constant: whether these were given.
     """
 
@@ -52,17 +52,17 @@ class Specimen:
 
     @property
     def places(self) -> np.ndarray:
-        """Where the atoms are, in the cell, shape (atoms, 3)."""
+        """Positions of the atoms in the cell, shape (atoms, 3)."""
         return self.atoms.places
 
     @property
     def cell(self) -> Cell:
-        """The cell in which they are."""
+        """The cell of the atoms."""
         return self.atoms.cell
 
     @property
     def lattices(self) -> list[Lattice]:
-        """All lattices that are looked for, that of the frame first."""
+        """All lattices to look for, with the one of the frame first."""
         return own_first(self.frame.lattice)
 
     @property
@@ -75,7 +75,7 @@ class Specimen:
         return self.atoms.neighbours(atoms, count)
 
     def occupied(self, atoms: np.ndarray) -> np.ndarray:
-        """Which of some atoms have another one at every neighbour vector of the frame."""
+        """Which of some atoms have another atom at every neighbour vector of the frame."""
         found = np.zeros(len(atoms), dtype=bool)
         for start in range(0, len(atoms), METHOD.together):
             part = slice(start, start + METHOD.together)
@@ -93,7 +93,7 @@ class Local:
 
 
 def local_of(lattices: list[Lattice], vectors: np.ndarray) -> Local:
-    """The lattice into which the neighbours of each atom fit best, and how it lies."""
+    """The lattice into which the neighbours of each atom fit best, and its orientation."""
     count = len(vectors)
     phase = np.full(count, -1)
     best = np.full(count, np.inf)
@@ -106,7 +106,7 @@ def local_of(lattices: list[Lattice], vectors: np.ndarray) -> Local:
         phase[mine], best[mine] = number, found.misfit[better]
         quaternions[mine] = found.quaternions[better]
         constants[mine] = found.constants[better]
-        # So well it fits into no other lattice: misfits in two add up to that of these two.
+        # An atom with so small a misfit fits into no other lattice: two misfits add up to more.
         left = left[~(found.good & (found.misfit < clear_misfit(lattice.name) / 2))]
     return Local(phase, quaternions, constants)
 
@@ -116,18 +116,18 @@ def share_of_lattices(
 ) -> dict[str, float]:
     """Share of some atoms whose neighbours fit into each lattice, each atom in a frame of its own.
 
-    It is zero where the neighbours of such atoms do not lie alike: some atoms of a glass have
-    neighbours as in a crystal, too.
+    It is zero where the neighbours of such atoms are not oriented alike: some atoms of a glass
+    also have neighbours as in a crystal.
 
     Parameters
     ----------
     own
-        A lattice as it was found, with c/a of hcp, in the place of the ideal one.
+        A lattice as it was found, with c/a of hcp, instead of the ideal one.
     neighbours
-        Of atoms the numbers of the nearest others, and the vectors to them.
+        The numbers of the nearest other atoms, and the vectors to them, for given atoms.
     """
     lattices = own_first(own)
-    # Of a glass a few tell that nowhere neighbours lie alike.
+    # In a glass a few atoms show that neighbours are nowhere oriented alike.
     some = _shares(lattices, neighbours, atoms[few(len(atoms))])
     return _shares(lattices, neighbours, atoms) if any(some.values()) else some
 
@@ -135,13 +135,13 @@ def share_of_lattices(
 def _shares(
     lattices: list[Lattice], neighbours: Callable[[np.ndarray], Neighbours], atoms: np.ndarray
 ) -> dict[str, float]:
-    """The same of all of these atoms."""
+    """As `share_of_lattices`, for all of these atoms."""
     numbers, vectors = neighbours(atoms)
     local = local_of(lattices, vectors)
     every = [np.flatnonzero(local.phase == k) for k in range(len(lattices))]
     some = [mine[:: max(len(mine) // (10 * METHOD.seeds), 1)] for mine in every]
     beside = [numbers[x, : y.shells].ravel() for x, y in zip(some, lattices, strict=True)]
-    # An atom is a neighbour of several of them.
+    # An atom may be a neighbour of several others.
     around = np.unique(np.concatenate(beside))
     other = local_of(lattices, neighbours(around)[1]) if len(around) else local
     found = {}
@@ -153,21 +153,21 @@ def _shares(
         mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
         _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
         alike = ((other.phase[rows] == k) & (angles < METHOD.wall)).mean()
-        # Under noise next to an atom that fits as many others fit as anywhere.
+        # In noise, as many atoms fit next to a fitting atom as anywhere else.
         if alike < found[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
             found[lattice.name] = 0.0
     return found
 
 
 def _are_ordered(lattice: Lattice, local: Local, mine: np.ndarray, vectors: np.ndarray) -> bool:
-    """Whether neighbours of most of some atoms, those that lie alike, are in place in the mean."""
+    """Whether most of some equally oriented atoms have their neighbours in place in the mean."""
     frame = mean_frame(lattice, local, mine, vectors)
     whole = mine[fitting(frame, vectors[mine])]
     return len(whole) > 0 and is_ordered(frame, vectors[whole])
 
 
 def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.ndarray) -> Frame:
-    """The frame of a group: the rotation that fits best to all neighbours, begun at its median."""
+    """The frame of a group: the best rotation for all neighbours, started at its median."""
     group, q = symmetry_of(lattice.name), local.quaternions
     some = part[np.linspace(0, len(part) - 1, min(METHOD.sample, len(part))).astype(int)]
     seeds = some[np.linspace(0, len(some) - 1, min(METHOD.seeds, len(some))).astype(int)]
@@ -182,7 +182,7 @@ def mean_frame(lattice: Lattice, local: Local, part: np.ndarray, vectors: np.nda
 
 
 def is_other(specimen: Specimen, vectors: np.ndarray) -> np.ndarray:
-    """Which atoms lie in another lattice or another orientation than the frame, shape (atoms,)."""
+    """Which atoms have another lattice or orientation than the frame, shape (atoms,)."""
     local = local_of(specimen.lattices, vectors)
     own = np.tile(quaternion_of(specimen.frame), (len(vectors), 1))
     _, angles = symmetry_of(specimen.frame.lattice.name).nearest(own, local.quaternions)
@@ -190,7 +190,7 @@ def is_other(specimen: Specimen, vectors: np.ndarray) -> np.ndarray:
 
 
 def seems_many(specimen: Specimen, atoms: np.ndarray, whole: np.ndarray) -> bool:
-    """Whether some atoms lie in another lattice or orientation; whole: which fit into the frame."""
+    """Whether some atoms have another lattice or orientation; whole: which fit into the frame."""
     odd = atoms[~whole]
     if len(odd) and is_other(specimen, specimen.neighbours(odd)[1]).any():
         return True
@@ -198,15 +198,15 @@ def seems_many(specimen: Specimen, atoms: np.ndarray, whole: np.ndarray) -> bool
 
 
 def few(count: int) -> np.ndarray:
-    """Numbers of a few of so many atoms, evenly spread."""
+    """Numbers of a few of so many atoms, evenly spaced."""
     return np.linspace(0, count - 1, min(10 * METHOD.seeds, count)).astype(int)
 
 
 def _turned(specimen: Specimen, some: np.ndarray) -> np.ndarray:
-    """Of a few atoms those that lie further from the orientation of most than the angle of a wall.
+    """Atoms of a sample turned from the mean orientation by more than the angle of a wall.
 
-    Where bonds can still be read in a frame between two grains, up to some 25 degrees, this tells
-    that there are two.
+    It detects two grains where bonds can still be read in a frame between them, up to some 25
+    degrees.
     """
     lattice = specimen.frame.lattice
     _, vectors = specimen.neighbours(some)
@@ -220,7 +220,7 @@ def _turned(specimen: Specimen, some: np.ndarray) -> np.ndarray:
 
 
 def turned_together(specimen: Specimen, some: np.ndarray) -> bool:
-    """Whether one of some atoms that is turned lies among others, and not by noise alone."""
+    """Whether one of some atoms is turned together with atoms around it, not only by noise."""
     lattice = specimen.frame.lattice
     for atom in _turned(specimen, some):
         numbers, own = specimen.neighbours(np.array([atom]))
@@ -243,13 +243,13 @@ def fitting(frame: Frame, vectors: np.ndarray) -> np.ndarray:
 
 
 def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
-    """Whether nothing but one crystal, with its defects and surfaces, is there.
+    """Whether the atoms are a single crystal, with its defects and surfaces.
 
     Inside of another grain or phase no atom fits into the frame of the crystal, and neither does
-    any of its neighbours: hardly an atom of a single crystal is looked at any further.
+    any of its neighbours: hardly an atom of a single crystal needs a further test.
 
     near: neighbours by lattice vector, as `Shells` has them, shape (atoms, k); None where numbers
-        do not tell images.
+        do not identify images.
     """
     count = len(specimen.places)
     if near is None:
@@ -264,7 +264,7 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
         return False
     if not len(deep):
         return True
-    # A grain has more atoms than an atom has neighbours; a sample tells a large one.
+    # A grain has more atoms than an atom has neighbours; a sample finds a large grain.
     least = specimen.frame.lattice.shells
     some = deep[sampled(len(deep))]
     if len(some) < len(deep) and is_other(specimen, specimen.neighbours(some)[1]).sum() > least:
@@ -278,8 +278,10 @@ def is_single(specimen: Specimen, near: np.ndarray | None) -> bool:
 def is_lost(
     specimen: Specimen, atoms: np.ndarray, vectors: np.ndarray, held: np.ndarray
 ) -> np.ndarray:
-    """Which of some atoms lie in a region without a lattice: wider about them than any core is no
-    more of the atoms are held than in a liquid, but they have as many neighbours as in a crystal.
+    """Which of some atoms are in a region without a lattice that is wider than any core.
+
+    The share of held atoms in the region is as small as in a liquid, but these atoms have as many
+    neighbours as in a crystal.
     """
     frame, cell, places = specimen.frame, specimen.cell, specimen.places
     longest = np.linalg.norm(vectors[:, frame.lattice.shells - 1], axis=1)
@@ -294,7 +296,7 @@ def is_lost(
     every = np.ones(len(places), dtype=bool)
     found[found] = around(held) < METHOD.share * around(every)
     if found.any():
-        # Noise brings other atoms among the nearest: of a crystal the places are occupied still.
+        # Noise adds other atoms to the nearest ones; in a crystal the places are still occupied.
         odd = np.flatnonzero(~held)
         some = held.copy()
         some[odd] = specimen.occupied(odd)
@@ -305,8 +307,10 @@ def is_lost(
 def nearest_held(
     specimen: Specimen, atoms: np.ndarray, held: np.ndarray, reach: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest of the atoms that are held to each of some atoms, and its distance; as many
-    atoms as there are, and infinity, where none lies within reach."""
+    """The nearest held atom to each of some atoms, and its distance.
+
+    They are the number of all atoms, and infinity, where none is within reach.
+    """
     chosen = np.flatnonzero(held)
     points, numbers, _ = specimen.cell.with_ghosts(specimen.places[chosen], reach)
     if not len(points):

@@ -1,4 +1,4 @@
-"""Stacking: bonds of hcp read layer by layer, so that basal faults are no torsion."""
+"""Stacking: bonds of hcp read layer by layer, so that basal faults are not torsion."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from geomtorsion.materials.crystals.lattices import Lattice
 
 
 def layered(lattice: Lattice) -> Lattice:
-    """All sites of close-packed layers A, B and C at all heights: differences of vectors of hcp,
-    shifts 1/3<1 -1 0 0> in the plane and c/2 along the axis, in the units of hcp."""
+    """All sites of close-packed layers A, B and C at all heights, in the units of hcp.
+
+    They are differences of vectors of hcp, shifts 1/3<1 -1 0 0> in the plane and c/2 along the
+    axis.
+    """
     return replace(lattice, period=(2, 2, 1), points=((0, 0, 0), (1, 1, 0)), basis=())
 
 
@@ -22,11 +25,11 @@ def stacked_labels(
     kinds: np.ndarray,
     known: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Labels of bonds in `layered`, and those about whose layers the two atoms do not agree.
+    """Labels of bonds in `layered`, and a mask of bonds about whose layers the atoms disagree.
 
-    The layers above and below an atom lie each in one of two ways over its own; its bonds, free of
-    its own deviation from them in the plane, tell which by least squares. Both alike are hcp, one
-    of each cubic. A bond to the next layer is read in the way of its two atoms.
+    The layers above and below an atom each have one of two positions over its own layer. Its bonds,
+    free of its own deviation in the plane, decide by least squares. Two equal positions are hcp,
+    different ones cubic. A bond to the next layer is read in the way of its two atoms.
 
     Parameters
     ----------
@@ -37,7 +40,7 @@ def stacked_labels(
     kinds
         Sublattice of each atom, 0 or 1, shape (atoms,).
     known
-        Atoms all of whose bonds are here; of others the sublattice tells the layers, (atoms,).
+        Atoms all of whose bonds are here; for others the sublattice gives the layers, (atoms,).
     """
     ways = _ways(lattice, values, pairs, kinds, known)
     first, second = pairs.T
@@ -49,7 +52,7 @@ def stacked_labels(
         side = (height > 0).astype(np.int64)
         one, other = ways[first, side], -ways[second, 1 - side]
         for layer in (one, other):
-            # The next layer but one lies where the ways of both lead.
+            # The next layer but one is where the shifts of both lead.
             way = np.select([height == 0, np.abs(height) == 1], [0, layer], one + other)
             near, apart = _nearest(lattice, values, height, way)
             closer = apart < best
@@ -62,7 +65,7 @@ def stacked_labels(
 def _ways(
     lattice: Lattice, values: np.ndarray, pairs: np.ndarray, kinds: np.ndarray, known: np.ndarray
 ) -> np.ndarray:
-    """How the layers below and above each atom lie: 1 or -1 times 1/3[1 -1 0 0], (atoms, 2)."""
+    """Positions of the layers below and above each atom, in 1/3[1 -1 0 0]: 1 or -1, (atoms, 2)."""
     at = np.concatenate([values, -values])
     atom = np.concatenate([pairs[:, 0], pairs[:, 1]])
     height = np.rint(at[:, 2]).astype(np.int64)
@@ -83,7 +86,7 @@ def _ways(
 def _nearest(
     lattice: Lattice, values: np.ndarray, height: np.ndarray, way: np.ndarray | int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The nearest site of layers at a height that lie in some way, and its distance squared."""
+    """The nearest site of layers at a height with a given shift, and its distance squared."""
     move = height[:, None] * np.array([0, 0, 1]) + np.multiply.outer(way, [0, 2, 0])
     near = lattice.decode(values - move) + move
     return near, (((values - near) * lattice.units) ** 2).sum(axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
@@ -15,10 +15,10 @@ from geomtorsion.materials.crystals.triangulation import Cell
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Points as near to some places as a distance, or more.
+    """Points within a distance of some places, or further.
 
     points: shape (k, 3). numbers: of the atoms of which they are images, shape (k,).
-    distance: as far as which they are there. whole: whether there are no others.
+    distance: up to which all points are included. whole: whether there are no others.
     """
 
     points: np.ndarray
@@ -28,12 +28,12 @@ class Surroundings:
 
     @cached_property
     def tree(self) -> scipy.spatial.cKDTree:
-        """The points, as they are searched."""
+        """The points in a search tree."""
         return scipy.spatial.cKDTree(self.points, balanced_tree=False, compact_nodes=False)
 
     @cached_property
     def overlapping(self) -> np.ndarray:
-        """Pairs of atoms ten times as near to each other as most are, shape (pairs, 2)."""
+        """Pairs of atoms nearer than a tenth of the usual distance, shape (pairs, 2)."""
         some = self.points[sampled(len(self.points))]
         closest = float(np.median(self.tree.query(some, k=2)[0][:, 1]))
         pairs = self.numbers[self.tree.query_pairs(closest / 10, output_type="ndarray")]
@@ -41,7 +41,7 @@ class Surroundings:
 
     @cached_property
     def apart(self) -> Surroundings:
-        """The same, unless most atoms overlap: those of a crystal are about equally far apart.
+        """These surroundings, unless most atoms overlap: crystals have about equal distances.
 
         Raises
         ------
@@ -63,8 +63,8 @@ class Surroundings:
 class Places:
     """Atoms in a cell.
 
-    places: wrapped, shape (atoms, 3). cell: in which they lie.
-    reach: within which most have as many neighbours as are asked for.
+    places: wrapped, shape (atoms, 3). cell: contains them.
+    reach: distance within which most have as many neighbours as requested.
     """
 
     places: np.ndarray
@@ -80,19 +80,23 @@ class Places:
         return Surroundings(points, numbers, distance, not self.cell.periodic.any())
 
     def within(self, distance: float) -> Surroundings:
-        """All atoms, with images at least as far as a distance outside of the cell: those within
-        reach, or others that are made anew, so that nothing depends on what was asked before."""
+        """All atoms, with images at least as far as a distance outside of the cell.
+
+        They are those within reach, or newly made ones, so that the result does not depend on
+        earlier calls.
+        """
         return self._near if distance <= self.reach else self._as_far_as(distance)
 
     def neighbours(self, atoms: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the nearest neighbours of some atoms, nearest first, shape (atoms, count), and
-        the vectors to them, shape (atoms, count, 3). Of equally near ones those with lower numbers
-        come first.
+        """Numbers of the nearest neighbours of some atoms, and the vectors to them.
+
+        Shapes (atoms, count) and (atoms, count, 3), nearest first. Equally near ones are in the
+        order of their numbers.
 
         Raises
         ------
         CrystalError
-            Most atoms overlap, or have not so many neighbours.
+            Most atoms overlap, or have fewer neighbours.
         """
         reach, centres = self.reach, self.places[atoms]
         found = np.empty((len(centres), count), dtype=np.int64)
@@ -113,6 +117,6 @@ class Places:
                 found[left] = numbers[near]
                 vectors[left] = points[near] - centres[left][:, None]
                 left = left[(apart[:, -1] > around.distance) & (not around.whole)]
-            # At corners, and in a gas about the crystal, neighbours are far away.
+            # At corners, and in a gas around the crystal, neighbours are far away.
             reach = 2 * around.distance
         return found, vectors

@@ -1,4 +1,4 @@
-"""Torn faces: those that carry torsion, and the tetrahedra at both sides of each."""
+"""Torn faces: faces that carry torsion, and the tetrahedra at both sides of each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class TornFaces:
     """Faces with torsion, in the order of their atoms.
 
     cells: the tetrahedra at both sides, 4 atoms and 12 images, -1 where there is none, (n, 2, 16).
-    centres: of these, shape (n, 2, 3). images: of the second for the first in its place, (n, 3).
+    centres: of these, shape (n, 2, 3). images: of the second relative to the first, (n, 3).
     values: torsion, whole numbers, shape (n, 3).
     """
 
@@ -25,7 +25,7 @@ class TornFaces:
 
     @classmethod
     def of(cls, torsion: Torsion, numbers: np.ndarray) -> TornFaces:
-        """Those of a torsion on atoms with these numbers, increasing."""
+        """Torn faces of a torsion on atoms with these numbers, increasing."""
         mesh, values = torsion.mesh, torsion.values
         _, sides, images = mesh.faces
         torn = np.flatnonzero(values.any(axis=1) & (sides >= 0).any(axis=1))

@@ -1,10 +1,9 @@
 """Torsion: the coboundary of bond labels, and the shortest lines that carry it.
 
-A label that noise has turned into a neighbouring lattice vector puts a ring of torsion round its
-bond. Other labels inside a core are as good as long as no circuit on its surface changes: of all of
-them those with the least energy b^2 are taken, which leaves nothing of rings and straight lines of
-dislocations. No label of a bond that reaches out of a core is touched, so that Burgers vectors
-stay.
+A label that noise has turned into a neighbouring lattice vector puts a ring of torsion around its
+bond. Other labels inside a core are as good as long as no circuit on its surface changes. The ones
+with the least energy b^2 are taken, which leaves no rings and makes dislocations straight lines.
+No label of a bond that reaches out of a core is changed, so that Burgers vectors stay.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.materials.crystals.lattices import Lattice
 from geomtorsion.materials.crystals.method import METHOD
@@ -24,7 +23,7 @@ BOUNDARY = np.array([1, -1, 1])
 
 @dataclass(frozen=True, eq=False)
 class Lengths:
-    """How long a line through each face is.
+    """Lengths of lines through each face.
 
     sizes: from the centre of one tetrahedron to the next, coordinates; 0 at a surface, (faces,).
     sound: faces without torsion or doubt, shape (faces,).
@@ -34,20 +33,20 @@ class Lengths:
     sound: np.ndarray
 
     def weights(self, faces: np.ndarray) -> np.ndarray:
-        """How long lines through the faces of one core count, their mean as 1, shape (k,)."""
+        """Weights of lines through the faces of one core, with a mean of 1, shape (k,)."""
         sizes = self.sizes[faces]
         inner = sizes > 0
         mean = sizes[inner].mean() if inner.any() else 1.0
-        # Slivers have no length at all: a share of the mean keeps lines from running to and fro.
+        # Slivers have no length at all: a share of the mean keeps lines from moving back and forth.
         return (sizes / mean + 0.1) * np.where(self.sound[faces], METHOD.sound, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Torsion:
-    """Labels on the edges of a triangulation and what they miss round each face.
+    """Labels on the edges of a triangulation and their closure failure around each face.
 
     labels: lattice vectors, whole numbers, shape (edges, 3).
-    doubtful: edges that lie further from their label than half the neighbour distance, (edges,).
+    doubtful: edges further from their label than half the neighbour distance, (edges,).
     """
 
     mesh: Triangulation
@@ -74,8 +73,10 @@ class Torsion:
 
     @property
     def leading_on(self) -> np.ndarray:
-        """Atoms about which all tetrahedra are needed, too: cores reach as far as the neighbours of
-        what is torn where not all are known, shape (atoms,)."""
+        """Atoms around which all tetrahedra are also needed, shape (atoms,).
+
+        Cores reach as far as the neighbours of torn tetrahedra where not all are known.
+        """
         beyond, corners = self.beyond, self.mesh.corners
         found = np.zeros(len(beyond), dtype=bool)
         if beyond.any():
@@ -92,11 +93,11 @@ class Torsion:
         return found
 
     def relaxed(self) -> Torsion:
-        """The same torsion, but for what closes on the surfaces of cores, on the shortest lines.
+        """The same torsion on the shortest lines, up to parts that close on the surfaces of cores.
 
-        Cores are first what is torn or doubtful; then whatever has an atom in common with the
-        torsion that is left: a ring that no circuit outside of its own atoms sees is a point
-        defect.
+        Cores are first the torn or doubtful tetrahedra; then all tetrahedra with an atom in common
+        with the remaining torsion. A ring that no circuit outside of its own atoms detects is a
+        point defect.
         """
         if not self.torn.any():
             return self
@@ -124,7 +125,7 @@ class Torsion:
 
     @property
     def lengths(self) -> Lengths:
-        """How long lines through faces are."""
+        """Lengths of lines through faces."""
         rows, sides, images = self.mesh.faces
         a, b = sides.T
         steps = self.mesh.centres[b] - self.mesh.centres[a] + self.mesh.cell.shifts(images)
@@ -133,8 +134,10 @@ class Torsion:
         return Lengths(sizes, sound)
 
     def cores(self, bad: np.ndarray) -> np.ndarray:
-        """The core of each tetrahedron, -1 where there is none, shape (cells,): bad ones that hang
-        together by faces, with torsion in them."""
+        """The core of each tetrahedron, -1 where there is none, shape (cells,).
+
+        A core consists of bad tetrahedra that are connected by faces, with torsion in them.
+        """
         _, sides, _ = self.mesh.faces
         joined = (sides >= 0).all(axis=1) & bad[sides].all(axis=1)
         number = components(len(bad), sides[joined])
@@ -148,23 +151,23 @@ class Torsion:
         owner = np.full(len(self.labels), -1)
         owner[of_cell] = core[:, None]
         found = owner >= 0
-        # Of one that lies in two cores, or in the surface of one, one tetrahedron tells.
+        # One tetrahedron suffices to exclude an edge in two cores, or in the surface of one.
         found[of_cell[owner[of_cell] != core[:, None]]] = False
-        # Of other edges not all tetrahedra are here.
+        # Other edges do not have all their tetrahedra here.
         return found & self.mesh.known[self.mesh.edges[0]].any(axis=1)
 
     def descended(self, core: np.ndarray) -> Torsion:
-        """With less torsion in cores: most of what noise does is undone, one bond at a time."""
+        """The torsion reduced in cores: most effects of noise are undone, one bond at a time."""
         rows, free, labels = self.mesh.faces[0], self.free(core), self.labels.copy()
         _descend(labels, rows[free[rows].any(axis=1)], free, self.lattice)
         return replace(self, labels=labels)
 
     def shortest(self, core: np.ndarray, lengths: Lengths) -> Torsion:
-        """Of all labels of free edges, those with the shortest lines: a linear program per core.
+        """Labels of free edges with the shortest lines, by a linear program for each core.
 
         Torsion in each direction of a basis is as long as the faces that it runs through; the
-        matrix of boundaries makes the best solution whole. What is no vector of the basis counts as
-        several that may part: the basis is one of those vectors that most faces carry.
+        matrix of boundaries makes the best solution whole. A vector outside the basis counts as
+        several that may part: the basis consists of the vectors that most faces carry.
         """
         rows, sides, _ = self.mesh.faces
         values, free = self.values, self.free(core)
@@ -233,10 +236,11 @@ def components(count: int, pairs: np.ndarray) -> np.ndarray:
 
 
 def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: Lattice) -> None:
-    """Change labels of free edges as long as the sum of squares of torsion falls.
+    """Change labels of free edges while the sum of squares of torsion falls.
 
     Changing one by d changes the sum by n d^2 - 2 d.S, with S the torsion of its n faces along the
-    edge: best is the lattice vector nearest to S/n. Edges without a common face change at once.
+    edge: the best d is the lattice vector nearest to S/n. Edges without a common face change
+    together.
     """
     scale = np.array(lattice.units) ** 2
     used, local = np.unique(faces, return_inverse=True)
@@ -261,7 +265,7 @@ def _descend(labels: np.ndarray, faces: np.ndarray, free: np.ndarray, lattice: L
         if not good.any():
             break
         near, change, gain = near[good], change[good], gain[good]
-        # The best of all edges of a face goes first; the number decides between equals.
+        # The best edge of each face is changed first; its number decides between equals.
         rank = np.empty(len(near), dtype=np.int64)
         rank[np.lexsort((near, gain))] = np.arange(1, len(near) + 1)
         of_edge = np.zeros(len(used), dtype=np.int64)

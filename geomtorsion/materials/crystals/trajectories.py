@@ -1,4 +1,4 @@
-"""Trajectories: reports of all frames of a file, kept one by one so that a run can go on."""
+"""Trajectories: reports of all frames of a file, kept one by one so that a run can resume."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ SETTINGS = "settings.json"
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is asked of every frame.
+    """Settings for every frame.
 
     lattice, orient (rows), constant, form: as for `read`. partials: as for `dislocations`.
     convention: of the sign of b. cell, periodic: of arrays, as for `read_atom_array`. species: of
-    the atoms that are kept; all if None.
+    the atoms to keep; all if None.
     """
 
     lattice: str | None = None
@@ -56,11 +56,11 @@ def reports(
     Parameters
     ----------
     folder
-        Where reports are kept, one file a frame. What lies there is taken as it is, so that a run
-        that was killed gives the same bits.
+        Where reports are kept, one file a frame. Existing reports are used unchanged, so that a
+        run that was killed gives the same bits.
     seen
-        Called with the frames that are done (also in halves), how many there are, and what is
-        looked for next: lattice or lines.
+        Called with the number of finished frames (also halves), the number of all, and the next
+        step: lattice or lines.
 
     Raises
     ------
@@ -85,26 +85,26 @@ def reports(
             report = {"frame": number, **frame.report()}
             known = KnownGrains.of(frame.crystal.grains)
             if kept is not None:
-                # Of a run without a frame nothing is left: what was wrong can be mended.
+                # A run that fails in its first frame leaves no files, so that it can be corrected.
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 write_text(kept.with_name(SETTINGS), said)
                 if "grains" in report:
                     with written(kept.with_suffix(".npy")) as part, part.open("wb") as stream:
                         np.save(stream, known.owner)
-                # What stands in it comes last: where it is, all is.
+                # The report is written last: where it exists, all files of its frame do.
                 write_text(kept, json.dumps(report))
         seen(number + 1, total, "lines")
         yield report, frame.lines
 
 
 def _atoms(path: Path, wanted: Wanted) -> AtomData:
-    """The one frame of an array."""
+    """The single frame of an array."""
     cell = None if wanted.cell is None else np.array(wanted.cell)
     return read_atom_array(path, cell, wanted.periodic)
 
 
 class _Frame:
-    """A frame whose crystal is made when it is first asked for."""
+    """A frame whose crystal is made on first use."""
 
     def __init__(self, data: AtomData, wanted: Wanted, known: KnownGrains | None) -> None:
         self.data, self.wanted, self.known = data, wanted, known
@@ -117,20 +117,20 @@ class _Frame:
 
     @cached_property
     def network(self) -> DislocationNetwork:
-        """Its lines."""
+        """The lines of the frame."""
         return self.crystal.dislocations(self.wanted.partials)
 
     def lines(self) -> DislocationNetwork:
-        """Its lines, as a function."""
+        """The lines of the frame, as a method."""
         return self.network
 
     def report(self) -> Json:
-        """What is found in it."""
+        """The report of the frame."""
         return crystal_report(self.crystal, self.network, self.wanted.convention)
 
 
 def _owner(kept: Path, report: Json) -> np.ndarray:
-    """The grain of each atom of a frame that was kept."""
+    """The grain of each atom of a kept frame."""
     count = report["atoms"]
     if "grains" not in report:
         return np.zeros(count, dtype=np.int64)
@@ -148,7 +148,7 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
 
 
 def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
-    """What the reports in a folder are of, checked against what is noted there."""
+    """File and settings of the reports in a folder, checked against its note."""
     said = {"file": path.name, "digest": digest_of(path), **asdict(wanted)}
     text, note = json.dumps(said, indent=1), folder / SETTINGS
     if note.exists() and read_text(note) != text:
@@ -160,7 +160,7 @@ def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
 
 
 def is_begun(folder: Path) -> bool:
-    """Whether reports of a run lie in a folder."""
+    """Whether a folder holds reports of a run."""
     return (folder / SETTINGS).exists()
 
 

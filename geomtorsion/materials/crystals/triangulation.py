@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import CrystalError
 from geomtorsion.materials.crystals.method import METHOD
 
-# Corners of the faces of a tetrahedron, the one left out first to last: its boundary is
+# Corners of the faces of a tetrahedron, the omitted corner first to last: its boundary is
 # sum of (-1)^k face_k.
 FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
 EDGES = tuple(combinations(range(4), 2))
 SIGNS = np.array([1, -1, 1, -1])
-# Of what there are some ten or more for each atom, of which there are less than 2^31 in memory.
+# Numbers of edges and faces, some ten or more for each atom: fewer than 2^31 fit in memory.
 NUMBER = np.int32
 
 
@@ -26,7 +26,7 @@ NUMBER = np.int32
 class Cell:
     """A cell with atoms in it.
 
-    vectors: its edges as rows, shape (3, 3); of an open box without any, unit vectors.
+    vectors: its edges as rows, shape (3, 3); unit vectors for an open box without edges.
     periodic: along which edges it repeats, shape (3,).
     """
 
@@ -35,7 +35,7 @@ class Cell:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes coordinates to shares of the edges: x @ inverse."""
+        """Takes coordinates to fractions of the edges: x @ inverse."""
         return np.linalg.inv(self.vectors)
 
     @cached_property
@@ -51,7 +51,7 @@ class Cell:
         return positions + moved @ self.vectors, moved.astype(np.int64)
 
     def shifts(self, images: np.ndarray) -> np.ndarray:
-        """Where images lie, shape (k, 3): the same bits for each, whatever the others are."""
+        """Positions of images, shape (k, 3): the same bits for each, whatever the others are."""
         return by_rows(images, self.vectors)
 
     def moved(self, places: np.ndarray, image: Sequence[int]) -> np.ndarray:
@@ -107,8 +107,11 @@ class Triangulation:
 
     @cached_property
     def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
-        tetrahedron, (k, 6)."""
+        """Edges as atoms, images and numbers.
+
+        Atoms of each edge, shape (n, 2); image of the second, (n, 3); edges of each
+        tetrahedron, (k, 6).
+        """
         # Column by column: all rows at once would take four times as much memory.
         ends = [np.concatenate([self.corners[:, e[k]] for e in EDGES]) for k in (0, 1)]
         images = [
@@ -121,9 +124,12 @@ class Triangulation:
 
     @cached_property
     def faces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Edges of each face, shape (n, 3): its boundary is the first plus the third minus the
-        second; tetrahedra at its two sides, -1 where there is none, (n, 2): its normal points from
-        the first to the second; image of the second for the first in its place, (n, 3)."""
+        """Faces as edges, tetrahedra and images.
+
+        Edges of each face, shape (n, 3): its boundary is the first plus the third minus the
+        second. Tetrahedra at its two sides, -1 where there is none, (n, 2): its normal points from
+        the first to the second. Image of the second relative to the first, (n, 3).
+        """
         edge_of = {pair: k for k, pair in enumerate(EDGES)}
         of_cell = self.edges[2]
         count = len(self.corners)
@@ -133,7 +139,7 @@ class Triangulation:
         sides = np.full((len(first), 2), -1, dtype=NUMBER)
         base = np.zeros((len(first), 2, 3), dtype=NUMBER)
         owner = np.arange(count, dtype=NUMBER)
-        # Three edges can be those of two faces only in a cell of one atom or so: images tell.
+        # Only in a cell of about one atom can two faces have the same three edges: images differ.
         for face, sign, mine in zip(FACES, SIGNS, which.reshape(4, -1), strict=True):
             slot = (sign * self.senses < 0).astype(np.int8)
             sides[mine, slot] = owner
@@ -149,20 +155,19 @@ class Triangulation:
 
 
 def by_rows(vectors: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """vectors @ matrix, shape (k, 3), each row rounded alike wherever it stands, as by BLAS it may
-    not be."""
+    """vectors @ matrix, shape (k, 3), each row rounded alike wherever it is, unlike in BLAS."""
     x, y, z = vectors.T[:, :, None]
     return x * matrix[0] + y * matrix[1] + z * matrix[2]
 
 
 def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """First occurrence of each different row of whole numbers, and which of them each row is."""
+    """First occurrence of each distinct row of whole numbers, and the distinct row of each row."""
     count = len(columns[0])
     keys, room = [np.zeros(count, dtype=np.int64)], 1
     for column in columns:
         low = int(column.min(initial=0))
         span = int(column.max(initial=0)) - low + 1
-        # As many columns in one key as 63 bits hold.
+        # As many columns in one key as 63 bits can hold.
         if room * span >= 2**62:
             keys.append(np.zeros(count, dtype=np.int64))
             room = 1
@@ -183,9 +188,9 @@ def distinct(columns: Sequence[np.ndarray] | np.ndarray) -> tuple[np.ndarray, np
 
 
 def jitter(numbers: np.ndarray) -> np.ndarray:
-    """Random numbers from -1 to 1 that belong to atoms by their numbers, shape (atoms, 3).
+    """Random numbers from -1 to 1, fixed by the numbers of atoms, shape (atoms, 3).
 
-    They are rows of one endless table, of which no more is made than there are atoms near by.
+    They are rows of an endless table, which is made only as far as needed.
     """
     found = np.empty((len(numbers), 3))
     size = METHOD.together
@@ -211,18 +216,18 @@ def triangulated(
     places
         Positions in the cell (wrapped), shape (atoms, 3).
     reach
-        Radius of the largest empty sphere that a tetrahedron may have: what is larger is a void, or
-        lies outside the crystal.
+        Radius of the largest empty sphere that a tetrahedron may have: a larger sphere is a void,
+        or is outside the crystal.
     wanted
-        Atoms whose tetrahedra are asked for, shape (atoms,) of truth values; all if not given.
-        Atoms further than twice the reach from them, where no sphere reaches, are left out.
+        Atoms whose tetrahedra are requested, shape (atoms,) of truth values; all if not given.
+        Atoms further than twice the reach from them, where no sphere reaches, are omitted.
     atoms
-        Numbers of the atoms, increasing, where some are left out: the tetrahedra are the same.
+        Numbers of the atoms, increasing, where some are omitted: the tetrahedra are the same.
 
     Raises
     ------
     CrystalError
-        All atoms lie in one plane.
+        All atoms are in one plane.
     """
     if wanted is not None and not wanted.any():
         none, images = np.zeros((0, 4), dtype=NUMBER), np.zeros((0, 4, 3), dtype=NUMBER)
@@ -231,7 +236,7 @@ def triangulated(
     moved = places + METHOD.jitter * reach * noise
     points, numbers, images = cell.with_ghosts(moved, 2 * reach)
     known = np.ones(len(places), dtype=bool) if wanted is None else wanted
-    # Of each tetrahedron that is asked for one image has a known corner in the cell.
+    # One image of each requested tetrahedron has a known corner in the cell.
     inner = np.append(known, np.zeros(len(points) - len(places), dtype=bool))
     if wanted is not None:
         tree = scipy.spatial.cKDTree(points[inner])
@@ -248,7 +253,7 @@ def triangulated(
             "positions: atoms that fill space were needed, but they lie in a plane. Give more."
         ) from None
     simplices = simplices[inner[simplices].any(axis=1)].astype(np.int64)
-    # Corners in the order of atoms, and of images where one atom comes twice.
+    # Corners are in the order of atoms, and of images where one atom occurs twice.
     span = 2 * np.abs(images).max(initial=0) + 1
     code = ((images[:, 0] * span) + images[:, 1]) * span + images[:, 2]
     rank = np.lexsort((code, numbers))
@@ -261,8 +266,8 @@ def triangulated(
         small[part], senses[part] = _spheres(points[simplices[part]], reach)
     kept = simplices[small]
     corners, offsets = numbers[kept], images[kept]
-    # Found in several images, each is kept once, the first of its corners in the cell, in the order
-    # of their atoms, whatever else there is.
+    # A tetrahedron found in several images is kept once, with the first of its corners in the cell.
+    # The order is the one of the atoms, independent of other tetrahedra.
     offsets = offsets - offsets[:, :1]
     order, _ = distinct([*corners.T, *offsets[:, 1:].reshape(-1, 9).T])
     corners, offsets = corners.astype(NUMBER)[order], offsets.astype(NUMBER)[order]
@@ -271,8 +276,10 @@ def triangulated(
 
 
 def _spheres(corners: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which tetrahedra have a sphere about them no larger than a radius, and the signs of their
-    volumes; corners: shape (k, 4, 3)."""
+    """Which tetrahedra have a circumsphere up to a radius, and the signs of their volumes.
+
+    corners: shape (k, 4, 3).
+    """
     sides = corners[:, 1:] - corners[:, :1]
     volume = np.linalg.det(sides)
     squares = (sides**2).sum(axis=2)

@@ -12,7 +12,7 @@ from geomtorsion.checks import shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.materials.crystals.atom_rows import AtomData, completed, numbers_of, words_of
 
-# key=value, where a value may stand in quotes, in braces, or be a list.
+# key=value, where a value may be in quotes, in braces, or be a list.
 _FIELD = re.compile(r"""(\w+)\s*=\s*(?:"([^"]*)"|'([^']*)'|\{([^}]*)\}|(\[[^="']*\])|(\S+))""")
 _SPECIES = ("species", "element", "symbol", "type", "z")
 _TRUE, _FALSE = ("t", "true", "1"), ("f", "false", "0")
@@ -21,7 +21,7 @@ _TRUE, _FALSE = ("t", "true", "1"), ("f", "false", "0")
 def xyz_blocks(name: str, stream: TextIOBase) -> Iterator[tuple[int, list[str]]]:
     """Frames of an XYZ file as rows, with the numbers of their first lines.
 
-    What follows a frame is looked at before it is given: an atom too many is no other frame.
+    The row after a frame is read before the frame is given: one atom too many is not a new frame.
     """
     line, head = _next_head(name, stream, 0)
     while head:
@@ -56,10 +56,10 @@ def _next_head(name: str, stream: TextIOBase, line: int) -> tuple[int, str]:
 
 
 def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
-    """The atoms of a frame from its rows, the first of which has a number in the file.
+    """The atoms of a frame from its rows; line: the number of the first row in the file.
 
     Without `Properties` columns are species, x, y, z and any others. Without `Lattice` nothing
-    repeats; with one all edges do, unless `pbc` says otherwise.
+    repeats; with one all edges do, unless `pbc` differs.
     """
     fields = {found[1].lower(): found for found in _FIELD.finditer(rows[1])}
     said = {key: next(x for x in f.groups()[1:] if x is not None) for key, f in fields.items()}
@@ -91,7 +91,7 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
 def _columns(
     where: str, said: str | None, rows: list[str], width: int
 ) -> tuple[int, int | None, int]:
-    """The first column of positions, that of species, and how many there are."""
+    """The first column of positions, the column of species, and how many columns there are."""
     if said is None:
         if width < 4:
             raise FileFormatError(

@@ -48,7 +48,7 @@ class Box:
         with np.errstate(over="ignore", invalid="ignore"):
             volume = _volume(vectors)
             sizes = float(np.prod(np.linalg.norm(vectors, axis=1)))
-        # Edges that span less than rounding leaves lie in one plane.
+        # Edges that span less than rounding error are in one plane.
         if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
             raise NetworkError(
                 f"vectors of the box: three edges that span a finite volume were needed, but "
@@ -83,19 +83,19 @@ class Box:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes coordinates to shares of the edges: x @ inverse, shape (3, 3)."""
+        """Takes coordinates to fractions of the edges: x @ inverse, shape (3, 3)."""
         return np.linalg.inv(self.vectors)
 
     def images(self, steps: np.ndarray | Sequence[Sequence[float]]) -> np.ndarray:
         """Whole periods to be added to steps so that each is the shortest, shape (k, 3).
 
-        Shares of the edges are rounded, as the codes of dislocation dynamics do: in a very skew box
-        another image may be a little nearer.
+        Fractions of the edges are rounded, as in codes for dislocation dynamics: in a very skew box
+        another image may be slightly nearer.
 
         Raises
         ------
         NetworkError
-            A step is longer than any number of periods that can be counted.
+            A step is longer than any countable number of periods.
         """
         given = checks.array(steps, "steps", NetworkError, shape=(None, 3))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -109,5 +109,5 @@ class Box:
 
 
 def _volume(vectors: np.ndarray) -> float:
-    """The product of three edges; of edges along the coordinates without rounding in between."""
+    """The product of three edges, without intermediate rounding for edges along the coordinates."""
     return abs(float(np.cross(vectors[0], vectors[1]) @ vectors[2]))

@@ -1,4 +1,4 @@
-"""Circuit: the Burgers vector of a loop round lines of a network, by linking."""
+"""Circuit: the Burgers vector of a loop around lines of a network, by linking."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from geomtorsion.precision import CALCULATED
 class Crossing:
     """A line that crosses the surface.
 
-    line: its number; image: periods by which its first node is moved, shape (3,); count: how often
-    and in which sense, positive where the loop is right-handed about the line.
+    line: its number; image: periods by which its first node is moved, shape (3,); count: number of
+    signed crossings, positive where the loop is right-handed about the line.
     """
 
     line: int
@@ -49,13 +49,13 @@ class _Stretches:
     ends: np.ndarray
 
     def of(self, chosen: np.ndarray) -> _Stretches:
-        """Some of them."""
+        """A subset of these lines."""
         return _Stretches(
             self.numbers[chosen], self.images[chosen], self.starts[chosen], self.ends[chosen]
         )
 
     def touching(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Numbers of those whose boxes meet the box between two corners."""
+        """Numbers of the lines whose boxes meet the box between two corners."""
         least, most = np.minimum(self.starts, self.ends), np.maximum(self.starts, self.ends)
         return np.flatnonzero(((least <= high) & (most >= low)).all(axis=1))
 
@@ -66,9 +66,9 @@ def crossings(lines: LineArrays, loop: Loop) -> Iterator[tuple[Crossing, ...]]:
     Raises
     ------
     LoopError
-        The loop is not closed in space, or has symbols.
+        The loop is not closed in space, or contains symbols.
     SingularPointError
-        It meets a line; the message names line and place.
+        The loop meets a line; the message names line and position.
     """
     if loop.dimension != 3:
         raise LoopError(
@@ -92,7 +92,7 @@ Counts = dict[tuple[int, tuple[int, ...]], int]
 
 
 def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
-    """Signed crossings with cones over one closed path, apex after apex."""
+    """Signed crossings with cones over a closed path, for one apex after another."""
     corners, reach = _outline(part)
     low, high = corners.min(axis=0), corners.max(axis=0)
     width = float((high - low).max())
@@ -100,7 +100,7 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
     near = _stretches(lines, np.array(part.centre), low - margin, high + margin)
     corners = _polygon(lines, part, near)
     rng = np.random.default_rng(0)
-    # Each apex is in general position but by an accident: so many accidents are none.
+    # An apex fails to be in general position only by accident: so many do not happen in a row.
     for _ in range(32):
         # Beside the middle, so that no symmetry of a lattice puts a node into the surface.
         apex = corners.mean(axis=0) + width * rng.uniform(-0.25, 0.25, 3)
@@ -117,11 +117,11 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
 
 
 def _pieces(part: Part) -> tuple[np.ndarray, np.ndarray]:
-    """Number of the arc and ends in s of the pieces that are straight enough to begin with."""
+    """Number of the arc and ends in s of pieces that are straight enough for a first polygon."""
     owner: list[int] = []
     ends: list[tuple[float, float]] = []
     for k, arc in enumerate(part.arcs):
-        # Eight to the shortest wave, as the winding number takes them.
+        # Eight pieces to the shortest wave, as for the winding number.
         count = 1 if isinstance(arc, Segment) else 8 * max(4, arc.waves)
         s = np.linspace(0, 1, count + 1)
         owner += [k] * count
@@ -132,7 +132,7 @@ def _pieces(part: Part) -> tuple[np.ndarray, np.ndarray]:
 def _chords(
     part: Part, owner: np.ndarray, ends: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Ends of the chords, shape (k, 3) each, and how far arcs lie from them, shape (k,)."""
+    """Ends of the chords, shape (k, 3) each, and distances of arcs from them, shape (k,)."""
     share = np.linspace(0, 1, 9)
     starts, stops, away = np.zeros((len(owner), 3)), np.zeros((len(owner), 3)), np.zeros(len(owner))
     for k in np.unique(owner):
@@ -149,7 +149,7 @@ def _chords(
 
 
 def _outline(part: Part) -> tuple[np.ndarray, float]:
-    """Corners of the first polygon and how far the path may lie from it."""
+    """Corners of the first polygon and the largest distance of the path from it."""
     starts, _, away = _chords(part, *_pieces(part))
     return starts, float(away.max())
 
@@ -200,7 +200,7 @@ def _distances(p: np.ndarray, q: np.ndarray, a: np.ndarray, b: np.ndarray) -> np
     tiny = np.finfo(float).tiny
     square, other = np.maximum((one * one).sum(axis=1), tiny), max(float(two @ two), tiny)
     along, across, mixed = (one * between).sum(axis=1), between @ two, one @ two
-    # At an end of one of the two, or where a line across both stands on them.
+    # At an end of one of the two, or at a line perpendicular to both.
     to_start = np.clip(across / other, 0, 1)
     to_end = np.clip((across + mixed) / other, 0, 1)
     from_start = np.clip(-along / square, 0, 1)
@@ -236,7 +236,7 @@ def _stretches(
     reach = (low + corners * (high - low)) @ box.inverse
     begins = places[first] @ box.inverse
     finish = begins + lines.steps @ box.inverse
-    # Rounding may put an image outside that touches; a thousandth of a period more does no harm.
+    # Rounding may exclude an image that touches; a thousandth of a period more does no harm.
     least = np.ceil(reach.min(axis=0) - np.maximum(begins, finish) - 1e-3)
     most = np.floor(reach.max(axis=0) - np.minimum(begins, finish) + 1e-3)
     least, most = (np.where(box.periodic, x, 0) for x in (least, most))
@@ -255,7 +255,7 @@ def _stretches(
         width = counts[chosen, axis].astype(np.int64)
         shifts[:, axis] = least[chosen, axis].astype(np.int64) + rank % width
         rank = rank // width
-    # A node has the same digits in all lines that end there: images of nodes are formed first.
+    # A node must have the same digits in all its lines: images of nodes are formed first.
     starts = places[first[chosen]] + shifts @ box.vectors
     ends = places[second[chosen]] + (shifts + lines.cochain.complex.images[chosen]) @ box.vectors
     every = _Stretches(chosen, shifts, starts, ends)
@@ -278,7 +278,7 @@ def _cone(near: _Stretches, corners: np.ndarray, apex: np.ndarray) -> Counts | N
         before = _sign(some.starts - apex, one, two)
         after = _sign(some.ends - apex, one, two)
         signs = np.array(round_it)
-        # Outside for certain: on one side of the plane, or past a side of the triangle.
+        # Certainly outside: on one side of the plane, or beyond a side of the triangle.
         outside = (before * after > 0) | ((signs > 0).any(axis=0) & (signs < 0).any(axis=0))
         inside = ~outside & (before * after < 0) & (signs != 0).all(axis=0)
         if not (outside | inside).all():
@@ -301,9 +301,9 @@ def _sign(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class LineBurgers(Burgers):
-    """Burgers vector of a circuit round the lines of a network.
+    """Burgers vector of a circuit around the lines of a network.
 
-    exact: b, exact where that of the lines is, shape (n,). whole: b in the lattice that was given.
+    exact: b, exact where b of the lines is, shape (n,). whole: b in the given lattice.
     crossings: lines that cross a surface which the circuit spans, with their images and signs.
     """
 

@@ -23,7 +23,7 @@ from geomtorsion.materials.lines.polylines import Polyline
 from geomtorsion.materials.lines.reactions import CONSTRAINTS
 from geomtorsion.materials.structures import STRUCTURES
 
-# One of the numbers that ParaDiS gives nodes at which a line leaves the crystal.
+# A number that ParaDiS gives to nodes at which a line leaves the crystal.
 AT_SURFACE = max(number for number, kind in CONSTRAINTS.items() if kind == "surface")
 
 NAMES = tuple(name for name, one in STRUCTURES.items() if one.number)
@@ -34,12 +34,12 @@ NAMES = tuple(name for name, one in STRUCTURES.items() if one.number)
 
 @dataclass(frozen=True, eq=False)
 class Cluster:
-    """A grain, as OVITO has it.
+    """A grain, in the form that OVITO uses.
 
     lattice: one of NAMES, by whose families OVITO names and colours lines.
-    matrix: takes a vector in units of the lattice to one in space, shape (3, 3): what OVITO calls
-        the orientation of the cluster. The file has b in units of the lattice.
-    atoms: how many.
+    matrix: takes a vector in units of the lattice to one in space, shape (3, 3); OVITO calls it the
+        orientation of the cluster. The file has b in units of the lattice.
+    atoms: number of atoms.
     """
 
     lattice: str = ""
@@ -47,7 +47,7 @@ class Cluster:
     atoms: int = 0
 
     def __post_init__(self) -> None:
-        """Look at what came."""
+        """Check the input."""
         checks.choice(self.lattice, NAMES, "lattice", NetworkError)
         matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
         if np.linalg.matrix_rank(matrix) < 3:
@@ -56,11 +56,11 @@ class Cluster:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """Takes a vector in space to one in units of the lattice."""
+        """Takes a vector in space to a vector in units of the lattice."""
         return np.linalg.inv(self.matrix)
 
 
-# Grains, in which of them each curve lies, and pairs of grains that touch.
+# Grains, the grain of each curve, and pairs of grains that touch.
 Clusters = tuple[Sequence[Cluster], Sequence[int], Sequence[tuple[int, int]]]
 
 
@@ -70,14 +70,14 @@ def clusters_of(
     owners: Sequence[int],
     curves: Sequence[Polyline],
 ) -> Clusters:
-    """The grains of a network, that of each polyline, and which of them touch.
+    """The grains of a network, the grain of each polyline, and pairs of grains that touch.
 
     known: clusters by number of the grain, and walls, pairs of these, where there are any. owners:
     number of the line to which each straight piece belongs.
     """
     clusters: Mapping[int | None, Cluster] = known.get("clusters") or {None: Cluster()}
     if None not in clusters:
-        # Numbers of clusters are those of grains: one that is there no more has no atoms.
+        # Clusters have the numbers of grains: a grain that no longer exists has no atoms.
         gone = Cluster(next(iter(clusters.values())).lattice)
         numbers = [number for number in clusters if number is not None]
         clusters = {number: clusters.get(number, gone) for number in range(max(numbers) + 1)}
@@ -101,11 +101,11 @@ def crystal_analysis_text(
     curves
         The polylines of the lines; their b in the coordinates of the nodes.
     clusters, owners
-        Grains, and in which of them each curve lies, counted from 0; all in the first if not given,
-        and that of no lattice if none is.
+        Grains, and the grain of each curve, counted from 0; all curves are in the first grain if
+        not given, and this grain has no lattice if there are no clusters.
     walls
         Pairs of clusters that touch. The transition from one to the other takes a vector in units
-        of the lattice of the first to the same vector in space in those of the second.
+        of the lattice of the first to the same vector in space in units of the second lattice.
 
     Raises
     ------
@@ -172,7 +172,7 @@ def _row(values: np.ndarray) -> str:
 
 
 def _rings(curves: Sequence[Polyline]) -> Iterator[str]:
-    """For the end and the start of each line the next one in the ring about their node."""
+    """The next end in the ring around their node, for the end and the start of each line."""
     arms: dict[object, list[tuple[int, int]]] = {}
     for k, curve in enumerate(curves):
         arms.setdefault(curve.nodes[-1], []).append((1, k))
@@ -207,11 +207,11 @@ class _Rows:
         return self.rows[self.line - 1].split()
 
     def fail(self, message: str) -> NoReturn:
-        """Refuse the row that was read last."""
+        """Refuse the last row that was read."""
         raise FileFormatError(f"{self.name}: line {self.line}: {message}")
 
     def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
-        """So many finite numbers; OVITO may write the size of the core behind a point."""
+        """Finite numbers of a given count; OVITO may write the size of the core after a point."""
         if len(words) < count:
             self.fail(f"{what}: {count} numbers were needed, but {len(words)} came.")
         found = [x for x in map(finite_number, words[:count]) if x is not None]
@@ -220,7 +220,7 @@ class _Rows:
         return found
 
     def whole(self, words: Sequence[str], what: str, most: int) -> int:
-        """The whole number that ends a row, from 0 to below `most`."""
+        """The whole number at the end of a row, from 0 to below `most`."""
         word = words[-1] if words else ""
         if not re.fullmatch("[0-9]{1,18}", word) or int(word) >= most:
             self.fail(
@@ -237,8 +237,8 @@ class _Rows:
 def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
     """Read the dislocation lines of a Crystal Analysis file; b in space, each line once.
 
-    Of several clusters each is a grain, numbered from 0 in their order. Lines that end where no
-    other begins (at a surface, a grain boundary) are marked so.
+    Each of several clusters is a grain, numbered from 0 in their order. Line ends where no other
+    line begins (at a surface, a grain boundary) are marked as such.
 
     Raises
     ------
@@ -269,7 +269,7 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
 
 
 class _Contents:
-    """What stands in the file, part by part."""
+    """The contents of the file, part by part."""
 
     def __init__(self) -> None:
         self.origin = np.zeros(3)
@@ -371,7 +371,7 @@ class _Contents:
         self.joined = True
 
     def lines(self) -> LineArrays:
-        """All of it: ends that belong to one ring are one node."""
+        """All lines: ends that belong to one ring are one node."""
         if self.vectors is None:
             raise FileFormatError("SIMULATION_CELL_MATRIX is missing. Is the file complete?")
         if not self.periodic:
@@ -409,7 +409,7 @@ class _Contents:
         positions = np.array(places).reshape(-1, 3)
         numbers = np.array(pairs, dtype=np.int64).reshape(-1, 2)
         gaps = positions[numbers[:, 1]] - positions[numbers[:, 0]]
-        # By how many periods the node is meant farther: what the step has more than the places.
+        # The node is moved by so many periods: the step less the difference of positions.
         images = -box.images(np.array(steps).reshape(-1, 3) - gaps)
         table = np.array(vectors).reshape(-1, 3)
         return LineArrays(
@@ -418,7 +418,7 @@ class _Contents:
         )  # fmt: skip
 
     def _known(self) -> dict[str, Any]:
-        """Clusters by number of the grain, None where there is one alone, and those that touch."""
+        """Clusters by number of the grain, None for a single one, and pairs that touch."""
         found = []
         for cluster, matrix in self.matrices.items():
             name = self.names.get(self.lattices.get(cluster, -1), "")
@@ -433,7 +433,7 @@ class _Contents:
     def _ends(self) -> tuple[dict[tuple[int, int], int], dict[int, int]]:
         """The ring to which each end of a line belongs, and how many ends each ring has.
 
-        Rows of the file stand for the end (1) and then for the start (0) of each line.
+        Rows of the file are for the end (1) and then for the start (0) of each line.
         """
         after = {(k // 2, 1 - k % 2): (line, int(end)) for k, (line, end) in enumerate(self.rings)}
         found: dict[tuple[int, int], int] = {}

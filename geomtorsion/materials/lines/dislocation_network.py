@@ -48,13 +48,13 @@ class DislocationNetwork:
         attribute `surface=True` may end lines (they leave the crystal there). The graph is copied.
     tolerance: share of the largest b within which floats count as equal; ints, Fractions and
         sympy numbers are compared exactly.
-    box: the cell of a simulation. With it, an edge may have the attribute `image`, shape (3,): how
-        many periods further its end is meant; the nearest if not given.
+    box: the cell of a simulation. With it, an edge may have the attribute `image`, shape (3,): the
+        number of periods by which its end is moved; the nearest image if not given.
 
     Raises
     ------
     NetworkError
-        An edge has no Burgers vector, or one that is zero or of another length.
+        An edge has no Burgers vector, or a zero one, or one of another length.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class DislocationNetwork:
 
     def __post_init__(self) -> None:
         """Read the Burgers vectors exactly, once."""
-        import networkx as nx  # 0.15 s, and networks alone need it
+        import networkx as nx  # 0.15 s, and only networks need it
 
         if self.box is not None:
             checks.instance(self.box, Box, "box", NetworkError)
@@ -80,7 +80,7 @@ class DislocationNetwork:
                 f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
                 "have a sense, and several may join the same nodes."
             )
-        # What is frozen was made here, or changes no more.
+        # A frozen graph was made here, or does not change.
         copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
         length, largest = None, 0.0
         for start, end, key, data in copy.edges(keys=True, data=True):
@@ -177,7 +177,7 @@ class DislocationNetwork:
         Parameters
         ----------
         periodic
-            Whether the box repeats along its edges, which a .data file does not say.
+            Whether the box repeats along its edges, which a .data file does not contain.
 
         Raises
         ------
@@ -188,15 +188,15 @@ class DislocationNetwork:
         return cls.of_arrays(lines, burgers=burgers)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a file by the end of its name: .vtk, OVITO .ca, .json, and else ParaDiS .data.
+        """Write a file in the format of its suffix: .vtk, OVITO .ca, .json, and else ParaDiS .data.
 
         All but .vtk, which has no box, read as the same network, digit by digit. In .ca lines of
-        crystals lie in a cluster for each grain, with the families of its lattice.
+        crystals are in a cluster for each grain, with the families of its lattice.
 
         Raises
         ------
         NetworkError
-            Nodes have no positions, there is no box that the format needs, b has not three
+            Nodes have no positions, the format needs a box and there is none, b does not have three
             components, or a line is too long for .data, which keeps no images.
         """
         grains = clusters_of(self.graph.graph, self.lines, self.owners, self.polylines)
@@ -206,25 +206,26 @@ class DislocationNetwork:
 
     @classmethod
     def of_opendis(cls, data: Mapping[str, Any]) -> DislocationNetwork:
-        """From what OpenDiS exports: tables `cell`, `nodes` and `segs` of arrays.
+        """From the export of OpenDiS: tables `cell`, `nodes` and `segs` of arrays.
 
         Raises
         ------
         NetworkError
-            A table or an array is missing, or of another shape.
+            A table or an array is missing, or has another shape.
         """
         return cls.of_arrays(arrays_of_opendis(data))
 
     def opendis(self) -> dict[str, dict[str, np.ndarray]]:
-        """The network as OpenDiS imports it (`DisNet.import_data`): cell, nodes and segs."""
+        """The tables cell, nodes and segs that OpenDiS imports (`DisNet.import_data`)."""
         return opendis_of_arrays(self.arrays)
 
-    # -- what it holds ----------------------------------------------------------------------------
+    # -- contents ---------------------------------------------------------------------------------
 
     @cached_property
     def arrays(self) -> LineArrays:
-        """Positions, pairs, Burgers vectors and images as arrays, in the order of `lines`; lines
-        along several points as straight pieces.
+        """Positions, pairs, Burgers vectors and images as arrays, in the order of `lines`.
+
+        Lines along several points are straight pieces.
 
         Raises
         ------
@@ -240,17 +241,17 @@ class DislocationNetwork:
 
     @property
     def owners(self) -> list[int]:
-        """The number among `lines` of that to which each straight piece of `arrays` belongs."""
+        """The number in `lines` of the line to which each straight piece of `arrays` belongs."""
         return self._pieces[1]
 
     @property
     def _vectors(self) -> list[Vector]:
-        """b of each straight piece, exact where that of its line is."""
+        """b of each straight piece, exact where b of its line is."""
         return [self.lines[k].burgers for k in self.owners]
 
     @cached_property
     def lines(self) -> tuple[DislocationLine, ...]:
-        """All lines: tuples of start, end, key and b, which know their length and more."""
+        """All lines: tuples of start, end, key and b, with their length and other properties."""
         return tuple(
             DislocationLine.of(self.graph, (u, v, k), d, self.box)
             for u, v, k, d in self.graph.edges(keys=True, data=True)
@@ -266,7 +267,7 @@ class DislocationNetwork:
             Nodes have no positions.
         """
         surface = [bool(data.get("surface")) for _, data in self.graph.nodes(data=True)]
-        # Points along a line are nodes of the pieces behind those of the graph.
+        # Points along a line are nodes of the pieces, after the nodes of the graph.
         surface += [False] * (len(self.arrays.positions) - len(surface))
         return polylines(self.arrays, self._vectors, surface, self.tolerance)
 
@@ -283,14 +284,14 @@ class DislocationNetwork:
 
     @property
     def names(self) -> list[str] | None:
-        """The family of each straight piece of `arrays` in its crystal, if all are known."""
+        """The family in its crystal of each straight piece of `arrays`, if all are known."""
         found = [self.lines[k].family for k in self.owners]
         known = [name for name in found if name is not None]
         return known if found and len(known) == len(found) else None
 
     @property
     def junctions(self) -> tuple[Hashable, ...]:
-        """Nodes in which three lines or more meet."""
+        """Nodes at which three lines or more meet."""
         return tuple(node for node, degree in self.graph.degree if degree > 2)
 
     def excess(self, node: Hashable) -> Vector:
@@ -308,7 +309,7 @@ class DislocationNetwork:
         return total([*out, *into])
 
     def node_rule(self) -> tuple[NodeViolation, ...]:
-        """Every inner node at which the Burgers vectors do not sum to zero; none: all is well."""
+        """Inner nodes at which the Burgers vectors do not sum to zero; empty if b is conserved."""
         found = []
         for node in self._suspects():
             data = self.graph.nodes[node]
@@ -320,7 +321,7 @@ class DislocationNetwork:
         return tuple(found)
 
     def _suspects(self) -> Iterable[Hashable]:
-        """Nodes at which b may not be conserved: all, or of floats those where sums are large."""
+        """Nodes at which b may not be conserved: all, or for floats only those with large sums."""
         vectors = [b for *_, b in self.graph.edges(data="burgers")]
         if not vectors or not all(type(x) is float for b in vectors for x in b):
             return self.graph.nodes
@@ -328,7 +329,7 @@ class DislocationNetwork:
         pairs = np.array([(numbers[a], numbers[b]) for a, b, _ in self.graph.edges])
         chain = Complex.of_edges(pairs, len(numbers))
         sums = chain.boundary(0).T @ np.array(vectors)
-        # Half of what counts as zero: sums in another order differ in their last digits.
+        # Half of the limit for zero, since sums in another order differ in their last digits.
         large = np.abs(sums).max(axis=1) > self.tolerance * self._scale / 2
         nodes = list(self.graph)
         return [nodes[k] for k in np.flatnonzero(large)]
@@ -339,7 +340,7 @@ class DislocationNetwork:
         Raises
         ------
         NetworkError
-            It does not; the message names the nodes.
+            The rule does not hold; the message names the nodes.
         """
         violations = self.node_rule()
         if violations:
@@ -353,7 +354,7 @@ class DislocationNetwork:
     # -- measures ---------------------------------------------------------------------------------
 
     def burgers(self, loop: Loop, lattice: Lattice | None = None) -> LineBurgers:
-        """The Burgers vector of a circuit: of all lines, images included, that it links with.
+        """Burgers vector of a circuit: the sum over all lines, images included, that it links with.
 
         Signed crossings with a surface that spans the loop, positive where the loop is right-handed
         about the sense of a line; a second surface must give the same.
@@ -364,7 +365,7 @@ class DislocationNetwork:
             A closed path in the coordinates of the nodes; it may leave the box.
         lattice
             Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
-            shortest: b is then given in whole multiples of them, too, exactly.
+            shortest: b is then also given in whole multiples of them, exactly.
 
         Raises
         ------
@@ -372,18 +373,18 @@ class DislocationNetwork:
             The loop meets a line; the message names it.
         NetworkError
             Lines end between the two surfaces, so that b depends on the surface; or nodes have no
-            positions, or a b is no vector of the lattice.
+            positions, or a b is not a vector of the lattice.
         """
         return circuit_burgers(self.arrays, self._vectors, loop, lattice, self.tolerance)
 
     def families(self, symmetry: Symmetry = "cubic") -> tuple[LineFamily, ...]:
-        """Lines by the family of their b: how many, length, density, screw share; longest first.
+        """Lines by the family of their b: number, length, density, screw share; longest first.
 
         Parameters
         ----------
         symmetry
-            "cubic": what permutes and reverses axes; "hexagonal": a prism about z, a along x;
-            "none": b and -b alone; or matrices, shape (k, n, n).
+            "cubic": all that permute and reverse axes; "hexagonal": a prism about z, a along x;
+            "none": only b and -b; or matrices, shape (k, n, n).
 
         Raises
         ------
@@ -415,7 +416,7 @@ class DislocationNetwork:
         return self._per_volume(self.arrays.burgers.T @ self.arrays.steps)
 
     def _per_volume(self, values: np.ndarray) -> np.ndarray:
-        """Values over the volume of the box, which there must be."""
+        """Values over the volume of the box, which must exist."""
         if self.box is None:
             raise NetworkError(
                 "a density needs a volume, but the network has no box. Give one: "
@@ -432,7 +433,7 @@ class DislocationNetwork:
     # -- changes ----------------------------------------------------------------------------------
 
     def reversed(self, line: Line) -> DislocationNetwork:
-        """The same network with one line described the other way: sense and b both turned round."""
+        """The same network with one line described the other way: sense and b both reversed."""
         b = self._burgers(line)
         start, end, key = line
         graph = self.to_networkx()
@@ -491,7 +492,7 @@ class DislocationNetwork:
 
     def _burgers(self, line: Line) -> Vector:
         """The Burgers vector of a line that exists."""
-        # Tuples with a list in them are no names of nodes.
+        # Tuples that contain a list are not names of nodes.
         with suppress(KeyError, TypeError, ValueError):
             if isinstance(line, tuple):
                 return self.graph.edges[line]["burgers"]

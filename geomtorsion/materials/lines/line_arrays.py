@@ -30,18 +30,18 @@ class LineArrays:
     pairs: first and second node of each line, along its sense, shape (lines, 2).
     burgers: b of each line, shape (lines, n).
     box: the cell of the simulation; without one nothing repeats.
-    images: how many periods further the second node is meant, shape (lines, 3); the nearest image
+    images: number of periods by which the second node is moved, shape (lines, 3); the nearest image
         if not given.
     labels: names of the nodes; their numbers if not given.
     constraints: the number that a simulation gives each node, shape (nodes,); zero if not given.
     planes: normal of the glide plane of each line, shape (lines, 3), if known.
-    grains: number of the grain in which each line lies, None where it is not known; () of none.
-    known: what a file says of these grains: `clusters` by number, and `walls` between them.
+    grains: number of the grain of each line, None where it is not known; () if no line has one.
+    known: data of a file about these grains: `clusters` by number, and `walls` between them.
 
     Raises
     ------
     NetworkError
-        Shapes do not fit, a node is not there, or a number is not finite.
+        Shapes do not fit, a node does not exist, or a number is not finite.
     """
 
     positions: np.ndarray
@@ -111,7 +111,7 @@ class LineArrays:
             )
 
     def _found_images(self, given: ArrayLike | None) -> np.ndarray:
-        """Images as given, or the nearest."""
+        """The given images, or the nearest ones."""
         if self.box is None:
             if given is not None and np.size(given):
                 raise NetworkError("images: lines have periodic images, but no box came. Give it.")
@@ -168,7 +168,7 @@ class LineArrays:
 
 
 class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
-    """A line of a network: the tuple (start, end, key, b), and what else is known of it.
+    """A line of a network: the tuple (start, end, key, b), and other known properties.
 
     Examples
     --------
@@ -217,12 +217,12 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def grain(self) -> int | None:
-        """The grain in which it lies, along whose axes b is meant; None: it is not known."""
+        """The grain that contains the line and whose axes apply to b; None if it is not known."""
         return self.data.get("grain")
 
     @property
     def image(self) -> tuple[int, ...]:
-        """How many periods further the end is meant, shape (3,); (): it is not given."""
+        """Number of periods by which the end is moved, shape (3,); () if it is not given."""
         return self.data.get("image", ())
 
     @cached_property
@@ -255,15 +255,18 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
     @property
     def area(self) -> np.ndarray:
-        """Vector area of a closed line, shape (3,): b . area is the volume of what was put in."""
+        """Vector area of a closed line, shape (3,): b . area is the inserted volume."""
         spokes = self.path - self.path[0]
         return np.cross(spokes[:-1], spokes[1:]).sum(axis=0) / 2
 
     @property
     def kind(self) -> str:
-        """ "closed": ends where it begins; "periodic": ends there in another image; "wall": an end
-        lies in a wall between grains; "surface": on a surface; "joined": both ends are
-        junctions."""
+        """ "closed", "periodic", "wall", "surface" or "joined".
+
+        "closed": it ends where it begins; "periodic": it ends there in another image; "wall": an
+        end is in a wall between grains; "surface": an end is on a surface; "joined": both ends are
+        junctions.
+        """
         if self[0] == self[1]:
             return "periodic" if any(self.image) else "closed"
         if any(node.get("wall") for node in self.ends):
@@ -277,7 +280,7 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
 
 
 def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[LineArrays, list[int]]:
-    """Straight pieces of all lines of a graph, and to which line each belongs.
+    """Straight pieces of all lines of a graph, and the line of each piece.
 
     Raises
     ------
@@ -306,7 +309,7 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
         pairs += list(pairwise(chain))
         owner += [k] * (len(chain) - 1)
         if any(known):
-            # Inner points are unwrapped: the last piece alone leads into another image.
+            # Inner points are unwrapped: only the last piece leads into another image.
             images += [(0, 0, 0)] * len(inner) + [data["image"]]
     planes = [edges[k][2].get("plane") for k in owner]
     constraints = [data.get("constraint", 0) for _, data in nodes]

@@ -1,4 +1,4 @@
-"""Line families: lines whose Burgers vectors a symmetry of the lattice takes into each other."""
+"""Line families: lines whose Burgers vectors are equivalent by a symmetry of the lattice."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class LineFamily:
     """Lines of one family.
 
     name: its Burgers vectors, as 0.7071 <1 1 0>; burgers: one of them, shape (n,).
-    lines: how many; length: of all of them, coordinates.
+    lines: number of lines; length: of all of them, coordinates.
     density: length over volume of the box, None without a box.
     screw: share of b^2 along the line, averaged over length; the rest is edge.
     """
@@ -38,7 +38,7 @@ class LineFamily:
 
     @property
     def edge(self) -> float:
-        """Share of b^2 across the line."""
+        """Share of b^2 perpendicular to the line."""
         return 1.0 - self.screw
 
 
@@ -51,9 +51,9 @@ def line_families(
     ----------
     symmetry
         "cubic": the 48 operations that permute and reverse axes (fcc, bcc, diamond);
-        "hexagonal": the 24 of a prism about z whose edge lies along x (hcp: a along x); "none": b
-        and -b alone, since both describe one line. Or matrices, shape (k, n, n), such as those of
-        a crystal that lies otherwise in the box; -1 is added.
+        "hexagonal": the 24 of a prism about z whose edge is along x (hcp: a along x); "none": only
+        b and -b, since both describe one line. Or matrices, shape (k, n, n), such as the
+        operations of a crystal with another orientation in the box; -1 is added.
     tolerance
         Share of the largest b within which components count as equal.
 
@@ -66,13 +66,13 @@ def line_families(
     >>> found.name, found.length, found.screw
     ('1 <1 0 0>', 5.0, 0.4)
     """
-    # Of very many lines few differ in b.
+    # Even very many lines have few different b.
     vectors, which = np.unique(lines.burgers, axis=0, return_inverse=True)
     dimension = vectors.shape[1]
     near = tolerance * float(np.abs(vectors).max(initial=0.0))
     orbit = _operations(symmetry, dimension)
     family = np.full(len(vectors), -1)
-    # Members of a family are equally long: only those are compared.
+    # Members of a family are equally long: only vectors of equal length are compared.
     sizes = np.linalg.norm(vectors, axis=1)
     order = np.argsort(sizes, kind="stable")
     breaks = np.flatnonzero(np.diff(sizes[order]) > 2 * near * np.sqrt(dimension)) + 1
@@ -98,7 +98,7 @@ def line_families(
 def named_families(
     lines: LineArrays, names: Sequence[str]
 ) -> tuple[tuple[LineFamily, ...], np.ndarray]:
-    """The same of lines whose families are known by name, such as 1/2<1 1 0> of a crystal.
+    """Families of lines whose families are known by name, such as 1/2<1 1 0> of a crystal.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def _measured(
     titles: Sequence[str],
     kinds: Sequence[tuple[float, ...]],
 ) -> tuple[tuple[LineFamily, ...], np.ndarray]:
-    """Families with lengths, the longest first, and the number of that of each line."""
+    """Families with lengths, the longest first, and the number of the family of each line."""
     screws, lengths = lines.screw_shares, lines.lengths
     volume = None if lines.box is None else lines.box.volume
     found = []
@@ -166,13 +166,13 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
 
 
 def _largest(images: np.ndarray) -> np.ndarray:
-    """The image that comes last in the order of dictionaries; rounding decides nothing."""
+    """The last image in lexicographic order, independent of rounding."""
     shown = np.round(images / np.abs(images).max(), 6)
     return images[np.lexsort(shown.T[::-1])[-1]] + 0.0
 
 
 def _name(vector: Sequence[float], marks: str) -> str:
-    """A Burgers vector as a length times small whole numbers, where it is."""
+    """A Burgers vector as a length times small whole numbers, if possible."""
     least = min(abs(x) for x in vector if abs(x) > 1e-6 * max(map(abs, vector)))
     ratios = [x / least for x in vector]
     if all(abs(x - round(x)) < 1e-4 * max(map(abs, ratios)) and abs(x) < 10 for x in ratios):
@@ -182,12 +182,12 @@ def _name(vector: Sequence[float], marks: str) -> str:
 
 
 def lattice_vectors(lattice: Lattice, dimension: int) -> np.ndarray:
-    """Lattice vectors as rows, shape (n, n), of a lattice that was given by name or by vectors.
+    """Lattice vectors as rows, shape (n, n), of a lattice given by name or by vectors.
 
     Raises
     ------
     NetworkError
-        There is no such lattice, or the vectors have another shape or lie in one plane.
+        There is no such lattice, or the vectors have another shape or are in one plane.
     """
     if isinstance(lattice, str):
         checks.choice(lattice, tuple(LATTICES), "lattice", NetworkError)
@@ -207,12 +207,12 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
         Lattice vectors as rows, shape (n, n), or "sc", "fcc", "bcc", "hcp" in units of the
         shortest.
     tolerance
-        Share of the largest vector that they may differ from lattice vectors.
+        Largest difference from lattice vectors, as a share of the largest vector.
 
     Raises
     ------
     NetworkError
-        A vector is none of the lattice; the message says which and by how much.
+        A vector is not in the lattice; the message names it and its distance from the lattice.
 
     Examples
     --------

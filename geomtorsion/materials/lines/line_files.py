@@ -1,4 +1,4 @@
-"""Line files: dislocation networks in the format that the end of a name says, and back."""
+"""Line files: dislocation networks in the format given by the end of a name, and back."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ _FRACTION = re.compile(r"(-?[0-9]{1,30})/([1-9][0-9]{0,29})")
 def read_lines(
     path: str | PathLike[str], periodic: bool = True
 ) -> tuple[LineArrays, list[tuple[Number, ...]] | None]:
-    """Lines from a ParaDiS file, or from .ca and .json, whose boxes say where they repeat.
+    """Lines from a ParaDiS file, or from .ca and .json, whose boxes contain their periodicity.
 
     Files packed by gzip or bzip2 (.data.gz, .ca.gz) are unpacked while they are read.
 
     Returns
     -------
-    The lines, and their b where the file has them more exactly than floats.
+    The lines, and their b if the file has them more exactly than floats.
 
     Raises
     ------
     FileFormatError
-        The file is missing, truncated or malformed; the message names the line where there is one.
+        The file is missing, truncated or malformed; the message names the line if there is one.
     """
     kind = ending(path)
     if kind == ".vtk":
@@ -75,12 +75,12 @@ def lines_text(
     vectors
         b of each line, exact where it is.
     clusters
-        The grains in which the polylines lie.
+        The grains of the polylines.
 
     Raises
     ------
     NetworkError
-        The format cannot hold the network; the message says why.
+        The format cannot hold the network; the message gives the reason.
     """
     kind = ending(path)
     if kind != file_name(path).suffix.lower():
@@ -123,7 +123,7 @@ def vtk_text(curves: Sequence[Polyline]) -> str:
         "# vtk DataFile Version 3.0", "dislocation lines by geomtorsion", "ASCII",
         "DATASET UNSTRUCTURED_GRID", f"POINTS {len(places)} double",
         *(" ".join(map(repr, place)) for place in places),
-        # Three whole numbers a piece; 3 is VTK's number of a straight one, which all programs know.
+        # Three whole numbers a piece; 3 is the VTK type of a straight piece, read by all programs.
         f"CELLS {len(cells)} {3 * len(cells)}", *cells,
         f"CELL_TYPES {len(cells)}", *["3"] * len(cells), f"CELL_DATA {len(cells)}",
         "SCALARS line int 1", "LOOKUP_TABLE default", *numbers,
@@ -150,7 +150,7 @@ def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
     Raises
     ------
     NetworkError
-        A name of a node is no whole number, no text and no list of whole numbers, or b is neither
+        A name of a node is not a whole number, a text or a list of whole numbers, or b is neither
         rational nor a float.
     """
     box = lines.box
@@ -184,7 +184,7 @@ def json_text(lines: LineArrays, vectors: Sequence[Vector]) -> str:
 
 
 def _name(label: Hashable) -> int | str | list[int]:
-    """The name of a node, as JSON can keep it."""
+    """The name of a node in a form that JSON can keep."""
     plain = checks.plain(label)
     if isinstance(plain, str):
         return plain
@@ -219,7 +219,7 @@ def read_json_lines(
     Raises
     ------
     FileFormatError
-        The file is missing, is no JSON, or holds something else.
+        The file is missing, is not JSON, or holds something else.
     """
     name = Path(path).name
     data = conforming(read_json_text(read_text(path, checks.LARGEST_ARRAYS), name), _FORM, name)
@@ -254,7 +254,7 @@ def read_json_lines(
 
 
 def _column(rows: Sequence[Mapping[str, Any]], key: str, name: str) -> list[Any] | None:
-    """What all lines have under a key, or None where none has it."""
+    """The values of all lines under a key, or None if no line has the key."""
     found = [row.get(key) for row in rows]
     if None not in found:
         return found or None

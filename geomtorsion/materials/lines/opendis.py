@@ -13,7 +13,7 @@ from geomtorsion.loops.validation import whole
 from geomtorsion.materials.lines.box import Box
 from geomtorsion.materials.lines.line_arrays import LineArrays
 
-# What is needed of each table.
+# The required columns of each table.
 NEEDED = {"cell": ("h",), "nodes": ("positions",), "segs": ("nodeids", "burgers")}
 
 
@@ -27,7 +27,7 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
     Raises
     ------
     NetworkError
-        A table or an array is missing, or of another shape.
+        A table or an array is missing, or has another shape.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
         if len(set(labels)) < len(labels):
             raise NetworkError("tags: two nodes have the same tag. Give each its own.")
     if pinned is not None:
-        # A column, as it is exported, or a row.
+        # A column, as exported, or a row.
         pinned = checks.entries(checks.rows(pinned), "constraints", NetworkError)
         flat = [x[0] if isinstance(x, list) and len(x) == 1 else x for x in pinned]
         pinned = whole([[x] for x in flat], "constraints", 1).ravel()
@@ -73,7 +73,7 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
 
 
 def opendis_of_arrays(lines: LineArrays) -> dict[str, dict[str, np.ndarray]]:
-    """The tables that `import_data()` of OpenDiS takes.
+    """The tables for `import_data()` of OpenDiS.
 
     Raises
     ------

@@ -21,13 +21,13 @@ Tag = tuple[int, int]
 Row = tuple[int, list[str]]
 _TAG = re.compile(r"([0-9]{1,18}),([0-9]{1,18})")
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
-# What the numbers of a file consist of; whether they are numbers is seen as they are read.
+# Characters of the numbers of a file; the reader checks whether they are numbers.
 _FLOATS = re.compile(r"[0-9eE.,+\-\s]*")
 _COMMENT = re.compile(r"#[^\n]*")
 
 
 class _Reader:
-    """The lines of a file that hold something, with their numbers."""
+    """The lines of a file that are not empty, with their numbers."""
 
     def __init__(self, name: str, text: str) -> None:
         self.name = name
@@ -50,7 +50,7 @@ class _Reader:
         return words
 
     def fail(self, message: str) -> NoReturn:
-        """Refuse the row that was read last."""
+        """Refuse the last row that was read."""
         raise FileFormatError(f"{self.name}: line {self.line}: {message}")
 
     def number(self, word: str, what: str) -> float:
@@ -80,12 +80,12 @@ class _Reader:
 def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
     """Read a dislocation network from a ParaDiS .data file; each line is kept once.
 
-    A file of no nodes is an empty network.
+    A file without nodes is an empty network.
 
     Parameters
     ----------
     periodic
-        Whether the box repeats along its edges, which such a file does not say.
+        Whether the box repeats along its edges, which such a file does not contain.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
     found = _all_at_once(text, count) if count else None
     if found is None:
-        # Something is odd: read line by line, it is understood, or the line is named.
+        # Something is unusual: reading line by line either succeeds or names the line.
         tags, positions, constraints, arms = _nodes(reader, count)
         pairs, burgers, planes = _joined(reader.name, tags, arms)
         places = np.array(positions).reshape(-1, 3)
@@ -120,10 +120,10 @@ Table = tuple[list[Tag], np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndar
 
 
 def _all_at_once(text: str, count: int) -> Table | None:
-    """Labels, positions, constraints, pairs, b and planes of a file in which all is as usual.
+    """Labels, positions, constraints, pairs, b and planes of a file in the usual form.
 
-    Usual are a node, an arm and its plane on a line each, whole numbers where there should be some,
-    and one line of dislocation between two nodes. None where anything is not.
+    In the usual form a node, an arm and its plane are on a line each, whole numbers are where they
+    should be, and one dislocation line joins two nodes. None for any other form.
     """
     _, found, body = text.partition("nodalData")
     body = _COMMENT.sub("", body.partition("\n")[2])
@@ -135,7 +135,7 @@ def _all_at_once(text: str, count: int) -> Table | None:
     except ValueError:
         return None
     node, arm = 7, 8
-    # Where each node begins: two numbers name it, three place it, then come its arms, eight each.
+    # Beginning of each node: two numbers name it, three are its position, then eight for each arm.
     starts, at = [], 0
     for _ in range(count):
         if at + node > len(words):
@@ -157,7 +157,7 @@ def _all_at_once(text: str, count: int) -> Table | None:
     whole = np.concatenate([named.ravel(), inside.ravel()]).astype(np.int64)
     if not all(texts[k].isdigit() for k in whole.tolist()) or not np.isfinite(values).all():
         return None
-    # Beyond this doubles are no longer all whole numbers.
+    # Beyond this, doubles do not represent all whole numbers.
     if values[whole].max() > 2.0**53 or body.count(",") != count + len(arms):
         return None
     if sum(map(bool, map(str.strip, body.split("\n")))) != count + 2 * len(arms):
@@ -191,7 +191,7 @@ def _all_at_once(text: str, count: int) -> Table | None:
 
 
 def _header(reader: _Reader) -> dict[str, Row]:
-    """Every key in front of the nodes with its line and words."""
+    """Every key before the nodes, with its line and words."""
     found: dict[str, Row] = {}
     while True:
         words = reader.next("nodalData")
@@ -200,7 +200,7 @@ def _header(reader: _Reader) -> dict[str, Row]:
         if key == "nodalData" and equals:
             return found
         if not equals:
-            # What follows a key without brackets, such as the bounds of domains, is not needed.
+            # A value after a key without brackets, such as the bounds of domains, is not needed.
             continue
         line, rest = reader.line, rest.split()
         values = rest
@@ -213,7 +213,7 @@ def _header(reader: _Reader) -> dict[str, Row]:
 
 
 def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) -> list[str]:
-    """The words of a key, so many."""
+    """The words of a key, of a given count."""
     if key not in header:
         raise FileFormatError(
             f"{reader.name}: {key} is missing. A ParaDiS file of dislocations gives it in front "
@@ -226,7 +226,7 @@ def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) ->
 
 
 def _single(reader: _Reader, header: Mapping[str, Row], key: str, least: int = 1) -> int:
-    """The whole number of a key."""
+    """The single whole number of a key."""
     (word,) = _values(reader, header, key, 1)
     value = reader.whole(word, key)
     if value < least:
@@ -245,7 +245,7 @@ Arms = dict[tuple[Tag, Tag], list[tuple[int, list[float]]]]
 def _nodes(
     reader: _Reader, count: int
 ) -> tuple[dict[Tag, int], list[list[float]], list[int], Arms]:
-    """Nodes, their numbers, places and constraints, and both descriptions of each line."""
+    """Nodes, their numbers, positions and constraints, and both descriptions of each line."""
     tags: dict[Tag, int] = {}
     positions: list[list[float]] = []
     constraints: list[int] = []
@@ -318,7 +318,7 @@ def _joined(
         for line, row in here:
             gaps = [max(abs(a + b) for a, b in zip(row[:3], x[:3], strict=True)) for _, x in there]
             best = gaps.index(min(gaps))
-            # Files carry eleven digits; what is asked is that both rows mean the same b.
+            # Files carry eleven digits; only both rows having the same b is checked.
             if gaps[best] > 1e-6 * max(map(abs, row[:3])):
                 raise FileFormatError(
                     f"{name}: line {line}: b from node {one[0]},{one[1]} is {row[:3]}, but from "
@@ -370,8 +370,8 @@ def paradis_text(lines: LineArrays) -> str:
     Raises
     ------
     NetworkError
-        There is no box along the coordinates, or b has not three components; and a line longer
-        than half a period, which no reader of such a file could tell from a shorter one.
+        There is no box along the coordinates, b has not three components, or a line is longer
+        than half a period, which a reader of the file could not distinguish from a shorter one.
     """
     box = lines.box
     if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):
@@ -417,7 +417,7 @@ def paradis_text(lines: LineArrays) -> str:
 
 
 def _tag_of(label: object) -> Tag | None:
-    """A name of a node that such a file can carry."""
+    """A name of a node in the form of such a file."""
     if not isinstance(label, tuple) or len(label) != 2:
         return None
     one, two = label

@@ -18,12 +18,12 @@ from geomtorsion.materials.lines.reactions import Vector, size, vanishes, writte
 class Polyline:
     """A dislocation line through nodes in which nothing else happens.
 
-    nodes: their names, in the sense of the line. points: their places, shape (k, 3), each in the
-        image in which the line reaches it.
-    burgers: b, exact where that of the network is, shape (n,).
+    nodes: their names, in the sense of the line. points: their positions, shape (k, 3), each in
+        the image in which the line reaches it.
+    burgers: b, exact where b of the network is, shape (n,).
     shift: whole periods from the first point to the last, where both are the same node, shape (3,).
-    numbers: of the lines of the network of which it consists, in order.
-    meets: what it meets at its first and its last node: "surface", "junction", or "nothing".
+    numbers: numbers in the network of the lines that form it, in order.
+    meets: the kinds of its first and its last node: "surface", "junction", or "nothing".
     """
 
     nodes: tuple[Hashable, ...]
@@ -35,22 +35,22 @@ class Polyline:
 
     @property
     def returns(self) -> bool:
-        """Whether it ends in the node in which it begins."""
+        """Whether it ends at the node at which it begins."""
         return self.nodes[0] == self.nodes[-1]
 
     @property
     def is_closed(self) -> bool:
-        """Whether it is a loop: it comes back to the place where it begins."""
+        """Whether it is a loop: it ends at the position at which it begins."""
         return self.returns and not any(self.shift)
 
     @property
     def is_periodic(self) -> bool:
-        """Whether it runs through the periodic box without end: it comes back in another image."""
+        """Whether it runs through the periodic box without end: it returns in another image."""
         return self.returns and any(self.shift)
 
     @property
     def ends(self) -> str:
-        """Where it ends, in a word or two: closed, periodic, or what it meets."""
+        """Its ends in a word or two: closed, periodic, or the kinds of its end nodes."""
         if self.returns:
             return "closed" if self.is_closed else "periodic"
         first, last = self.meets
@@ -78,21 +78,21 @@ def polylines(
     ends: Sequence[bool] = (),
     tolerance: float = 1e-9,
 ) -> tuple[Polyline, ...]:
-    """Lines between nodes put together where two of one b meet and nothing else does.
+    """Lines between nodes merged where exactly two lines of one b meet.
 
     Parameters
     ----------
     vectors
         b of each line, exact where it is.
     ends
-        Whether a line ends at a node in any case: at a surface, shape (nodes,).
+        Whether a line always ends at a node, because it is at a surface, shape (nodes,).
     tolerance
         Share of the largest b within which floats count as equal.
 
     Returns
     -------
-    The polylines, in the order of their first lines; the sense is that of the line with the lowest
-    number in each.
+    The polylines, in the order of their first lines; each has the sense of its line with the
+    lowest number.
 
     Examples
     --------
@@ -160,7 +160,7 @@ class _Walker:
         )
 
     def _met(self, node: int) -> str:
-        """What a line meets at a node in which it ends."""
+        """The kind of the node at which a line ends."""
         if self.ends[node]:
             return "surface"
         return "junction" if len(self.arms[node]) > 1 else "nothing"
@@ -179,7 +179,7 @@ class _Walker:
         return self.pairs[line][1 if sense > 0 else 0]
 
     def _next(self, node: int, line: int, sense: int) -> tuple[int, int] | None:
-        """The line that goes on from a node, with the sense in which it is walked."""
+        """The line that continues from a node, with the sense in which it is walked."""
         arms = self.arms[node]
         if len(arms) != 2 or arms[0] == arms[1] or self.ends[node]:
             return None
@@ -204,7 +204,7 @@ def line_table(
 ) -> str:
     """Counts, and a row for each line: b, family, length, share of screw, where it ends.
 
-    names: of the families of lines, if they are known. most: as many rows as a screen shows.
+    names: of the families of lines, if known. most: number of rows that are shown.
 
     Examples
     --------
@@ -239,7 +239,7 @@ def line_table(
 def node_table(
     lines: Sequence[tuple[Hashable, Hashable, Hashable, Vector]], junctions: int, most: int = 40
 ) -> str:
-    """The same for lines of which no places are known.
+    """As `line_table`, for lines without known positions.
 
     Examples
     --------
@@ -256,7 +256,7 @@ def node_table(
 
 
 def _short(vector: Vector) -> str:
-    """b with six digits of its largest component: less is rounding."""
+    """b with six digits of its largest component, since less is rounding."""
     most = max((abs(x) for x in vector if isinstance(x, float)), default=0.0)
     if not most:
         return written(vector)
@@ -274,7 +274,7 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _aligned(rows: list[tuple[str, ...]], sides: str) -> list[str]:
-    """Rows of a table, columns of numbers ("r") to the right; nothing where there is none."""
+    """Rows of a table, columns of numbers ("r") to the right; none without a row below the head."""
     if len(rows) < 2:
         return []
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -288,5 +288,5 @@ def _aligned(rows: list[tuple[str, ...]], sides: str) -> list[str]:
 
 
 def _rest(count: int, most: int) -> list[str]:
-    """How many rows are not shown."""
+    """Number of rows that are not shown."""
     return [f"  and {count - most:,} more"] if count > most else []

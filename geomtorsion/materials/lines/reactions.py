@@ -1,4 +1,4 @@
-"""Reactions: Burgers vectors, what may become of what, and nodes that conserve none."""
+"""Reactions: sums of Burgers vectors, and nodes that do not conserve them."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
     Raises
     ------
     NetworkError
-        It is no vector of finite numbers, or not of the dimension.
+        It is not a vector of finite numbers, or not of the dimension.
     """
     message = "{subject}: a Burgers vector was needed, but {value} came."
     given = checks.entries(values, where, NetworkError, message=message)
-    # Of a hundred thousand lines of a simulation all have plain floats.
+    # All of a hundred thousand lines of a simulation may have plain floats.
     plain = all(type(value) is float and math.isfinite(value) for value in given)
     result = tuple(given) if plain else tuple(_number(value, where) for value in given)
     if dimension is not None and len(result) != dimension:
@@ -45,7 +45,7 @@ def _number(value: Number, where: str) -> Entry:
         return Fraction(value)
     message = "{subject}: finite numbers were needed, but {value} came."
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
-        # Roots stay as they are; a symbol has no length.
+        # Roots stay exact; a symbol has no length.
         checks.number(value, where, NetworkError, message=message, infinite=message)
         return value
     found = checks.exact_number(value, where, NetworkError, message=message, infinite=message)
@@ -92,11 +92,11 @@ class Reaction:
     Raises
     ------
     NetworkError
-        The sums differ (the message says by how much), or a vector is none.
+        The sums differ (the message gives the difference), or a vector is invalid.
 
     Examples
     --------
-    An fcc dislocation splits into two Shockley partials, and gains energy by it:
+    An fcc dislocation splits into two Shockley partials, which lowers its energy:
 
     >>> from fractions import Fraction as F
     >>> perfect = (F(1, 2), F(-1, 2), 0)
@@ -142,7 +142,7 @@ class Reaction:
 
     @property
     def is_favourable(self) -> bool:
-        """Whether Frank's rule lets it happen by itself: b^2 becomes less."""
+        """Whether the reaction is spontaneous by Frank's rule: b^2 decreases."""
         return bool(self.energy_change < 0)
 
 
@@ -154,7 +154,7 @@ CONSTRAINTS = {1: "surface", 5: "surface", 6: "surface", 7: "pinned", 8: "surfac
 class NodeViolation:
     """A node at which b is not conserved.
 
-    node: which; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
+    node: its name; excess: sum of b of the lines that leave minus those that arrive, shape (n,).
     constraint: the number that a simulation gives the node; 7: it is pinned.
     """
 
