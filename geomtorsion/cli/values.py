@@ -1,4 +1,4 @@
-"""values: numbers, names, starts and engines as a person types them, and as they are said again."""
+"""values: numbers, names, starts and engines as typed, and as the output repeats them."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def start_options(
 def start_lines(
     problem: CurveProblem, chosen: Sequence[str], last: float | None = None
 ) -> list[str]:
-    """Start, velocity, parameters and duration, with a word where they were chosen."""
+    """Start, velocity, parameters and duration, with a mark on the values chosen by default."""
     names = problem.coordinates
     facts = {
         "start": _pairs(names, problem.start or ()),
