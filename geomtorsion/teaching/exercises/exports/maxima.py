@@ -63,7 +63,7 @@ def maxima_list(value: Value, size: int) -> str:
 
 
 def maxima_matrix(value: Value, shape: Sequence[int]) -> str:
-    """Components as a matrix: one row for one index; for three those of the first two below it.
+    """Components as a matrix: one row for one index; for three, the matrices stacked.
 
     Examples
     --------

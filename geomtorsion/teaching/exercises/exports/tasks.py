@@ -31,12 +31,12 @@ class Task:
 
     @property
     def number(self) -> str:
-        """Such as "3.2"."""
+        """Number, such as "3.2"."""
         return self.variants[0].number
 
     @property
     def title(self) -> str:
-        """What it is called."""
+        """Title of the exercise."""
         return self.variants[0].title
 
     @property
@@ -79,7 +79,7 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
 
 
 def feedback(question: Question, mistake: Mistake) -> str:
-    """What is said about a mistake: Markdown with LaTeX.
+    """The feedback on a mistake: Markdown with LaTeX.
 
     Examples
     --------
