@@ -1,4 +1,4 @@
-"""limits: how large an answer may be, so that none keeps the examiner busy."""
+"""limits: the largest size of an answer, so that no answer blocks the examiner."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> Non
         raise LimitError(
             f"{where}: it contains more than {MOST.roots} different roots. Write it shorter."
         )
-    # Counted, not expanded: expanding is what has to be avoided.
+    # Counted without expanding, because expanding is the expensive step.
     above, below = _weight(expr, {})
     if above * below > largest:
         raise LimitError(
