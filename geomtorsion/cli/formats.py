@@ -283,7 +283,7 @@ def _each(pattern: str, arguments: Names) -> str:
 
 
 def _description(chosen: Quantity, arguments: Names) -> str:
-    """Docstring of a function: its quantity, its axes, and the stand-ins of unknown functions."""
+    """Docstring of a function: its quantity, its axes, and the names for unknown functions."""
     axes = ", ".join(chosen.letters)
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
     if axes:

@@ -26,7 +26,7 @@ def burgers_of(
     """Burgers vectors of circuits as plain data, the circuits that did not fail, and whether all
     circuits were computed.
 
-    alone: a failure raises an error instead of becoming a result, if there is only one circuit.
+    alone: the failure of a single circuit raises an error instead of becoming a result.
     """
     results: list[Json] = []
     vectors: list[Burgers] = []
