@@ -14,7 +14,7 @@ from geomtorsion.exact.names import NOT_SMOOTH
 from geomtorsion.exact.tokens import Limits
 from geomtorsion.teaching.exercises.notation import written_out
 
-# What a person types by hand stays far below these.
+# A text typed by hand stays far below these.
 LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 
 
@@ -48,10 +48,10 @@ def read_typed(
     except ExpressionError as error:
         if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
             raise
-        # In two ways: that says more than that a sign is missing.
+        # Raises if the text is ambiguous: that message is better than one about a missing sign.
         plain = written_out(text, symbols, where)
         try:
             return parse_expression(plain, symbols, functions, where=where, limits=LIMITS)
         except (ExpressionError, LimitError):
-            # It is told about as it was typed.
+            # The first error shows the text as typed.
             raise error from None
