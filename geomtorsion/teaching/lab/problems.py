@@ -1,4 +1,4 @@
-"""problems: exercises as the page shows them, and what it says about an answer."""
+"""problems: exercises in the form of the page, and feedback on answers."""
 
 from __future__ import annotations
 
@@ -116,14 +116,14 @@ def hints(number: str, seed: int, count: int) -> Json:
 
 
 def _copy_button(texts: Sequence[str], what: str) -> str:
-    """A button that copies texts as LaTeX; nothing where there is no formula in them."""
+    """A button that copies texts as LaTeX; empty if they contain no formula."""
     if not any("$" in text for text in texts):
         return ""
     return views.copy_button("\n\n".join(map(latex_of, texts)), what)
 
 
 def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
-    """What is said about answers, question by question, as HTML; an empty one is not looked at.
+    """The verdict on answers, question by question, as HTML; an empty answer is skipped.
 
     Raises
     ------
