@@ -59,11 +59,11 @@ class Curve:
 class Film:
     """A picture in space.
 
-    name: under which the browser remembers how it was turned. title, axes: words.
+    name: key under which the browser stores the view. title, axes: words.
     curves: fixed in space. moving: lines fixed in the body. attitudes: rotation matrices.
-    times: of attitudes and of the points of curves; a film if there are any.
-    globe: radius of a sphere that hides what is behind it; equal: lengths are true.
-    turn: of the eye about the third axis at first, rad.
+    times: of attitudes and of the points of curves; an animation if there are any.
+    globe: radius of an opaque sphere; equal: lengths are true.
+    turn: initial angle of the eye about the third axis, rad.
     """
 
     name: str
@@ -102,7 +102,7 @@ def turnable(scene: Film) -> str:
         "seconds": PAGE.film,
         "turn": scene.turn,
     }
-    # In a script element only the end of that element ends the text.
+    # In a script element only the end tag of the element ends the text.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     film = ""
     if len(scene.times) > 1:
