@@ -41,9 +41,9 @@ class ExitCode(IntEnum):
 
 @contextmanager
 def interruptible(came: list[bool]) -> Iterator[None]:
-    """Raise KeyboardInterrupt on Ctrl-C within the block, so that work is tidied up.
+    """Raise KeyboardInterrupt on Ctrl-C within the block, so that resources are released.
 
-    came: gets an entry then, as libraries in C may make another error of it.
+    came: gets an entry on Ctrl-C, since C libraries may turn the interrupt into another error.
     """
     if signal.getsignal(signal.SIGINT) is not stop_at_once:
         yield
@@ -61,9 +61,9 @@ def interruptible(came: list[bool]) -> Iterator[None]:
 
 
 def limit_memory() -> None:
-    """Let this process take at most the memory of the machine, where the system can do that.
+    """Limit the memory of this process to the memory of the machine, if the system supports it.
 
-    A damaged file that asks for more then ends in an error, before the system ends other programs.
+    A damaged file that requests more then causes an error, before the system ends other programs.
     """
     try:
         # Not on Windows.
@@ -152,7 +152,7 @@ def _settings(table: str) -> str:
 
 
 def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
-    """Title and file of the page that helps; empty where the package came without the pages.
+    """Title and file of the page that helps; empty if the package was installed without the pages.
 
     Examples
     --------

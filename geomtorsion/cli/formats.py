@@ -144,9 +144,9 @@ def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sy
 
 
 def _renamed(expressions: Iterable[sympy.Expr]) -> dict[sympy.Basic, sympy.Basic]:
-    """Symbols and unknown functions -> what Mathematica accepts: no underscores, no taken letters.
+    """Symbols and unknown functions -> names that Mathematica accepts, without reserved capitals.
 
-    Two that are different stay so.
+    Different symbols get different names, without underscores.
     """
     parts = sympy.Tuple(*expressions).atoms(sympy.Symbol, AppliedUndef)
     named = {part: part.name if part.is_Symbol else part.func.__name__ for part in parts}

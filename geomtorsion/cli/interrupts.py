@@ -1,6 +1,6 @@
-"""Interrupts: how Ctrl-C ends the command before its work has begun, and behind it.
+"""Interrupts: how Ctrl-C ends the command before its work begins and after its end.
 
-Loaded before everything else, and so without anything that takes time to load.
+Loaded before everything else, and therefore without slow imports.
 """
 
 import os

@@ -1,7 +1,7 @@
 """lazy: a group of commands, each imported when it is called.
 
-The modules of the commands import what they need at their top; all of them together would take
-longer to load than `geomtorsion --help` takes.
+The modules of the commands import their dependencies at the top; loading all of them would take
+longer than `geomtorsion --help` takes.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """scene_sources: the scene that a name or a file on the command line means.
 
-Apart from `sources`, since scenes take longer to load than spaces.
+Separate from `sources`, since scenes take longer to load than spaces.
 """
 
 from __future__ import annotations

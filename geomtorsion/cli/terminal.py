@@ -55,7 +55,7 @@ ROWS = 9
 
 
 def some_rows(count: int) -> list[int]:
-    """Rows that are shown of so many, evenly spread from the first to the last.
+    """Numbers of the shown rows, evenly spread from the first to the last.
 
     Examples
     --------

@@ -26,7 +26,7 @@ def parts(text: str) -> tuple[str, ...]:
 
 
 def some_names(text: str, option: str) -> list[str]:
-    """Names separated by commas: at least one, for none would pass for all.
+    """Names separated by commas; at least one, since an empty list would mean all.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def some_names(text: str, option: str) -> list[str]:
 
 
 def number(text: str, what: str) -> float:
-    """A number, written as one or as an expression such as pi/2.
+    """A number, written as such or as an expression such as pi/2.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def _expression(text: str, what: str) -> float:
 
 
 def numbers(text: str | None, what: str) -> list[float] | None:
-    """Numbers separated by commas; None where nothing was given.
+    """Numbers separated by commas; None without a text.
 
     Examples
     --------
