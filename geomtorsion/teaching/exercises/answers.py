@@ -79,7 +79,7 @@ def without_label(text: str, names: Mapping[str, object]) -> str:
 
 
 def components(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
-    """Components by their indices, from a table, nested lists, or a text that writes one of them.
+    """Components by their indices, from a table, nested lists, or a text of one of these forms.
 
     A table or text names components: ``{"1,2,1" = "1/r"}`` or ``1,2,1 = 1/r; 2,1,1 = 0``; indices
     are counted from 1 or named by coordinates; a component that is not listed is zero. A list gives
@@ -119,7 +119,7 @@ def components(question: Question, given: object, where: str) -> dict[Index, sym
 
 
 def completed(given: Value, symmetry: str) -> dict[Index, Any]:
-    """With the components that follow from those given by exchanging the first two indices.
+    """The components, completed by exchanging the first two indices of each given component.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def answer_text(question: Question, value: Value) -> str:
 
 
 def without_rounding(value: Value) -> dict[Index, Any]:
-    """Numbers without those that are rounding only, next to the largest.
+    """Numbers without those that are rounding errors compared with the largest.
 
     Examples
     --------

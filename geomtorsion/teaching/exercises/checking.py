@@ -46,7 +46,7 @@ def numbers(question: Question, given: object, where: str) -> dict[Index, float]
     ExpressionError
         It is not a number.
     UnitError
-        Its unit measures something else.
+        Its unit measures another quantity.
     """
     text, factor = given, 1.0
     if isinstance(given, str):
@@ -326,7 +326,7 @@ _PLAIN = (
 
 
 def equations(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
-    """The rates that follow from equations: as index of the unknown -> expression.
+    """The rates that follow from equations, as index of the unknown -> expression.
 
     Equations are a text ``Omega1' = ...; Omega2' = ...`` (semicolons or lines), a list of such, or
     a table unknown -> expression. They may be multiplied, exchanged and combined at will.

@@ -28,7 +28,7 @@ _INVERSE = (
 )  # fmt: skip
 # Half of the digits may have cancelled; values that differ in the remaining half are different.
 SURE = 10.0 ** (-DIGITS // 2)
-# Beyond the sizes in the solution no answer needs numbers this large: more digits would cancel.
+# Largest ratio of intermediate numbers, answer to solution: beyond it, too many digits cancel.
 BEYOND = 1 / SURE
 
 
@@ -68,7 +68,7 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
 
 
 def has_root(expr: sympy.Expr) -> bool:
-    """Whether a root with a symbol below it occurs, or a size such as |x|.
+    """Whether a root of a symbol occurs, or an absolute value such as |x|.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def has_root(expr: sympy.Expr) -> bool:
 
 
 def has_inverse(expr: sympy.Expr) -> bool:
-    """Whether an inverse function of a symbol occurs, which gives one of several values.
+    """Whether an inverse function of a symbol occurs, which returns one of several values.
 
     Examples
     --------
@@ -109,8 +109,8 @@ def same(domain: Domain, given: Value, right: Value) -> bool:
 
 
 def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool], float]:
-    """At each point where both have a value, whether it is the same; and how much larger the
-    numbers on the way to the first become than those on the way to the second.
+    """At each point where both have a value, whether the values agree; and the ratio of the largest
+    intermediate number of the first to the largest intermediate number of the second.
 
     Floats decide where the values differ by more than half of their digits and no intermediate
     number is so large that one over a difference of two such numbers may have lost more digits;

@@ -23,12 +23,12 @@ _PAIR = re.compile(r"(['\"])([^'\"]*)\1\s*:\s*(?:(['\"])([^'\"]*)\3|([^,{}]*))")
 
 
 def table_or_list(question: Question, text: str, where: str) -> object:
-    """A table index -> text, or nested lists of texts; a single expression stays text.
+    """A table index -> text, or nested lists of texts; a single expression remains text.
 
     Raises
     ------
     ExpressionError
-        A bracket is not closed, or a part names no component.
+        A bracket is not closed, or a part does not name a component.
     LimitError
         It is too long, or too many lists are nested.
     """
@@ -361,7 +361,7 @@ def _example(question: Question) -> str:
 
 
 def kind(value: object) -> str:
-    """What an answer is, in a few words.
+    """Description of an answer in a few words.
 
     Examples
     --------

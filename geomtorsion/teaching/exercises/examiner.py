@@ -16,9 +16,9 @@ SECONDS = 10.0
 class Examiner:
     """Checks answers within a time; a context manager.
 
-    seconds: how long the answers to one exercise may take. Then the process is ended, the answers
-    count as too large, and the next ones get a new process.
-    function: what the process calls with each request, which may know more than `reply`.
+    seconds: time limit for the answers to one exercise. At the limit the process is ended, the
+    answers count as too large, and the next answers get a new process.
+    function: called by the process with each request; it may handle more requests than `reply`.
 
     Examples
     --------

@@ -104,17 +104,17 @@ class Exercise:
     def worked(self) -> tuple[Step, ...]:
         """The solution step by step, for the teacher; each question is answered by one step.
 
-        The answers are worked out by hand, apart from the library's own solution.
+        The answers are derived by hand, independently of the library's own solution.
         """
         return self.variant.worked()
 
     def question(self, name: str) -> Question:
-        """The question of a name.
+        """The question with this name.
 
         Raises
         ------
         UnknownNameError
-            There is none; the message lists those there are.
+            There is no such question; the message lists the known ones.
         """
         known = {question.name: question for question in self.questions}
         if isinstance(name, str) and name in known:
@@ -140,7 +140,7 @@ class Exercise:
         Parameters
         ----------
         answers
-            question -> answer (text, number, list or table); a single text where there is one
+            question -> answer (text, number, list or table); a single text if there is one
             question.
 
         Examples

@@ -128,13 +128,13 @@ TAIL = ("diagnoses", "remarks", "fingerprint")
 class Mark:
     """The marks of one student: a row of the table.
 
-    file, student, seed: whose they are. earned, points: in total; answers that could not be read
+    file, student, seed: the owner. earned, points: totals; answers that could not be read
     count in neither.
-    answered: how many questions of how many. counted: the exercises that make up the points.
-    status: GRADED, PARTLY (an answer was not looked at: unreadable, or to no question there is),
+    answered: number of answered questions, and of all. counted: the exercises with points.
+    status: GRADED, PARTLY (an answer was not checked: unreadable, or to an unknown question),
     TWICE (another file has the same student) or REFUSED.
     parts: number of an exercise -> points earned.
-    diagnoses: number:question -> code. remarks: what to look at. fingerprint: of file and task.
+    diagnoses: number:question -> code. remarks: what to check. fingerprint: of file and task.
     """
 
     file: str
@@ -218,7 +218,7 @@ def grade(
         the required seed of every student; by default the seed of each file. A file without a
         seed is graded with this seed, or with 0, and its row reports it.
     seconds
-        how long the answers to one exercise may take.
+        time limit for the answers to one exercise.
     progress
         is called with (files done, files in all, file).
 
@@ -330,9 +330,9 @@ def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, .
 
 
 def _read(path: Path, examiner: Examiner) -> Submission | str:
-    """The answers in a file, or why it cannot be read, found out in the process of the examiner.
+    """The answers in a file, or the reason why it cannot be read, from the examiner's process.
 
-    A file that takes too much time or memory costs its own student the marks, and nobody else.
+    A file that takes too much time or memory costs only its own student marks.
     """
     found = examiner.ask({"path": str(path)}, SECONDS)
     if isinstance(found, str):

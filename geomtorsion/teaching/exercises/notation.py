@@ -132,7 +132,7 @@ _BRACKETS = "([{"
 
 
 def plain_signs(text: str) -> str:
-    """Text with the signs of a keyboard: superscripts, subscripts, LaTeX, other minus signs.
+    """Text in keyboard signs: superscripts, subscripts, LaTeX and other minus signs are replaced.
 
     Examples
     --------
@@ -326,9 +326,9 @@ def _rate_name(word: str, order: int, names: Mapping[str, object]) -> str:
 
 
 def _parts(word: str, names: Mapping[str, object]) -> list[_Token]:
-    """A word as names side by side, such as Omega2Omega3 or piR; empty if it is not made of them.
+    """A word as names side by side, such as Omega2Omega3 or piR; empty if it is anything else.
 
-    Of several ways the one with the longest names from the left is taken.
+    If several splits exist, the split with the longest names from the left is taken.
     """
     found: list[_Token] = []
     longest = max(map(len, (*names, *FUNCTIONS))) + 1

@@ -31,7 +31,7 @@ _TURNED = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin", "as
 
 
 def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:
-    """Values at many points at once; nan or infinite where there is none.
+    """Values at many points at once; nan or infinite where the expression has no value.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:
 def at_points_with_size(
     expr: sympy.Expr, points: Columns
 ) -> tuple[tuple[complex, ...], tuple[float, ...]]:
-    """Values at many points, and the largest number that occurred on the way to each.
+    """Values at many points, and the largest intermediate number at each.
 
     A value far below that size has lost digits by cancellation.
     """
@@ -59,7 +59,7 @@ def at_points_with_size(
 def at_point(
     expr: sympy.Expr, point: Mapping[sympy.Symbol, sympy.Rational], digits: int = DIGITS
 ) -> mpmath.mpc | None:
-    """Value at one point to many digits, None where there is none or it is beyond all size.
+    """Value at one point to many digits; None if it does not exist or is too large.
 
     Examples
     --------

@@ -27,7 +27,7 @@ _LATEX = str.maketrans(
 def html_of(markdown: str, *, tex: bool = False) -> str:
     r"""Paragraphs, lists, bold words, code and formulas as HTML.
 
-    tex: formulas as TeX between \( and \), for pages on which MathJax runs; else as MathML.
+    tex: formulas as TeX between \( and \), for pages with MathJax; otherwise as MathML.
 
     Examples
     --------
@@ -176,10 +176,10 @@ class Node:
     """A part of a formula.
 
     kind: row, letter, sign, number, word, space, fraction, root, scripts, accent, fence or matrix.
-    text: the letter, sign, number, word or accent; of a fence its two brackets.
+    text: the letter, sign, number, word or accent; for a fence its two brackets.
     parts: children; for scripts: base, subscript, superscript (empty rows where missing);
     for a root: the radicand, and its degree if that is not two.
-    width: of a space, in em.
+    width: for a space, in em.
     """
 
     kind: str

@@ -214,7 +214,7 @@ def permuted(value: Value, shape: tuple[int, ...]) -> Iterator[Value]:
 
 
 def reordered(value: object, order: tuple[int, ...]) -> Value:
-    """Components with their indices in another order; order[k] comes k-th.
+    """Components with their indices in another order; order[k] becomes index k.
 
     Examples
     --------
@@ -239,7 +239,7 @@ ASKED = {
 
 
 def how_to_answer(question: Question, *, options: bool = True) -> str:
-    """One line of Markdown: kind of answer, symbols, tolerance, and what can be chosen.
+    """One line of Markdown: kind of answer, symbols, tolerance, and options.
 
     Examples
     --------
@@ -293,7 +293,7 @@ def plain_name(text: str) -> str:
 
 
 def shown_name(text: str) -> str:
-    """The same backwards.
+    """Names of symbols as derivatives, the inverse of `plain_name`.
 
     Examples
     --------

@@ -105,7 +105,7 @@ def write_sheet(
     chapter
         its number, "1" to "7".
     directory
-        made if it is missing.
+        created if it is missing.
     seed
         the variant.
 

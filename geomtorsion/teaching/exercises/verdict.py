@@ -212,12 +212,12 @@ class Verdict:
         return cls(data["number"], data["seed"], tuple(questions), tuple(data["notes"]))
 
     def __getitem__(self, name: str) -> QuestionVerdict:
-        """The verdict on the question of a name.
+        """The verdict on the question with this name.
 
         Raises
         ------
         UnknownNameError
-            There is none; the message lists those there are.
+            There is no such question; the message lists the known ones.
         """
         table = {question.name: question for question in self.questions}
         return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]

@@ -67,7 +67,7 @@ class Worker:
         self._replies.put("")
 
     def ask(self, request: Json, seconds: float) -> Json:
-        """The reply; the time counts from when the process is ready.
+        """The reply; the time limit starts when the process is ready.
 
         Raises
         ------
@@ -113,18 +113,20 @@ class Worker:
 
 
 class WorkerPool:
-    """Processes that call one function; any number of threads may ask, each waits its turn.
+    """Processes that call one function; any number of threads may send requests.
+
+    Each request waits for a free worker.
 
     Parameters
     ----------
     function
-        What a worker calls with each request, as "package.module:name".
+        The function that a worker calls with each request, as "package.module:name".
     size
         Number of processes; each starts when it is first needed.
     patience
         Seconds that a request waits for a free worker.
     errors_shown
-        Whether what workers print to standard error is seen.
+        Whether standard error of the workers is shown.
 
     Examples
     --------
@@ -158,7 +160,7 @@ class WorkerPool:
         self.close()
 
     def ask(self, request: Json, seconds: float) -> Json:
-        """What the function gives; a worker that ends is replaced for whoever comes next.
+        """The result of the function; a worker that ends is replaced for the next request.
 
         Raises
         ------
@@ -233,9 +235,9 @@ class WorkerPool:
 
 
 def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str]) -> None:
-    """Say that this process is ready, then answer requests, one a line, until they end.
+    """Report that this process is ready, then answer requests, one a line, until they end.
 
-    A request that needs more memory or depth than there is gets `{"exceeded": which}`.
+    A request that needs more memory or depth than is available gets `{"exceeded": which}`.
     """
     replies.write(READY + "\n")
     replies.flush()

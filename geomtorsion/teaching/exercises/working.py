@@ -154,7 +154,7 @@ def cross(one: Iterable[sp.Expr], two: Iterable[sp.Expr]) -> list[sp.Expr]:
 
 
 def listed(name: str, table: Mapping[tuple[int, ...], object], above: int = 1) -> str:
-    """Components in LaTeX, indices counted from 1, the last so many of them above.
+    """Components in LaTeX, indices counted from 1; the last `above` indices are upper ones.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def listed(name: str, table: Mapping[tuple[int, ...], object], above: int = 1) -
 
 
 def differentials(frame: Frame) -> str:
-    r"""d e^k of the forms that are not closed, each a displayed formula of its own.
+    r"""d e^k of the forms that are not closed, each as a displayed formula.
 
     Examples
     --------

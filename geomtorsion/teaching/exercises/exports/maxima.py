@@ -16,7 +16,7 @@ _CONSTANTS = {sympy.pi: "%pi", sympy.E: "%e", sympy.I: "%i"}
 
 
 def maxima_name(name: str) -> str:
-    """The name of a symbol: digits last, as STACK asks; rates with a d for each prime in front.
+    """The name of a symbol: digits last, as STACK requires; rates with a d for each prime in front.
 
     Examples
     --------

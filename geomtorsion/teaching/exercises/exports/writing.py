@@ -75,14 +75,14 @@ def export(
     seeds: Sequence[int] | None = None,
     progress: Progress = lambda _: None,
 ) -> Export:
-    """Write exercises in a format that teachers' systems take.
+    """Write exercises in a format that teachers' systems import.
 
     Parameters
     ----------
     to
         "stack" (Moodle XML) or "nbgrader" (a course with notebooks).
     directory
-        made if it is missing; files in it that have the same names are replaced.
+        created if it is missing; files in it with the same names are replaced.
     numbers
         of the exercises, such as ["3.1", "3.2"]; all if None.
     seeds
@@ -92,7 +92,7 @@ def export(
 
     Returns
     -------
-    The files that were written, and what to do with them.
+    The written files, and what to do with them.
 
     Raises
     ------
