@@ -21,15 +21,15 @@ LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 def read_typed(
     text: str, symbols: Mapping[str, sp.Symbol], functions: Mapping[str, Any], where: str
 ) -> sp.Expr:
-    """An expression; zero where nothing was typed.
+    """An expression; zero for an empty text.
 
-    What the library reads means what it does everywhere. Anything else is read as answers of
-    exercises are: products without a sign, functions without brackets, LaTeX, signs of other keys.
+    A text that the library reads keeps its meaning. Any other text is read like an answer to
+    an exercise: products without a sign, functions without brackets, LaTeX, signs of other keys.
 
     Raises
     ------
     ExpressionError
-        It can be read in no way, or in two.
+        It can be read in no way, or in two ways.
     LimitError
         It is longer or deeper than what a person types.
 

@@ -51,8 +51,8 @@ def crystal(name: str) -> Json:
 
     Returns
     -------
-    atoms: places, shape (n, 2). bonds: [first, second, dx, dy] of nearest neighbours, whole
-    numbers, from the first to the second.
+    atoms: positions, shape (n, 2). bonds: [first, second, dx, dy] of nearest neighbours,
+    integers, from the first to the second.
 
     Examples
     --------
@@ -103,7 +103,7 @@ def atoms() -> Json:
 
     Returns
     -------
-    space: the document. title: what it is called.
+    space: the document. title: its title.
 
     Examples
     --------

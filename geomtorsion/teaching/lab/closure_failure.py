@@ -133,7 +133,7 @@ def _outside(frame: Frame, b: BurgersVector) -> str:
 
 
 def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:
-    """2 S_{mn}^i A at the centre of a loop: what a small one has, frame components.
+    """2 S_{mn}^i A at the centre of a loop: the prediction for a small loop, frame components.
 
     Equation
     --------

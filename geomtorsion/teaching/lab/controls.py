@@ -239,7 +239,7 @@ def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
 
 
 def _leg(space: str, k: int) -> str:
-    """What a velocity along leg k of a frame means.
+    """The meaning of a velocity along leg k of a frame.
 
     Examples
     --------

@@ -39,7 +39,7 @@ def costs(kind: str, case: Json) -> Json:
     kind
         "loop", "straightest", "shortest" or "top".
     case
-        What the page for it is set to: the arguments of `closure_failure`, of `paths` or of `top`.
+        Settings of the page: the arguments of `closure_failure`, of `paths` or of `top`.
 
     Returns
     -------

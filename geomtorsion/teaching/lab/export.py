@@ -64,10 +64,10 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 def write_pages(
     directory: str | PathLike[str], progress: Progress = lambda _: None
 ) -> tuple[Path, ...]:
-    """Write index.html and a page for each tab; give their paths, the index first.
+    """Write index.html and a page for each tab; return their paths, the index first.
 
-    Everything is inside the pages: style, pictures, mathematics (MathML) and the scripts that turn
-    pictures and move sliders. Nothing is written before everything is computed.
+    The pages contain everything: style, pictures, mathematics (MathML) and the scripts that turn
+    pictures and move sliders. Writing starts after all computations.
     """
     directory = checks.file_name(directory, "directory")
     made = pages(progress)

@@ -27,8 +27,8 @@ def map_facts(
     name
         Of the file, for messages.
     threshold, phase, laue
-        Of orientation maps: grains differ by more, degrees; the phase that colours show, 0 for all;
-        its Laue group, empty as in the file.
+        For orientation maps: least angle between grains, degrees; the displayed phase, 0 for all;
+        its Laue group, empty for the group in the file.
 
     Returns
     -------
@@ -96,19 +96,19 @@ def map_circuit(
     content, name, threshold, phase, laue
         As for `map_facts`.
     centre
-        The node in its middle, numbers along x and y from 0.
+        The node at its centre, numbers along x and y from 0.
     side
         Cells along its side.
 
     Returns
     -------
-    picture: svg, the map and its scale. refused: why the circuit has no b, where it has
-    none. Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
+    picture: svg, the map and its scale. refused: why the circuit has no b, if it has none.
+    Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
 
     Raises
     ------
     GeomtorsionError
-        The file is nothing that the page reads, or the side is longer than the map.
+        The file has a format that the page does not read, or the side is longer than the map.
 
     Examples
     --------

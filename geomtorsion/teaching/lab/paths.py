@@ -42,7 +42,7 @@ def paths(
 
     Returns
     -------
-    space: an HTML document with the curves, to be turned; or picture: an svg element where the
+    space: an HTML document with the turnable curves; or picture: an svg element if the
     space is a plane. distance: svg. table, sentence: HTML and text. largest: of the distances.
 
     Examples

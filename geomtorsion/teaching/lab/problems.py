@@ -28,7 +28,7 @@ HOW = {
 
 
 def how(question: Question) -> str:
-    """How a question is answered, and with which names.
+    """Instructions for the answer to a question, with the names that may occur.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     Raises
     ------
     LimitError
-        An answer is longer than any that is needed.
+        An answer is longer than the limit.
 
     Examples
     --------

@@ -64,11 +64,11 @@ _FULL = (
 
 
 class AccessControl:
-    """An ASGI application before another: hosts, origins, sizes and the number of sessions.
+    """An ASGI application in front of another: hosts, origins, sizes and the number of sessions.
 
-    hosts: names by which the page may be called; empty: any. A page of another site that is open
+    hosts: accepted names of the page; empty: any. A page of another site that is open
     in the same browser has another origin, and is refused. sessions: open at once; reserve:
-    places at the end for clients with fewer sessions, a client being an address on the network.
+    sessions at the end for clients with fewer sessions, a client being an address on the network.
     ending: awaited before the server ends.
     """
 
@@ -183,7 +183,7 @@ class AccessControl:
             self.open[client] -= 1
 
     async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """A session that is read and run through before the next one begins to be.
+        """A session whose start completes before the next session starts.
 
         marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
         that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
@@ -273,7 +273,7 @@ def is_used(scope: Scope) -> bool:
 
 
 def most_bytes(scope: Scope) -> int:
-    """How many bytes a request may have: more only where files arrive.
+    """Largest size of a request in bytes; larger where files arrive.
 
     Examples
     --------
@@ -355,7 +355,7 @@ class Address:
 
     @property
     def is_local(self) -> bool:
-        """Whether nobody but this machine can reach it.
+        """Whether only this machine can reach it.
 
         Examples
         --------
@@ -368,7 +368,7 @@ class Address:
             return self.host == "localhost"
 
     def guarded(self) -> Address:
-        """The same with a token, if others can reach it.
+        """The same address with a token, if other machines can reach it.
 
         Examples
         --------
@@ -440,12 +440,12 @@ def serve(
     ready: Callable[[str], object] = lambda _: None,
     sessions: int = PAGE.sessions,
 ) -> None:
-    """Serve until interrupted; ready hears the address once it is answered.
+    """Serve until interrupted; `ready` is called with the address when the port is open.
 
     Raises
     ------
     LimitError
-        The port is taken, or the host is none of this machine.
+        The port is taken, or the host is not an address of this machine.
     MissingExtraError
         marimo is not installed.
     """

@@ -46,7 +46,7 @@ def space_of(name: str) -> Space:
 
 
 def drawable() -> dict[str, str]:
-    """Title of each space whose loops and motions can be drawn -> name, the usual ones first.
+    """Title of each space with drawable loops and motions -> name, the usual ones first.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def drawable() -> dict[str, str]:
 
 
 def typable() -> dict[str, str]:
-    """Title of each space whose tetrad can be typed -> name, those that can be drawn first.
+    """Title of each space with a tetrad that can be typed -> name, the drawable ones first.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def space_form(space: str) -> Json:
 
 
 def space_info(space: str) -> Json:
-    """Everything about a shipped space that a control is made of.
+    """All facts of a shipped space that its controls need.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def radius_name(frame: Frame) -> str:
 
 
 def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
-    """Whether a circle is meant about the axis of polar coordinates, where it is none in them.
+    """Whether a circle is centred on the axis of polar coordinates: it is not a circle in them.
 
     Examples
     --------

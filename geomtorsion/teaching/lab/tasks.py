@@ -88,7 +88,7 @@ def task(name: str) -> Task:
     Raises
     ------
     UnknownNameError
-        There is none.
+        There is no such task.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def task(name: str) -> Task:
 
 
 def checked_length(text: str) -> str:
-    """A request as text, unless it is too long.
+    """A request as text, if its length is within the limit.
 
     Raises
     ------
@@ -117,12 +117,12 @@ def checked_length(text: str) -> str:
 
 
 def checked_file(content: bytes) -> bytes:
-    """The bytes of a file, unless there are too many.
+    """The bytes of a file, if their number is within the limit.
 
     Raises
     ------
     LimitError
-        There are more than the page takes.
+        There are more bytes than the page accepts.
     """
     if len(content) > PAGE.upload:
         raise LimitError(
@@ -133,7 +133,7 @@ def checked_file(content: bytes) -> bytes:
 
 
 def answer(request: Json) -> Json:
-    """What a task gives, or ``{"problem": message}``: what a worker calls.
+    """The result of a task, or ``{"problem": message}``: the function that a worker calls.
 
     Examples
     --------
@@ -176,10 +176,10 @@ class TaskRunner:
         self._lock = threading.Lock()
 
     def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
-        """What a task gives, or ``{"problem": message}``; never an error of this package.
+        """The result of a task, or ``{"problem": message}``; never an error of this package.
 
-        A task that takes longer than it may is ended, with its process. attached: the bytes of a
-        file, which nobody but the task looks into; it gets them as `content`.
+        A task that exceeds its time limit is ended, with its process. attached: the bytes of a
+        file, which only the task reads; it gets them as `content`.
         """
         request: dict[str, Any] = {"task": name, "arguments": arguments}
         sent: Json = request

@@ -118,7 +118,7 @@ def tetrad(
 
 
 def from_one(message: str) -> str:
-    """A message of the library, which counts from 0 as Python does, as the page counts: from 1.
+    """A message of the library, with indices counted from 1 instead of 0.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def names_of(text: str, what: str = "names") -> list[str]:
 
 
 def names_like(text: str, most: int) -> list[str]:
-    """A name for each word of a text; x1, x2, ... where a word is none, one where there is none.
+    """A name for each word, x1, x2, ... if it is not a name; one name for an empty text.
 
     Examples
     --------
@@ -219,7 +219,7 @@ def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
     Raises
     ------
     SignatureError
-        There are other letters than + and -, or not as many as frame vectors.
+        A character is neither + nor -, or there is not one sign for each frame vector.
 
     Examples
     --------

@@ -125,7 +125,7 @@ def typed(info: Json, kept: Kept) -> dict[str, str]:
 
 
 def coordinates(values: Mapping[str, str]) -> list[str]:
-    """Names of the columns, as far as they can be read: as many fields as there are.
+    """Names of the columns, as far as they can be read, one for each field.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""turning: pictures in space that can be turned, as documents of their own with all they need.
+"""turning: turnable pictures in space, as complete documents.
 
-matplotlib draws no picture that a reader turns, and plotly brings 4 MB of script into each page.
+matplotlib has no pictures that a reader can turn, and plotly adds 4 MB of script to each page.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ p { margin: 2px 8px 4px; color: #5c6475; font-size: 13px; }
 class Curve:
     """A line in space.
 
-    points: places. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
-    label: in the legend. tip: written at its moving end. thin: drawn with less weight.
+    points: positions. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
+    label: in the legend. tip: text at its moving end. thin: drawn as a thin line.
     """
 
     points: Sequence[Sequence[float]]
@@ -80,7 +80,7 @@ class Film:
 
 
 def turnable(scene: Film) -> str:
-    """The picture as an HTML document without any reference to another.
+    """The picture as an HTML document without references to other files.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def _rounded(values: Sequence[float]) -> list[float]:
 
 
 def thinned(points: Sequence[T], most: int = PAGE.points) -> list[T]:
-    """Evenly chosen points of a long curve, the last one among them.
+    """Evenly spaced points of a long curve, including the last one.
 
     Examples
     --------

@@ -225,7 +225,7 @@ def _terms(guide: Guide) -> str:
 
 
 def copy_button(latex: str, what: str) -> str:
-    """A button that copies LaTeX; the page's own script listens to it.
+    """A button that copies LaTeX; the page's own script handles it.
 
     Examples
     --------
@@ -239,7 +239,7 @@ def copy_button(latex: str, what: str) -> str:
 
 
 def notice(text: str) -> str:
-    """A message about something that cannot be done.
+    """A message about a request that failed.
 
     Examples
     --------
