@@ -1,4 +1,4 @@
-"""cli: what a person types."""
+"""cli: the command line."""
 
 import io
 import os
@@ -24,7 +24,7 @@ def main() -> None:
         app()
     except SystemExit as end:
         if end.code == INTERRUPTED and not active_children():
-            # At once: what was interrupted half-way says more when Python tidies up.
+            # Exits at once: interrupted code would print more when Python tidies up.
             sys.stdout.flush()
             sys.stderr.flush()
             os._exit(INTERRUPTED)

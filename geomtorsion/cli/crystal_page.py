@@ -1,4 +1,4 @@
-"""crystal page: dislocation lines of a crystal in its cell, as a page on which they are turned."""
+"""crystal page: dislocation lines of a crystal in its cell, as a page with a turnable view."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from geomtorsion.checks import cut
 from geomtorsion.cli.interrupts import INTERRUPTED, stop_at_once
 from geomtorsion.errors import GeomtorsionError
 
-# The base of the errors for wrong options; typer brings its own click, and names this one alone.
+# Base of the errors for wrong options; typer brings its own click, and exports only this class.
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 _INVALID = re.compile(r"^Invalid value for '([^']*)': ")
 # An entry of a matrix, as Python counts.
@@ -30,7 +30,7 @@ SITE = Path(__file__).parents[2] / "examples/site"
 class ExitCode(IntEnum):
     """How a command ended.
 
-    failed: what was asked for was done, but a check, a loop, an answer or a motion in it failed.
+    failed: the request was carried out, but a check, a loop, an answer or a motion in it failed.
     wrong_input: nothing was done. interrupted: 128 and the number of the signal, as in shells.
     """
 
@@ -41,9 +41,9 @@ class ExitCode(IntEnum):
 
 @contextmanager
 def interruptible(came: list[bool]) -> Iterator[None]:
-    """Raise KeyboardInterrupt on Ctrl-C within the block, so that work is tidied up.
+    """Raise KeyboardInterrupt on Ctrl-C within the block, so that resources are released.
 
-    came: gets an entry then, as libraries in C may make another error of it.
+    came: gets an entry on Ctrl-C, since C libraries may turn the interrupt into another error.
     """
     if signal.getsignal(signal.SIGINT) is not stop_at_once:
         yield
@@ -61,9 +61,9 @@ def interruptible(came: list[bool]) -> Iterator[None]:
 
 
 def limit_memory() -> None:
-    """Let this process take at most the memory of the machine, where the system can do that.
+    """Limit the memory of this process to the memory of the machine, if the system supports it.
 
-    A damaged file that asks for more then ends in an error, before the system ends other programs.
+    A damaged file that requests more then causes an error, before the system ends other programs.
     """
     try:
         # Not on Windows.
@@ -71,7 +71,7 @@ def limit_memory() -> None:
     except ImportError:
         return
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    # Of data, not of addresses: files that are mapped into memory do not count.
+    # RLIMIT_DATA limits data, not addresses: memory-mapped files do not count.
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     if soft == resource.RLIM_INFINITY or soft > memory:
         with suppress(ValueError, OSError):
@@ -119,7 +119,7 @@ def clean_exits() -> Iterator[None]:
 
 
 def wrong_usage(error: typer.BadParameter) -> str:
-    """What is wrong with the words of a command, and where its options are listed."""
+    """The error in the arguments of a command, and where its options are listed."""
     message = _INVALID.sub(r"\1: ", error.format_message()).replace("Value error, ", "")
     path = error.ctx.command_path if error.ctx else "geomtorsion"
     message = message if message.endswith((".", "?", ")")) else f"{message}."
@@ -152,7 +152,7 @@ def _settings(table: str) -> str:
 
 
 def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
-    """Title and file of the page that helps; empty where the package came without the pages.
+    """Title and file of the page that helps; empty if the package was installed without the pages.
 
     Examples
     --------
@@ -168,5 +168,5 @@ def more_on(error: GeomtorsionError, site: Path = SITE) -> str:
 
 
 def stopped(more: str = "") -> None:
-    """Say that Ctrl-C ended the command."""
+    """Report that Ctrl-C ended the command."""
     typer.echo(f"geomtorsion: stopped{more}", err=True)

@@ -21,7 +21,7 @@ from geomtorsion.pictures.sections import aligned
 from geomtorsion.pictures.text import expression_text, plain_text
 from geomtorsion.spaces import Space
 
-# Letters with bars stand first: without, their bars would be left over.
+# Letters with bars come first; otherwise their bars would remain.
 _ASCII = {
     "Γ\u0304": "Gamma_bar", "R\u0304": "R_bar", "Γ": "Gamma", "Φ": "Phi", "δ": "delta",
     "η": "eta", "ω": "omega", "∂": "d", "∧": "^", "θ": "theta",
@@ -80,7 +80,7 @@ def _paragraph(chosen: Quantity, *, greek: bool, every: bool) -> str:
     if not tensor.slots:
         value = expression_text(chosen.written(components[()]), greek=greek)
         return f"{title}  {symbol} = {value}{open_mark(tensor, ())}"
-    # Equal signs stand below each other.
+    # Align the equal signs.
     lines = [f"{title}  {label}   [{adapted(entry.equation)}]"]
     labels = {
         index: text_label(symbol, text_marks(tensor, index, greek=greek), tensor.slots)
@@ -112,7 +112,7 @@ def latex_of(space: Space, quantities: Sequence[Quantity], *, every: bool = Fals
     return "\n\n".join(parts)
 
 
-# Single capitals that Mathematica has taken for itself.
+# Single capitals that Mathematica reserves for itself.
 _CAPITALS = frozenset("CDEIKNO")
 
 
@@ -144,14 +144,14 @@ def _assignment(space: Space, chosen: Quantity, renamed: Mapping[sympy.Basic, sy
 
 
 def _renamed(expressions: Iterable[sympy.Expr]) -> dict[sympy.Basic, sympy.Basic]:
-    """Symbols and unknown functions -> what Mathematica accepts: no underscores, no taken letters.
+    """Symbols and unknown functions -> names that Mathematica accepts, without reserved capitals.
 
-    Two that are different stay so.
+    Different symbols get different names, without underscores.
     """
     parts = sympy.Tuple(*expressions).atoms(sympy.Symbol, AppliedUndef)
     named = {part: part.name if part.is_Symbol else part.func.__name__ for part in parts}
     names: dict[str, str] = {}
-    # What keeps its name comes first, so that no other takes it.
+    # Names that need no change come first, so that no other symbol takes them.
     for name in sorted(set(named.values()), key=lambda name: (name != _plain(name), name)):
         new = _plain(name)
         while new in names.values():
@@ -171,13 +171,13 @@ def _renamed(expressions: Iterable[sympy.Expr]) -> dict[sympy.Basic, sympy.Basic
 
 
 def _plain(name: str) -> str:
-    """A name of letters and digits alone, and none of the letters that are taken."""
+    """A name of letters and digits only, which is not a reserved capital."""
     name = re.sub(r"\W|_", "", name) or "symbol"
     return f"{name}symbol" if name in _CAPITALS else name
 
 
 class _MathematicaPrinter(MCodePrinter):
-    """sympy's printer, with derivatives that are not held, and those at other places."""
+    """sympy's printer, with evaluated derivatives and derivatives at arbitrary positions."""
 
     def _print_Derivative(self, expr: sympy.Derivative) -> str:
         by = [f"{{{self._print(v)}, {int(count)}}}" for v, count in expr.variable_count]
@@ -191,7 +191,7 @@ class _MathematicaPrinter(MCodePrinter):
 
 # Names that the written functions use themselves.
 _OWN_NAMES = ("numpy", "result", "shape", "float", "complex")
-# Symbols, unknown functions and derivatives by the names of the arguments that stand for them.
+# Symbols, unknown functions and derivatives -> name of the argument that represents them.
 Names = Mapping[sympy.Basic, str]
 
 
@@ -223,7 +223,7 @@ class _PythonPrinter(SciPyPrinter):
         return "numpy.e"
 
     def _print_LambertW(self, expr: sympy.Basic) -> str:
-        # SciPy's is complex; not a number where it is not real.
+        # SciPy's function is complex; the result is nan where it is not real.
         value = f"scipy.special.lambertw({', '.join(map(self._print, expr.args))})"
         return f"numpy.where(numpy.isreal({value}), {value}.real, numpy.nan)"
 
@@ -283,7 +283,7 @@ def _each(pattern: str, arguments: Names) -> str:
 
 
 def _description(chosen: Quantity, arguments: Names) -> str:
-    """Docstring of a function: what it is, its axes, and what replaces unknown functions."""
+    """Docstring of a function: its quantity, its axes, and the names for unknown functions."""
     axes = ", ".join(chosen.letters)
     text = f"{chosen.entry.title} {chosen.text_label}: {chosen.entry.equation}"
     if axes:
@@ -299,11 +299,11 @@ def _arguments(
     """Arguments of a function: symbols, then the unknown functions and derivatives that occur."""
     found: set[sympy.Basic] = set()
     for value in values:
-        # The slope of f at 2*r is one argument; nothing that stands inside of it is another.
+        # The slope of f at 2*r is one argument; nothing inside it is another argument.
         elsewhere = value.atoms(sympy.Subs)
         rest = value.xreplace(dict.fromkeys(elsewhere, sympy.S.One))
         found |= elsewhere | rest.atoms(AppliedUndef, sympy.Derivative)
-    # A function that occurs only inside a derivative is no argument by itself.
+    # A function that occurs only inside a derivative is not an argument by itself.
     functions = sorted(found, key=lambda part: (not part.is_Function, str(part)))
     arguments: dict[sympy.Basic, str] = {}
     for part in (*symbols, *functions):

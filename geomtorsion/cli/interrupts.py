@@ -1,6 +1,6 @@
-"""Interrupts: how Ctrl-C ends the command before its work has begun, and behind it.
+"""Interrupts: how Ctrl-C ends the command before its work begins and after its end.
 
-Loaded before everything else, and so without anything that takes time to load.
+Loaded before everything else, and therefore without slow imports.
 """
 
 import os
@@ -22,7 +22,8 @@ def stop_at_once(*_: object) -> None:
 def begin_command() -> None:
     """Let Ctrl-C end the command quietly while it is imported and before it exits.
 
-    A program that imports the package, and a process that ignores Ctrl-C, are left alone.
+    The handler stays unchanged in a program that imports the package, and in a process that
+    ignores Ctrl-C.
     """
     given = sys.orig_argv
     by_module = any(given[k : k + 2] == ["-m", "geomtorsion"] for k in range(len(given)))

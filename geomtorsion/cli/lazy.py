@@ -1,7 +1,7 @@
 """lazy: a group of commands, each imported when it is called.
 
-The modules of the commands import what they need at their top; all of them together would take
-longer to load than `geomtorsion --help` takes.
+The modules of the commands import their dependencies at the top; loading all of them would take
+longer than `geomtorsion --help` takes.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ SETTINGS: dict[str, Any] = {
 class LazyGroup(TyperGroup):
     """A group that lists its commands from a table and imports the one that is called.
 
-    module: where the function of a command stands, with {} in the place of its name.
-    summaries: name of a command, and of its function -> what help says of it.
+    module: module path of a command's function, with {} for its name.
+    summaries: name of a command, and of its function -> its line in the help.
     groups: title -> names of the commands that help lists below it.
     settings: name -> settings of its context, where they are not the usual ones.
     limited: names of commands that take limits of time and memory.
@@ -71,8 +71,8 @@ class LazyGroup(TyperGroup):
                     formatter.write_dl([(name, self.summaries[name]) for name in names])
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """The arguments of the group; a wrong option of the group ends as any other error."""
-        # Without arguments help is shown, which typer raises as an error.
+        """The arguments of the group; a wrong option of the group ends like any other error."""
+        # Without arguments typer shows help and raises it as an error.
         with clean_exits() if args else nullcontext():
             found: list[str] = super().parse_args(ctx, args)
         return found
@@ -84,7 +84,7 @@ class LazyGroup(TyperGroup):
 
 
 def _command(function: Callable[..., object], settings: dict[str, Any] | None) -> Any:
-    """The command that a function is, options and help from its signature."""
+    """The command made from a function, with options and help from its signature."""
     single = typer.Typer(**SETTINGS)
     single.command(context_settings=settings)(function)
     return get_command(single)
@@ -102,7 +102,7 @@ def _limits(
         ),
     ] = None,
 ) -> AbstractContextManager[object]:
-    """The block in which a command works, from its options --seconds and --megabytes."""
+    """The context that applies the options --seconds and --megabytes of a command."""
     if seconds is None and megabytes is None:
         return nullcontext()
     return limits(seconds=seconds, megabytes=megabytes)

@@ -77,7 +77,7 @@ BasisOption = Annotated[
 ]
 
 
-# -- where a command takes its subject from -------------------------------------------------------
+# -- sources of a command -------------------------------------------------------------------------
 
 SpaceOrFile = Annotated[
     str,
@@ -121,7 +121,7 @@ MeasuredFile = Annotated[
     ),
 ]
 
-# -- what is said about a measured field ----------------------------------------------------------
+# -- settings of a measured field -----------------------------------------------------------------
 
 MeasuredSigma = Annotated[
     str | None,
@@ -173,7 +173,7 @@ MeasuredResolution = Annotated[
     option("--resolution", metavar="X", text="Images: length over which phases are averaged."),
 ]
 
-# -- what is done in blocks ------------------------------------------------------------------------
+# -- maps in blocks -------------------------------------------------------------------------------
 
 Workers = Annotated[
     int | None,
@@ -181,7 +181,7 @@ Workers = Annotated[
 ]
 
 
-# -- how a curve begins ---------------------------------------------------------------------------
+# -- start of a curve -----------------------------------------------------------------------------
 
 Start = Annotated[
     str | None, option(metavar="Q,...", text="Coordinates at t = 0; pi/2 is a number too.")
@@ -210,7 +210,7 @@ Moments = Annotated[
     ),
 ]
 
-# -- what is different in a scene -----------------------------------------------------------------
+# -- changes to a scene ---------------------------------------------------------------------------
 
 Watch = Annotated[
     list[str] | None,
@@ -235,7 +235,7 @@ Settings = Annotated[
     ),
 ]
 
-# -- how it is solved and written -----------------------------------------------------------------
+# -- solver and output of a scene -----------------------------------------------------------------
 
 EngineName = Annotated[str, typer.Option(metavar="NAME", help="auto, taylor, rungekutta or stiff.")]
 Pictures = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]

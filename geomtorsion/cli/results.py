@@ -23,10 +23,10 @@ from geomtorsion.progress import bar
 def burgers_of(
     source: Source, loops: Sequence[Loop], *, alone: bool = True
 ) -> tuple[list[Json], list[Burgers], bool]:
-    """Burgers vectors of circuits as plain data, those that did not fail, and whether all were
-    reached.
+    """Burgers vectors of circuits as plain data, the circuits that did not fail, and whether all
+    circuits were computed.
 
-    alone: whether the failure of a single one is an error rather than a result.
+    alone: the failure of a single circuit raises an error instead of becoming a result.
     """
     results: list[Json] = []
     vectors: list[Burgers] = []
@@ -89,7 +89,7 @@ def refused_of(loops: Sequence[Loop], results: Sequence[Json]) -> list[Loop]:
 
 
 def say_on_error(written: Sequence[Path]) -> None:
-    """What was written, aside from the results, and whether pictures are missing."""
+    """Report the written files, apart from the results, and missing pictures."""
     typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
     if not can_draw():
         typer.echo("no pictures: matplotlib is missing: pip install 'geomtorsion[plots]'", err=True)
@@ -135,7 +135,7 @@ def _row(numbers: Sequence[float]) -> str:
 
 
 def write_survey(survey: Survey, document: Json, folder: Path, picture: str) -> list[Path]:
-    """map.csv, map.npz, map.json and, where it can be drawn, a picture."""
+    """map.csv, map.npz, map.json and, if matplotlib is installed, a picture."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"map.{end}" for end in ("csv", "npz", "json")]
     with working("writing") as progress:
@@ -152,7 +152,7 @@ def write_survey(survey: Survey, document: Json, folder: Path, picture: str) -> 
 
 
 def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
-    """A survey in words; found: its numbers, where they are those of a larger one."""
+    """A survey in words; found: its numbers, if they belong to a larger survey."""
     found = found or survey.summary()
     missing = found["circuits"] - found["known"]
     lines = [f"{found['known']:,} circuits of {survey.extent}"]

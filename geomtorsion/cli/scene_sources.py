@@ -1,6 +1,6 @@
 """scene_sources: the scene that a name or a file on the command line means.
 
-Apart from `sources`, since scenes take longer to load than spaces.
+Separate from `sources`, since scenes take longer to load than spaces.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ def is_scene(source: str) -> bool:
     try:
         data = read_toml(path).data
     except GeomtorsionError:
-        # A broken file is read as a space, whose error says what is wrong.
+        # A broken file is read as a space, whose error names the problem.
         return False
     return "body" in data or "effects" in data
 
 
 def space_or_hint(source: str) -> Space:
-    """The space of this name or file; where there is none, the error names a near scene too."""
+    """The space of this name or file; if there is none, the error also names a similar scene."""
     try:
         return open_space(source)
     except UnknownNameError as error:
@@ -50,7 +50,7 @@ def open_scene(
     t: str | None = None,
     settings: list[str] | None = None,
 ) -> Scene:
-    """The shipped scene of this name, or the scene in this file, with what is to be different."""
+    """The shipped scene of this name, or the scene in this file, with the requested changes."""
     scene = shipped_or_file(source, scenes.names(), scenes.load, scenes.read_file)
     changes: dict[str, Any] = {}
     if watch:

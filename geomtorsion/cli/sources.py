@@ -26,7 +26,7 @@ from geomtorsion.materials.readers import open_source
 from geomtorsion.spaces import Space, read_file
 
 T = TypeVar("T")
-# Options that messages of the library begin with, without the dashes of the command line.
+# Options that begin messages of the library, without the dashes of the command line.
 OPTIONS = tuple(
     "sigma threshold order laue slip size plane spots resolution blocks steps workers".split()
 )
@@ -36,14 +36,14 @@ _SIZE = re.compile(rf"({UNSIGNED})\s*([^0-9.].*)?")
 def shipped_or_file(
     source: str, names: tuple[str, ...], load: Callable[[str], T], read: Callable[[Path], T]
 ) -> T:
-    """What is shipped under this name, or stands in this file; a name wins over a file."""
+    """The shipped object of this name, or the object in this file; a name wins over a file."""
     path = Path(source)
     if source in names:
         return load(source)
-    # What looks like a file is read as one, so that a misspelt path is no unknown name.
+    # A text that looks like a path is read as a file, so that its error names the missing file.
     if path.suffix == ".toml" or path.exists() or path.name != source:
         return read(path)
-    # Neither: the error of the loader names what may have been meant.
+    # Neither exists: the error of the loader suggests similar names.
     try:
         return load(source)
     except UnknownNameError as error:
@@ -57,7 +57,7 @@ def open_space(source: str) -> Space:
 
 @dataclass(frozen=True)
 class Reading:
-    """Options about how a measured file is read, as they are typed."""
+    """Options for reading a measured file, as typed."""
 
     sigma: str | None = None
     threshold: float | None = None
@@ -70,12 +70,12 @@ class Reading:
 
     @property
     def given(self) -> dict[str, object]:
-        """The options that were typed, by name."""
+        """The typed options, by name."""
         return {f"--{name}": value for name, value in vars(self).items() if value not in (None, ())}
 
 
 def opened(source: str, reading: Reading) -> Source:
-    """The source in a file; errors about an option name it as it is typed."""
+    """The source in a file; errors about an option name it as typed."""
     value = None if reading.sigma is None else sigma_of(reading.sigma)
     try:
         return open_source(
@@ -94,7 +94,7 @@ def opened(source: str, reading: Reading) -> Source:
 
 
 def dashed(error: GeomtorsionError) -> GeomtorsionError:
-    """The same error; where it begins with the name of an option, as this is typed."""
+    """The same error; if it begins with the name of an option, the option as typed."""
     return type(error)(f"--{error}") if str(error).startswith(OPTIONS) else error
 
 

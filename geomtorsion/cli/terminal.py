@@ -39,23 +39,23 @@ def wrapped(text: str, taken: int = 0) -> str:
 
 @contextmanager
 def working(what: str) -> Iterator[Callable[[str], object]]:
-    """Show a line that says what is being computed; call the result with each new step."""
+    """Show a line that names the current step; call the result with each new step."""
     if not somebody_watches():
         yield lambda _: None
         return
-    # rich takes a tenth of a second to load, and is used only where somebody watches.
+    # rich takes a tenth of a second to load, and is used only on a terminal.
     from rich.console import Console
 
     with Console(file=moving(sys.stderr)).status(f"{what}: reading (Ctrl-C stops)") as status:
         yield lambda step: status.update(f"{what}: {step} (Ctrl-C stops)")
 
 
-# Rows that fit below each other with what stands around them.
+# Rows of a table that fit on a terminal with the text around them.
 ROWS = 9
 
 
 def some_rows(count: int) -> list[int]:
-    """Rows that are shown of so many, evenly spread from the first to the last.
+    """Numbers of the shown rows, evenly spread from the first to the last.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""values: numbers, names, starts and engines as a person types them, and as they are said again."""
+"""values: numbers, names, starts and engines as typed, and as the output repeats them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def parts(text: str) -> tuple[str, ...]:
 
 
 def some_names(text: str, option: str) -> list[str]:
-    """Names separated by commas: at least one, for none would pass for all.
+    """Names separated by commas; at least one, since an empty list would mean all.
 
     Examples
     --------
@@ -42,7 +42,7 @@ def some_names(text: str, option: str) -> list[str]:
 
 
 def number(text: str, what: str) -> float:
-    """A number, written as one or as an expression such as pi/2.
+    """A number, written as such or as an expression such as pi/2.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def _expression(text: str, what: str) -> float:
 
 
 def numbers(text: str | None, what: str) -> list[float] | None:
-    """Numbers separated by commas; None where nothing was given.
+    """Numbers separated by commas; None without a text.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def start_options(
 def start_lines(
     problem: CurveProblem, chosen: Sequence[str], last: float | None = None
 ) -> list[str]:
-    """Start, velocity, parameters and duration, with a word where they were chosen."""
+    """Start, velocity, parameters and duration, with a mark on the values chosen by default."""
     names = problem.coordinates
     facts = {
         "start": _pairs(names, problem.start or ()),

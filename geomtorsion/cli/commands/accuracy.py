@@ -39,7 +39,7 @@ from geomtorsion.spaces import pair_problems
 
 
 class Curve(StrEnum):
-    """Which motion is measured."""
+    """The motion that is measured."""
 
     geodesic = "geodesic"
     autoparallel = "autoparallel"

@@ -51,7 +51,7 @@ from geomtorsion.proofs import prove
 
 MOST_PICTURES = 12
 WHOLE_TURN = "0,2*pi"
-# What a file of loops may say of the frame, and measured fields have not.
+# Keys of a loop file that apply to a frame given by formulas, not to a measured field.
 ONLY_FORMULAS = ("parameters", "accuracy")
 # Kinds of loops whose fields are separated by colons, and what the fields are called.
 FIELDS = {
@@ -236,7 +236,7 @@ def _read(frame: Frame, path: Path) -> LoopFile:
 def _shared(
     files: Sequence[tuple[Path, LoopFile]], accuracy: float | None, values: Values
 ) -> tuple[float | None, Values]:
-    """Accuracy and parameters of all files, which have to agree where no option says them."""
+    """Accuracy and parameters of all files; files must agree where no option sets the value."""
     asked: dict[str, Any] = {f"--set {name}": value for name, value in values.items()}
     if accuracy is not None:
         asked["--accuracy"] = accuracy
@@ -259,7 +259,7 @@ def _shared(
 
 
 def _described(frame: Frame, given: Mapping[str, Texts], interval: str | None) -> Iterator[Loop]:
-    """Loops that stand on the command line."""
+    """Loops given on the command line."""
     for kind, texts in given.items():
         for text in texts:
             yield loop_from_data(frame, loop_data(kind, text, interval), f"--{kind} {cut(text)}")
@@ -287,7 +287,7 @@ def refuse_options(given: Mapping[str, object], measured: bool) -> None:
 
 
 def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
-    """Refuse bounds of a curve where no curve is asked for."""
+    """Refuse bounds of a curve if no curve is requested."""
     if interval is not None and not curves and not any(x.split()[:1] == ["curve"] for x in others):
         raise LoopError(
             f"--interval {cut(interval)}: it bounds s in --curve, but no curve came. Drop it, or "
@@ -371,7 +371,7 @@ def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], fol
     """burgers.json and a picture of each of the first loops."""
     folder.mkdir(parents=True, exist_ok=True)
     target = folder / "burgers.json"
-    # A file of thousands of loops shall not become thousands of pictures.
+    # A file of thousands of loops must not create thousands of pictures.
     drawn = [vector for vector in vectors if vector is not None][:MOST_PICTURES]
     names = []
     try:

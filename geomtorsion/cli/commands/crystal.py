@@ -31,7 +31,7 @@ from geomtorsion.pictures.style import save
 from geomtorsion.progress import bar
 
 FRAMES = "frames"
-# What is no lattice, in words.
+# Words for regions that are not a lattice.
 _REGIONS = {"wall": "in walls", "none": "without a lattice"}
 
 
@@ -104,7 +104,7 @@ def crystal(
       geomtorsion crystal run.xyz --format json | jq '.frames[].lines[].burgers_lattice'
       geomtorsion crystal atoms.npy --cell 80,80,14.4 --periodic z -o out
     """
-    # A sign that nobody knows is told before anything is computed.
+    # Refuse an unknown sign convention before any computation.
     burgers([0], convention)
     edges, axes = _cell(cell), _periodic(periodic)
     for name, value in (("--cell", edges), ("--periodic", axes)):
@@ -130,7 +130,7 @@ def crystal(
         try:
             for report, lines in reports(file, wanted, folder, seen):
                 found.append(report)
-                # The last frame alone is written as lines.
+                # Only the last frame is written as lines.
                 made = [lines]
         except KeyboardInterrupt:
             stopped(f"; {len(found)} frames are in {folder}; go on with --resume" if folder else "")
@@ -143,7 +143,7 @@ def crystal(
 
 
 def _shown(file: Path, found: list[Json], form: Form) -> Json:
-    """What was found in all frames, told to a person or to a program."""
+    """Results of all frames, in words or as JSON."""
     document = {"file": file.name, "frames": followed(found)}
     typer.echo(json.dumps(document, indent=1) if form is Form.json else _text(document))
     return document
@@ -181,7 +181,7 @@ def _periodic(text: str | None) -> tuple[bool, bool, bool] | None:
 
 
 def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
-    """The rotation that three crystal directions along x, y and z say: they are its columns."""
+    """The rotation whose columns are the crystal directions along x, y and z."""
     if text is None:
         return None
     message = f"--orient {cut(text)}: three directions such as 1,-1,0;1,1,1;-1,-1,2 were needed"
@@ -198,7 +198,7 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
 
 
 def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
-    """Where frames are kept; refuse to run over what was not finished."""
+    """Directory of the frames; refuse to overwrite an unfinished run."""
     if output is None:
         if resume or overwrite:
             raise CheckpointError("--resume and --overwrite are about a directory: name it by -o.")
@@ -338,7 +338,7 @@ def _loop(line: Json) -> str:
     """What a closed line encloses."""
     count = line["inserted"]
     what = "interstitials" if count > 0 else "vacancies"
-    # What an older run has kept says no error.
+    # Results of older versions have no error.
     error = line.get("inserted_error", 0.0)
     if error:
         what = (

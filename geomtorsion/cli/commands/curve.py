@@ -37,7 +37,7 @@ from geomtorsion.spaces import Pair, solve_pair
 
 # Characters of a number, and the most coordinates that both curves show in one row.
 WIDTH, SIDE_BY_SIDE = 11, 4
-# What is left of them beside a gap, a sign, a point and an exponent.
+# Digits of a number: the width minus a gap, a sign, a point and an exponent.
 DIGITS = WIDTH - len(" -.e-9")
 
 
@@ -139,7 +139,7 @@ def _block(pair: Pair, rows: list[int], curves: list[str]) -> list[str]:
     """Rows of a table, with a heading for each curve."""
     names = [symbol.name.rstrip("_") for symbol in pair.symbols]
     heads = "  ".join(name.center(WIDTH * len(names)) for name in curves)
-    # Where a coordinate is called t, the curve parameter needs another name.
+    # The curve parameter needs another name if a coordinate is called t.
     parameter = "parameter" if "t" in names else "t"
     second = right_aligned(names, WIDTH)
     lines = [

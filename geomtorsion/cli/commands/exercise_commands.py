@@ -69,7 +69,7 @@ def hint(
     exercise = load(number, seed)
     for place, text in enumerate(exercise.hints[:step], 1):
         typer.echo(wrapped(f"{place}. {text_of(text)}"))
-    # One at a time: the next is asked for by its number.
+    # Hints are shown one by one: the next one is requested by its number.
     if step < len(exercise.hints):
         again = f" --seed {seed}" if seed else ""
         typer.echo(f"Next: `geomtorsion exercises hint {number}{again} --step {step + 1}`.")
@@ -92,7 +92,7 @@ def solution(number: Number, seed: Seed = 0) -> None:
         typer.echo(wrapped(f"  {name}: {answer}", len(name) + 4))
 
 
-# Keys at the top of a file that are no answers.
+# Keys at the top of a file that do not name an answer.
 ABOUT = ("student", "name", "seed")
 Answers = dict[str, str]
 
@@ -263,7 +263,7 @@ def export(
 
 
 def _seed(text: str) -> int | str:
-    """A number as one; anything else is refused, as it stands, where exercises are loaded."""
+    """A number if the text is one, otherwise the text, which `load` refuses with a message."""
     return int(text) if text.isdecimal() and len(text) < len(str(MOST.seed)) + 1 else text
 
 
@@ -314,7 +314,7 @@ def grade(
         marks = grading.grade(
             folder, output, numbers, seed=seed, seconds=seconds, progress=progress
         )
-    # A long reason is cut here: it stands in the table in full.
+    # A long reason is cut here; the table contains the full text.
     for row in marks.rows:
         if row["remarks"] or row["status"] != grading.GRADED:
             reason = row["remarks"] or row["diagnoses"]

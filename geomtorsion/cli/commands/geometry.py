@@ -1,4 +1,4 @@
-"""geometry: the components of the quantities of a space, in the format asked for."""
+"""geometry: the components of the quantities of a space, in the requested format."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from geomtorsion.spaces import Space
 
 
 class Over(StrEnum):
-    """The connection that the Lagrangian is made of."""
+    """The connection from which the Lagrangian is built."""
 
     own = "own"
     cartan = "cartan"
@@ -147,7 +147,7 @@ def _data(
     parts: dict[str, Tensor],
     identities: list[IdentityCheck],
 ) -> dict[str, object]:
-    """The same as plain data: indices count from 0, components that vanish are left out."""
+    """The result as plain data: indices count from 0, vanishing components are omitted."""
     return {
         "space": space.name,
         "lagrangian": str(found.lagrangian.expression),

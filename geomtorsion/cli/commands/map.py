@@ -1,4 +1,4 @@
-"""map: |b| per area of a measured field at every place, with what noise makes of it."""
+"""map: |b| per area of a measured field at every position, with the effect of noise on it."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ def _in_blocks(
     as_json: bool,
     circle: list[str] | None,
 ) -> None:
-    """A map that is kept block by block."""
+    """A map that is saved block by block."""
     others = {k: v for k, v in reading.given.items() if k not in ("--sigma", "--order")}
     for name in [*others, *(["--circle"] if circle else [])]:
         raise GridError(f"{name}: it does not belong to maps in blocks. Leave it out.")
@@ -222,7 +222,7 @@ def _in_blocks(
 
 
 def _report(found: BlockedSurvey, form: str) -> tuple[dict[str, Any], list[str], list[Path]]:
-    """Write map.json and a picture beside the map; the numbers, the same in words, the files."""
+    """Write map.json and a picture beside the map; return numbers, their words, and the files."""
     survey, numbers = found.survey()
     about = found.field.description
     document = {"about": list(about), **numbers, "circles": []}

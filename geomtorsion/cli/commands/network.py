@@ -104,7 +104,7 @@ def network(
 
 
 def _circuits(given: dict[str, Texts]) -> list[Loop]:
-    """Loops that stand on the command line, in Cartesian coordinates."""
+    """Loops given on the command line, in Cartesian coordinates."""
     space = Frame("x y z", np.eye(3, dtype=int).tolist())
     return [
         loop_from_data(space, loop_data(kind, text, ""), f"--{kind} {cut(text)}")

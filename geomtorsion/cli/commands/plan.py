@@ -1,4 +1,4 @@
-"""plan: what a quantity of a space, or a scene, would compute, and what not."""
+"""plan: which quantities a computation on a space or a scene needs, and which it skips."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def plan(
             typer.echo(f"wrote {output}")
         return
     if quantity is None:
-        # A wrong name is an error of its own, before the quantity is asked for.
+        # A wrong name raises its own error, before the quantity is requested.
         space_or_hint(source)
         raise UnknownNameError(
             f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."
@@ -67,7 +67,7 @@ def plan(
 
 
 def _dot(plan: StateSelection) -> str:
-    """The graph of a scene in Graphviz's format; effects are boxes, what is watched is bold."""
+    """The graph of a scene in Graphviz's format; effects are boxes, watched quantities are bold."""
     lines = ["digraph plan {", "  rankdir=LR;"]
     for name, about in plan.graph.nodes(data=True):
         lines.append(f'  "{name}" [{LOOKS.get(about.get("kind", "state"), "")}];')

@@ -38,7 +38,7 @@ def report(
     """
     with working(source) as progress:
         space = open_space(source)
-        # The name in a file may be any text; that of a directory may not.
+        # The name in a file may be any text; the name of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
         written = write_report(
             space, output or default, progress, pictures=pictures, basis=basis.value

@@ -1,4 +1,4 @@
-"""run: a scene, solved, as table, arrays, pictures and a film."""
+"""run: a scene, solved, as table, arrays, pictures and an animation."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def run(
 
 
 def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path | None:
-    """The file in which the run is kept; refuse to run over one that was not finished."""
+    """The checkpoint file of the run; refuse to overwrite an unfinished run."""
     if output is None:
         if resume or overwrite:
             raise CheckpointError(
@@ -153,7 +153,7 @@ def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> Sce
 
 
 def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
-    """After Ctrl-C: what is there, and how to go on."""
+    """Message after Ctrl-C: which results exist, and how to resume."""
     if checkpoint is None or not checkpoint.exists():
         return ""
     try:
@@ -163,7 +163,7 @@ def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
 
 
 def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
-    """Write what a stopped run had computed, and say so."""
+    """Write the results of a stopped run, and report it."""
     part = partial_result(scene, checkpoint, engine)
     path = checkpoint.with_name(PARTIAL)
     write_csv(path, part.columns())
@@ -172,7 +172,7 @@ def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
 
 
 def _summary(result: SceneResult) -> list[str]:
-    """What was solved, some rows of the table, and how good they are."""
+    """The solved scene, some rows of its table, and their errors."""
     table = result.columns()
     shown = list(table)[: WIDTH // COLUMN]
     heading, *facts = str(result).splitlines()

@@ -1,4 +1,4 @@
-"""answers: what a student gives, read by the whitelist parser; and solutions as texts like it."""
+"""answers: answers of students, read by the whitelist parser, and solutions in the same form."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value
     from geomtorsion.teaching.exercises.question import Question
 
-# Digits of a number that is written.
+# Digits of a number in a solution's text.
 DIGITS = round(-math.log10(CALCULATED))
-# What is written by hand grows when all its signs are put in.
+# A typed expression grows when all its signs are written out.
 _WRITTEN_OUT = replace(ANSWER, characters=3 * ANSWER.characters)
 
 
@@ -36,7 +36,7 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
     Raises
     ------
     ExpressionError
-        It is no text, or cannot be read; the message shows where.
+        It is not a text, or cannot be read; the message shows the position.
     LimitError
         It is longer, deeper or has larger numbers than an answer may.
     """
@@ -63,7 +63,7 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
 
 
 def without_label(text: str, names: Mapping[str, object]) -> str:
-    """A text without what it says it is: "lambda = w" and "= w" are w.
+    """A text without its label: "lambda = w" and "= w" are w.
 
     Examples
     --------
@@ -79,11 +79,11 @@ def without_label(text: str, names: Mapping[str, object]) -> str:
 
 
 def components(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
-    """Components by their indices, from a table, nested lists, or a text that writes one of them.
+    """Components by their indices, from a table, nested lists, or a text of one of these forms.
 
     A table or text names components: ``{"1,2,1" = "1/r"}`` or ``1,2,1 = 1/r; 2,1,1 = 0``; indices
-    are counted from 1 or named by coordinates; what is not listed is zero. A list gives them all:
-    ``[[1, 0], [0, "r"]]``.
+    are counted from 1 or named by coordinates; a component that is not listed is zero. A list gives
+    all components: ``[[1, 0], [0, "r"]]``.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def components(question: Question, given: object, where: str) -> dict[Index, sym
 
 
 def completed(given: Value, symmetry: str) -> dict[Index, Any]:
-    """With the components that follow from those given by exchanging the first two indices.
+    """The components, completed by exchanging the first two indices of each given component.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def answer_text(question: Question, value: Value) -> str:
 
 
 def without_rounding(value: Value) -> dict[Index, Any]:
-    """Numbers without those that are rounding only, next to the largest.
+    """Numbers without those that are rounding errors compared with the largest.
 
     Examples
     --------

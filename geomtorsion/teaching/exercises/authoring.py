@@ -1,4 +1,4 @@
-"""authoring: what the file of an exercise is written with."""
+"""authoring: the names that the file of an exercise imports."""
 
 from geomtorsion.teaching.exercises import tex
 from geomtorsion.teaching.exercises import working as by_hand

@@ -24,7 +24,7 @@ def markdown_cell(key: str, text: str, metadata: Mapping[str, object] | None = N
 
 
 def code_cell(key: str, text: str, metadata: Mapping[str, object] | None = None) -> Json:
-    """A cell of Python that has not been run.
+    """A cell of Python without output.
 
     Examples
     --------

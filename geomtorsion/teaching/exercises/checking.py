@@ -35,7 +35,7 @@ ROUNDED = 0.05
 
 
 class UnitError(ExpressionError):
-    """The unit of an answer does not measure what is asked for."""
+    """The unit of an answer measures another quantity than the question."""
 
 
 def numbers(question: Question, given: object, where: str) -> dict[Index, float]:
@@ -44,9 +44,9 @@ def numbers(question: Question, given: object, where: str) -> dict[Index, float]
     Raises
     ------
     ExpressionError
-        It is no number.
+        It is not a number.
     UnitError
-        Its unit measures something else.
+        Its unit measures another quantity.
     """
     text, factor = given, 1.0
     if isinstance(given, str):
@@ -95,7 +95,7 @@ if TYPE_CHECKING:
 
 
 def check_question(question: Question, given: object) -> QuestionVerdict:
-    """What is said about an answer; never raises for what a student may write."""
+    """The verdict on an answer; no input of a student raises an error."""
     if given is None or (isinstance(given, str) and not given.strip()):
         return _wrong(question, "empty", "No answer was given.")
     try:
@@ -119,7 +119,7 @@ def _checked(question: Question, value: Value) -> QuestionVerdict:
 
 
 def preview(question: Question, value: Value) -> str:
-    """A value that was read as a student may write it, cut where it is long."""
+    """A value as a student may write it, cut if it is long."""
     try:
         return cut(answer_text(question, value), MOST.preview)
     except GeomtorsionError:
@@ -145,7 +145,7 @@ def read(question: Question, given: object) -> Value:
         return numbers(question, given, name)
     if question.kind == "choice":
         return {(): _chosen(question, given)}
-    # A zero that is written is an answer of its own: it is dropped when symmetry has been used.
+    # A zero that is written is an answer of its own: it is dropped after symmetry has been used.
     return components(question, given, name)
 
 
@@ -159,7 +159,7 @@ def _chosen(question: Question, given: object) -> str:
     text = _letters(_SAID.get(given, str(given)) if isinstance(given, bool) else str(given))
     text = _MEANT.get(text, text)
     for key, option in question.options.items():
-        # Of an explanation the first clause will do: no less, as a "not" may follow.
+        # The first clause of an explanation is enough, but not less: a "not" may follow.
         clause = re.split(r"[,(]", option)[0]
         if text in (_letters(key), _letters(option), _letters(clause)):
             return key
@@ -170,19 +170,19 @@ def _chosen(question: Question, given: object) -> str:
 
 
 def _letters(text: str) -> str:
-    """What tells options apart: letters, digits and single spaces, without capitals."""
+    """The parts that distinguish options: letters, digits and single spaces, without capitals."""
     words = re.sub(r"[^\w≠]+|_", " ", text[:200].lower().replace("≠", " ≠ "))
     return " ".join(words.split())
 
 
-# Other words for what is offered in many exercises.
+# Synonyms of options that many exercises offer.
 _SAID = {True: "yes", False: "no"}
 _MEANT = {"0": "zero", "vanishes": "zero", "nonzero": "not zero", "non zero": "not zero",
           "≠ 0": "not zero", "not 0": "not zero", "true": "yes", "false": "no"}  # fmt: skip
 
 
 class LookupErrorInAnswer(GeomtorsionError, ValueError):
-    """A choice that is none of those offered."""
+    """A choice that is not one of the options."""
 
 
 def _check_choice(question: Question, value: Value) -> QuestionVerdict:
@@ -196,7 +196,7 @@ def _check_number(question: Question, value: Value) -> QuestionVerdict:
     away = deviation(question, value, question.solution)
     if away <= 1:
         return _right(question)
-    # A recognised mistake goes before "rounded too early": it says more.
+    # A recognised mistake takes precedence over "rounded too early": it is more specific.
     found = [m for m in question.mistakes if deviation(question, value, m.value) <= 1]
     said = _diagnosed(question, found)
     if said is not None:
@@ -227,7 +227,7 @@ def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
     agreement = compare_all(domain, value, question.solution)
     if all(state == EQUAL for state in agreement.values()):
         return _right(question)
-    # A mistake may lack the symmetry of the solution: then it counts as it was written.
+    # A mistake may lack the symmetry of the solution; then it is compared as written.
     written = (value, given) if len(given) < len(value) else (value,)
     found = [m for m in question.mistakes if any(same(domain, x, m.value) for x in written)]
     said = _diagnosed(question, found)
@@ -245,7 +245,7 @@ def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
 
 
 def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict | None:
-    """The diagnosis of indices that start at 0, if that is what happened."""
+    """The diagnosis of indices that start at 0, if this happened."""
     if not any(k == -1 for key in value for k in key):
         return None
     moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
@@ -326,7 +326,7 @@ _PLAIN = (
 
 
 def equations(question: Question, given: object, where: str) -> dict[Index, sympy.Expr]:
-    """The rates that follow from equations: as index of the unknown -> expression.
+    """The rates that follow from equations, as index of the unknown -> expression.
 
     Equations are a text ``Omega1' = ...; Omega2' = ...`` (semicolons or lines), a list of such, or
     a table unknown -> expression. They may be multiplied, exchanged and combined at will.
@@ -448,7 +448,7 @@ def _solved(
 
 
 def _check_plain(residual: sympy.Expr, place: str) -> None:
-    """Refuse to solve what no equation of motion contains."""
+    """Refuse to solve equations that no equation of motion contains."""
     for part in sympy.preorder_traversal(residual):
         known = not part.args or part.is_Add or part.is_Mul or isinstance(part, _PLAIN)
         power = part.is_Pow and part.exp.is_Rational

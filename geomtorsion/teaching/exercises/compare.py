@@ -21,14 +21,14 @@ Index = tuple[int, ...]
 Value = Mapping[Index, Any]
 
 EQUAL, PARTLY, DIFFERENT = "equal", "partly", "different"
-# Functions that are made by turning another one round.
+# Inverse functions, which have branches.
 _INVERSE = (
     sympy.asin, sympy.acos, sympy.atan, sympy.acot, sympy.atan2, sympy.asinh, sympy.acosh,
     sympy.atanh, sympy.acoth, sympy.asec, sympy.acsc, sympy.asech, sympy.acsch, sympy.log,
 )  # fmt: skip
-# Half of the digits may have cancelled on the way; what differs in the others is different.
+# Half of the digits may have cancelled; values that differ in the remaining half are different.
 SURE = 10.0 ** (-DIGITS // 2)
-# What no answer needs on its way, beyond what occurs in the solution: more digits would cancel.
+# Largest ratio of intermediate numbers, answer to solution: beyond it, too many digits cancel.
 BEYOND = 1 / SURE
 
 
@@ -68,7 +68,7 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
 
 
 def has_root(expr: sympy.Expr) -> bool:
-    """Whether a root with a symbol below it occurs, or a size such as |x|.
+    """Whether a root of a symbol occurs, or an absolute value such as |x|.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def has_root(expr: sympy.Expr) -> bool:
 
 
 def has_inverse(expr: sympy.Expr) -> bool:
-    """Whether an inverse function of a symbol occurs, which gives one of several values.
+    """Whether an inverse function of a symbol occurs, which returns one of several values.
 
     Examples
     --------
@@ -96,24 +96,25 @@ def has_inverse(expr: sympy.Expr) -> bool:
 
 
 def compare_all(domain: Domain, given: Value, right: Value) -> dict[Index, str]:
-    """`compare` for every component that occurs in one of two; what is missing is zero."""
+    """`compare` for every component that occurs in one of two; a missing component is zero."""
     keys = sorted({*given, *right})
     return {key: compare(domain, given.get(key, 0), right.get(key, 0)) for key in keys}
 
 
 def same(domain: Domain, given: Value, right: Value) -> bool:
-    """Whether all components are equal; ends at the first that is not."""
+    """Whether all components are equal; ends at the first difference."""
     return all(
         compare(domain, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
     )
 
 
 def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool], float]:
-    """At each point where both have a value, whether it is the same; and how much larger the
-    numbers on the way to the first become than those on the way to the second.
+    """At each point where both have a value, whether the values agree; and the ratio of the largest
+    intermediate number of the first to the largest intermediate number of the second.
 
-    Floats tell where they differ by more than half of their digits, and no number on the way is so
-    large that one over a difference of two such may have lost more; else many digits are taken.
+    Floats decide where the values differ by more than half of their digits and no intermediate
+    number is so large that one over a difference of two such numbers may have lost more digits;
+    elsewhere many digits are computed.
     """
     firsts, sizes = at_points_with_size(one, domain.columns)
     seconds, others = at_points_with_size(two, domain.columns)
@@ -121,10 +122,10 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
     rows = zip(domain.places, firsts, seconds, sizes, others, strict=True)
     for point, first, second, size, other in rows:
         largest = max(size, other)
-        # Where the second is beyond all floats, the first may be so.
+        # If the second overflows a float, the first may also overflow.
         beyond = max(beyond, size / max(other, 1.0)) if math.isfinite(other) else beyond
         difference = _size(first - second)
-        # What is near is looked at exactly.
+        # Near values are compared with many digits.
         near = difference <= HALF * (1 + _size(first) + _size(second)) < math.inf
         if near or (HALF * largest < difference < math.inf and HALF * largest * largest < 1):
             found.append(near)
@@ -135,7 +136,7 @@ def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool],
 
 
 def _size(x: complex) -> float:
-    """|x|, infinite where it is beyond all floats."""
+    """|x|, infinite where it overflows a float."""
     try:
         return abs(x)
     except OverflowError:
@@ -143,7 +144,7 @@ def _size(x: complex) -> float:
 
 
 def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:
-    """Whether both have one value at a point, in many digits; None where one has none."""
+    """Whether both have one value at a point, in many digits; None if one has no value there."""
     a, b = at_point(one, point), at_point(two, point)
     if a is None or b is None:
         return None
@@ -151,7 +152,7 @@ def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:
 
 
 def _is_zero(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> bool:
-    """Whether the difference vanishes exactly; where nothing decides it, what many digits say."""
+    """Whether the difference vanishes exactly; if this is undecided, the result of many digits."""
     for expr in (one, two):
         check_weight(expr, "answer")
     try:
@@ -172,7 +173,7 @@ def _is_zero(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> bool:
 
 
 def _without_sizes(domain: Domain, expr: sympy.Expr) -> sympy.Expr:
-    """|x| as x or -x, where it has one sign at all points; sympy makes it of sqrt(x**2)."""
+    """|x| as x or -x, if x has one sign at all points; sympy makes it from sqrt(x**2)."""
     table = {}
     for size in expr.atoms(sympy.Abs):
         inner = [x.real for x in at_points(size.args[0], domain.columns)]

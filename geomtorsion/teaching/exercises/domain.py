@@ -1,4 +1,4 @@
-"""domain: the symbols an answer may be written with, and where they lie."""
+"""domain: the symbols that may occur in an answer, and their range."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 Point = Mapping[sympy.Symbol, sympy.Rational]
-# As many points decide where in the domain an answer is right; each exact decision is its own.
+# As many points decide where in the domain an answer is right; each exact decision is separate.
 POINTS = 24
 
 
 @dataclass(frozen=True, eq=False)
 class Domain:
-    """Symbols with the domain in which they lie.
+    """Symbols with the domain of their values.
 
-    symbols: in order, each of which may occur in an answer.
-    relations: what holds between them, such as 0 < x.
+    symbols: the symbols that may occur in an answer, in order.
+    relations: relations between them, such as 0 < x.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Domain:
 
     @cached_property
     def names(self) -> Mapping[str, sympy.Symbol]:
-        """Name -> symbol; Greek letters may be written as themselves."""
+        """Name -> symbol; Greek letters may also be typed directly."""
         found = {symbol.name: symbol for symbol in self.symbols}
         for symbol in self.symbols:
             for word, letter in GREEK.items():
@@ -58,12 +58,12 @@ class Domain:
 
     @cached_property
     def points(self) -> tuple[Point, ...]:
-        """Places all over the domain, always the same ones."""
+        """Points all over the domain, always the same ones."""
         return tuple(islice(candidate_points(self.symbols, (), self.relations, FINE), POINTS))
 
     @property
     def places(self) -> tuple[Point, ...]:
-        """The points; a single one without coordinates where there are no symbols."""
+        """The points; a single point without coordinates if there are no symbols."""
         return self.points if self.symbols else ({},)
 
     @cached_property
@@ -74,5 +74,5 @@ class Domain:
         }
 
     def field(self) -> Field:
-        """A fresh exact field over the symbols: no answer leaves traces in the next."""
+        """A fresh exact field over the symbols: no answer affects the next one."""
         return Field(self.symbols, sample=self.points[0] if self.symbols else None)

@@ -12,8 +12,8 @@ class Draw:
     """Read a seed as a number with mixed digits; each choice takes the next digit.
 
     Seed 0 takes the first option of every choice. Two seeds below the number of combinations never
-    make the same choices: some choice is the first in which their digits differ. Each digit is
-    shifted by those before it, so that neighbouring seeds differ in all choices.
+    make the same choices: these differ at the first different digit. Each digit is
+    shifted by the digits before it, so that neighbouring seeds differ in all choices.
 
     Examples
     --------

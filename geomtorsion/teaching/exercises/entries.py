@@ -23,14 +23,14 @@ _PAIR = re.compile(r"(['\"])([^'\"]*)\1\s*:\s*(?:(['\"])([^'\"]*)\3|([^,{}]*))")
 
 
 def table_or_list(question: Question, text: str, where: str) -> object:
-    """A table index -> text, or nested lists of texts; a single expression stays text.
+    """A table index -> text, or nested lists of texts; a single expression remains text.
 
     Raises
     ------
     ExpressionError
-        A bracket is not closed, or a part names no component.
+        A bracket is not closed, or a part does not name a component.
     LimitError
-        It is too long, or too many lists stand inside one another.
+        It is too long, or too many lists are nested.
     """
     if len(text) > MOST.characters:
         raise LimitError(
@@ -64,12 +64,12 @@ def table_or_list(question: Question, text: str, where: str) -> object:
 
 
 def _with_signs(text: str) -> str:
-    """Only what stands between entries is rewritten here; each entry is read by itself later."""
+    """Only the text between entries is rewritten here; each entry is read separately later."""
     return plain_signs(text) if "\\" in text or not text.isascii() else text
 
 
 def _is_name(question: Question, label: str) -> bool:
-    """Whether what stands before = names the whole, such as g or Gamma_ab^c, not a component."""
+    """Whether the text before = names the tensor, such as g or Gamma_ab^c, not a component."""
     try:
         index(question, label, "")
     except ExpressionError:
@@ -96,7 +96,7 @@ def _table(question: Question, text: str, where: str) -> dict[str, str]:
 
 
 def _pairs(question: Question, line: str) -> Iterator[tuple[str, str]]:
-    """Pairs of a line; where there are several, the last comma before an index parts them."""
+    """Pairs of a line; if there are several, the last comma before an index separates them."""
     first, *pieces = line.split("=")
     key = first.strip()
     several = len(pieces) > 1
@@ -112,7 +112,7 @@ def _pairs(question: Question, line: str) -> Iterator[tuple[str, str]]:
 def _parted(question: Question, piece: str) -> tuple[str, str]:
     """A value and the index of the next component."""
     parts = split_outside(piece, ",")
-    # As few parts as make an index: 0, 1,2,1 with three indices, x, b2 with a name.
+    # The fewest parts that make an index: 0, 1,2,1 with three indices, x, b2 with a name.
     for count in range(1, len(parts)):
         following = ",".join(parts[-count:])
         try:
@@ -124,7 +124,7 @@ def _parted(question: Question, piece: str) -> tuple[str, str]:
 
 
 def split_outside(text: str, sign: str) -> list[str]:
-    """Parts between signs that stand in no bracket.
+    """Parts between signs that are outside of brackets.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def split_outside(text: str, sign: str) -> list[str]:
 
 
 def _bare(question: Question, text: str, where: str) -> object:
-    """Entries with round or curly brackets, or with none; a single expression stays text."""
+    """Entries with parentheses, curly brackets or none; a single expression remains text."""
     shape = question.shape
     whole = _inside(text)
     several = any(len(split_outside(text if whole is None else whole, sign)) > 1 for sign in ",;\n")
@@ -151,7 +151,7 @@ def _bare(question: Question, text: str, where: str) -> object:
 
 
 def _inside(text: str) -> str | None:
-    """What stands between brackets that enclose the whole text; None if none do."""
+    """The text between brackets that enclose the whole text; None if no brackets do."""
     text = text.strip()
     if not text or text[0] not in _OPEN or text[-1] != _CLOSE[_OPEN.index(text[0])]:
         return None
@@ -171,7 +171,7 @@ def nested(question: Question, text: str, where: str) -> list[object]:
     ExpressionError
         The brackets do not pair up.
     LimitError
-        More lists stand inside one another than any question needs.
+        Lists are nested more deeply than any question needs.
     """
     depth = deepest = 0
     for letter in text:
@@ -179,7 +179,7 @@ def nested(question: Question, text: str, where: str) -> list[object]:
         deepest = max(deepest, depth)
         if depth < 0:
             raise ExpressionError(f"{where}: a bracket ] is closed that was not opened.")
-    # No tensor here has more indices; deeper lists are written to exhaust the reader.
+    # No tensor here has more indices; deeper lists are meant to exhaust the reader.
     if deepest > MOST.levels:
         raise LimitError(f"{where}: more than 6 lists inside one another. Flatten it.")
     inner = _inside(text)
@@ -212,7 +212,7 @@ def _listed(question: Question, text: str, level: int) -> list[object]:
 
 
 def _unquoted(text: str) -> str:
-    """An entry without quotes round it; a prime at its end stays."""
+    """An entry without the quotes around it; a prime at its end remains."""
     return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
 
 
@@ -220,12 +220,12 @@ def index(question: Question, key: object, where: str) -> Index:
     """Indices counted from 0, from a text that counts from 1 or names coordinates.
 
     ``1,2,1``, ``121``, ``Gamma_12^1``, ``Gamma^1_12``, ``Gamma[1, 2, 1]``, ``b1`` and
-    ``phi1,phi2,phi1`` all will do. Where some stand above, those below go to the places below.
+    ``phi1,phi2,phi1`` are all accepted. With upper indices, the lower ones fill the lower slots.
 
     Raises
     ------
     ExpressionError
-        It is no index, has too many or too few parts, or is out of range.
+        It is not an index, has too many or too few parts, or is out of range.
     """
     text = str(key)[:200]
     if not text.isascii() or "\\" in text:
@@ -234,7 +234,7 @@ def index(question: Question, key: object, where: str) -> Index:
     try:
         below, above, written = _marked(question, _without_head(question, text), where)
     except ExpressionError:
-        # What looks like a name before indices may be the first of them.
+        # A text that looks like a name before indices may be the first index.
         below, above, written = _marked(question, text, where)
     found = written
     if above and marks and len(written) == rank:
@@ -318,7 +318,7 @@ def _number(question: Question, part: str, place: int, where: str) -> int:
 
 
 def _coordinates(question: Question, part: str) -> list[str]:
-    """Coordinates written side by side, such as rphi; empty if it is not made of them."""
+    """Coordinates written side by side, such as rphi; empty if the text is anything else."""
     found, rest = [], part
     while rest:
         head = next(
@@ -338,7 +338,7 @@ def flat(given: list[object], shape: tuple[int, ...], where: str) -> list[tuple[
     Raises
     ------
     ExpressionError
-        A list is too long or too short, or none stands where one should.
+        A list is too long or too short, or a list is missing.
     """
     if not shape or len(given) != shape[0]:
         needed = " x ".join(map(str, shape)) or "one expression"
@@ -361,7 +361,7 @@ def _example(question: Question) -> str:
 
 
 def kind(value: object) -> str:
-    """What an answer is, in a few words.
+    """Description of an answer in a few words.
 
     Examples
     --------

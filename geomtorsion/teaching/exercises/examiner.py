@@ -1,4 +1,4 @@
-"""examiner: checks answers in another process, which is ended where an answer would not end."""
+"""examiner: checks answers in another process, which is ended if an answer takes too long."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ SECONDS = 10.0
 class Examiner:
     """Checks answers within a time; a context manager.
 
-    seconds: how long the answers to one exercise may take. Then the process is ended, the answers
-    count as too large, and the next ones get a new process.
-    function: what the process calls with each request, which may know more than `reply`.
+    seconds: time limit for the answers to one exercise. At the limit the process is ended, the
+    answers count as too large, and the next answers get a new process.
+    function: called by the process with each request; it may handle more requests than `reply`.
 
     Examples
     --------
@@ -43,7 +43,7 @@ class Examiner:
         self.pool.close()
 
     def check(self, number: str, answers: object, seed: int = 0) -> Verdict:
-        """What is said about the answers to an exercise, within the time; see `Exercise.check`.
+        """The verdict on the answers to an exercise, within the time; see `Exercise.check`.
 
         Raises
         ------
@@ -54,8 +54,8 @@ class Examiner:
         given, _ = exercise.arranged(answers)
         request = {"number": number, "seed": seed}
         try:
-            # What the library needs for its own solution is not charged to the student; the
-            # process keeps it, so that only the first student waits for it.
+            # The time for the library's own solution is not charged to the student; the process
+            # keeps the solution, so that only the first student waits for it.
             self.pool.ask(request, STARTING)
         except (TimeoutError, ChildProcessError):
             return _unchecked(
@@ -67,7 +67,7 @@ class Examiner:
         return Verdict.from_json(found["verdict"])
 
     def ask(self, request: Json, seconds: float) -> Json | str:
-        """The reply of the process, or in words why there is none."""
+        """The reply of the process, or the reason in words why there is none."""
         try:
             found = self.pool.ask(request, seconds)
         except TimeoutError:
@@ -90,7 +90,7 @@ def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: st
 
 
 def reply(request: Json) -> Json:
-    """What the process answers: a verdict, or that the solution is known now."""
+    """The reply of the process: a verdict, or a note that the solution is now available."""
     exercise = load(request["number"], request["seed"])
     if "answers" not in request:
         _ = exercise.solution()

@@ -21,11 +21,11 @@ from geomtorsion.teaching.exercises.working import Step
 
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """One variant of an exercise, as its file makes it.
+    """One variant of an exercise, as its file creates it.
 
     statement: Markdown with LaTeX between dollar signs.
-    questions: what is asked, in order. hints: one step each, from a nudge to nearly all of it.
-    worked: makes the worked solution, when it is first needed.
+    questions: in order. hints: one step each, from a nudge to nearly the whole solution.
+    worked: computes the worked solution at its first use.
     """
 
     statement: str
@@ -43,9 +43,9 @@ def steps(*hints: str) -> tuple[str, ...]:
 class Exercise:
     """An exercise in one variant.
 
-    number: "3.2". title, chapter: what it is called and where it stands. level: warm-up, exercise
-    or project. seed: which variant; 0 is the one of the paper. variant: what it says. loader: makes
-    it from number and seed, which say all; copies are made so.
+    number: "3.2". title, chapter: the exercise and its chapter. level: warm-up, exercise or
+    project. seed: the variant; 0 is the variant of the paper. variant: its content. loader:
+    creates the exercise from number and seed, which determine it completely; copies use it.
 
     Examples
     --------
@@ -87,34 +87,34 @@ class Exercise:
 
     @property
     def statement(self) -> str:
-        """What is given and what is asked: Markdown, LaTeX between dollar signs."""
+        """The known quantities and the task: Markdown, LaTeX between dollar signs."""
         return self.variant.statement
 
     @property
     def questions(self) -> tuple[Question, ...]:
-        """What is asked, in order."""
+        """The questions, in order."""
         return self.variant.questions
 
     @property
     def hints(self) -> tuple[str, ...]:
-        """Steps, from a nudge to nearly all of it; Markdown with LaTeX."""
+        """Steps, from a nudge to nearly the whole solution; Markdown with LaTeX."""
         return self.variant.hints
 
     @cached_property
     def worked(self) -> tuple[Step, ...]:
         """The solution step by step, for the teacher; each question is answered by one step.
 
-        The answers are worked out by hand, apart from the library's own solution.
+        The answers are derived by hand, independently of the library's own solution.
         """
         return self.variant.worked()
 
     def question(self, name: str) -> Question:
-        """The question of a name.
+        """The question with this name.
 
         Raises
         ------
         UnknownNameError
-            There is none; the message lists those there are.
+            There is no such question; the message lists the known ones.
         """
         known = {question.name: question for question in self.questions}
         if isinstance(name, str) and name in known:
@@ -135,12 +135,12 @@ class Exercise:
         return {q.name: answer_text(q, q.solution) for q in self.questions}
 
     def check(self, answers: Mapping[str, object] | str) -> Verdict:
-        """What is said about answers; nothing a student may write raises an error.
+        """The verdict on answers; no input of a student raises an error.
 
         Parameters
         ----------
         answers
-            question -> answer (text, number, list or table); a single text where there is one
+            question -> answer (text, number, list or table); a single text if there is one
             question.
 
         Examples
@@ -155,10 +155,10 @@ class Exercise:
         return Verdict(self.number, self.seed, found, notes)
 
     def arranged(self, answers: object) -> tuple[dict[str, object], tuple[str, ...]]:
-        """Answers by question, and what there is to say about how they were given.
+        """Answers by question, and remarks about the form of the answers.
 
         One answer counts for the first question; a table whose keys are components of the only
-        question is its answer; any other key that is no question is named.
+        question is its answer; any other key that does not name a question is reported.
 
         Examples
         --------

@@ -107,8 +107,8 @@ def bodies() -> tuple[Body, ...]:
 
 @cache
 def planes() -> tuple[Frame, ...]:
-    """Two forms that turn, or are boosted, from place to place: dx and dy in polar coordinates
-    first."""
+    """Two forms that are rotated, or boosted, with position; first dx and dy in polar
+    coordinates."""
     r, phi = sp.symbols("r phi", real=True)
     stretches = ((0, 1), *product((0, 1), (2, 3, 4, 5)))
     frames = []
@@ -128,7 +128,7 @@ def planes() -> tuple[Frame, ...]:
 def groups(*, curved: bool = False) -> tuple[Frame, ...]:
     """Left-invariant forms of three-dimensional groups: Heisenberg's first.
 
-    curved: without the turns of the plane, whose metric is flat.
+    curved: omit the rotations of the plane, whose metric is flat.
     """
     x, y, z = q = sp.symbols("x y z", real=True)
     kinds = (
@@ -146,9 +146,9 @@ def groups(*, curved: bool = False) -> tuple[Frame, ...]:
 
 
 def profiles(x: sp.Symbol) -> tuple[sp.Expr, ...]:
-    """How long, over 2 pi, the circles of a surface are: positive for 0 < x < 1 at least.
+    """Lengths over 2 pi of the circles of surfaces; all are positive at least for 0 < x < 1.
 
-    The plane's come first; only they are flat.
+    The first is the plane, the only flat surface of the family.
     """
     curved = (
         (sp.sinh(k * x), sp.exp(k * x), sp.cosh(x / k), x**k, sp.sin(x / k), 1 + k * x**2,

@@ -1,4 +1,4 @@
-"""Grading: a folder of answers to a table of marks; what is finished is never lost."""
+"""Grading: a folder of answers to a table of marks; finished rows are never lost."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ KEYS = ("student", "name", "seed", "answers")
 class Submission:
     """The answers of one student.
 
-    student: name as written, or that of the file. seed: which variant was worked on; None if the
-    file does not say.
+    student: name as written, or the name of the file. seed: the variant; None if the
+    file does not name one.
     answers: number of an exercise -> question -> answer, or one answer.
-    unknown: keys that are no exercise. outside: keys beside those of a file, which are not read.
+    unknown: keys that do not name an exercise. outside: other keys of the file, which are ignored.
     """
 
     student: str
@@ -49,16 +49,16 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     Keys
     ----
     student
-        A name; that of the file if it is left out.
+        A name; the default is the name of the file.
     seed
-        The variant that was worked on.
+        The variant of the answers.
     answers
         Table: number of an exercise -> answer, or table question -> answer.
 
     Raises
     ------
     FileFormatError
-        It is no regular file, no TOML, or has values of the wrong kind.
+        It is not a regular file, is not TOML, or has values of the wrong type.
     LimitError
         It is longer than MOST.file bytes, or nested too deeply.
 
@@ -73,7 +73,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     """
     path = checks.file_name(path)
     data = loaded(path)
-    # Some write name; it costs nobody marks.
+    # Some students write "name"; it costs no marks.
     student = data.get("student", data.get("name", path.stem))
     if not isinstance(student, str) or len(student) > MOST.name:
         raise FileFormatError(
@@ -95,7 +95,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     unknown = tuple(key[:60] for key in flat if key not in known)
     answers = {key: value for key, value in flat.items() if key in known}
     outside = tuple(key[:60] for key in _flat(data) if key not in KEYS)
-    # The form has an empty name, which some leave so.
+    # The form has an empty name, which some students do not fill in.
     return Submission(" ".join(student.split()) or path.stem, seed, answers, unknown, outside)
 
 
@@ -119,7 +119,7 @@ def _flat(table: Mapping[str, object]) -> dict[str, object]:
 
 GRADED, PARTLY, TWICE, REFUSED = "graded", "partly", "given twice", "not graded"
 HEAD = ("file", "student", "seed", "earned", "points", "percent", "answered", "counted", "status")
-# Which exercises count, if nobody said: those that occur in any file.
+# Exercises that count by default: those that occur in any file.
 ASKED_FOR, OCCURRING = "as asked for", "whatever anybody answered"
 TAIL = ("diagnoses", "remarks", "fingerprint")
 
@@ -128,13 +128,13 @@ TAIL = ("diagnoses", "remarks", "fingerprint")
 class Mark:
     """The marks of one student: a row of the table.
 
-    file, student, seed: whose they are. earned, points: in total; answers that could not be read
+    file, student, seed: the owner. earned, points: totals; answers that could not be read
     count in neither.
-    answered: how many questions of how many. counted: the exercises that make up the points.
-    status: GRADED, PARTLY (an answer was not looked at: unreadable, or to no question there is),
+    answered: number of answered questions, and of all. counted: the exercises with points.
+    status: GRADED, PARTLY (an answer was not checked: unreadable, or to an unknown question),
     TWICE (another file has the same student) or REFUSED.
     parts: number of an exercise -> points earned.
-    diagnoses: number:question -> code. remarks: what to look at. fingerprint: of file and task.
+    diagnoses: number:question -> code. remarks: what to check. fingerprint: of file and task.
     """
 
     file: str
@@ -193,7 +193,7 @@ class Marks:
 
     @property
     def troubled(self) -> tuple[Mapping[str, str], ...]:
-        """Rows that somebody should look at."""
+        """Rows that a person should check."""
         return tuple(row for row in self.rows if row["status"] != GRADED)
 
 
@@ -215,17 +215,17 @@ def grade(
     numbers
         the exercises that count; those that occur in any file if not given.
     seed
-        what every student must have worked on; as each file says if not given. A file that names
-        none is graded as this one, or as 0, and its row says so.
+        the required seed of every student; by default the seed of each file. A file without a
+        seed is graded with this seed, or with 0, and its row reports it.
     seconds
-        how long the answers to one exercise may take.
+        time limit for the answers to one exercise.
     progress
         is called with (files done, files in all, file).
 
     Returns
     -------
     Marks. Rows of the output that belong to unchanged files and the same task (with as many
-    seconds) are kept, so that grading that was interrupted goes on where it stopped.
+    seconds) are reused, so that interrupted grading resumes where it stopped.
 
     Raises
     ------
@@ -240,7 +240,7 @@ def grade(
         raise FileFormatError(
             f"{folder}: there is no TOML file here. Each student gives one, such as ada.toml."
         )
-    # One that is named twice counts once.
+    # An exercise that is named twice counts once.
     listed = None if numbers is None else tuple(dict.fromkeys(numbers))
     if listed == ():
         raise ArgumentError(
@@ -282,7 +282,7 @@ def _graded(
             if old is None:
                 _write(table, rows, found, chosen)
     finally:
-        # What an earlier run knew and this one has not reached stays in the table.
+        # Rows of an earlier run that this run has not reached stay in the table.
         later = [task.fingerprint(path) for path in files[len(rows) :]]
         rest = [before[key] for key in later if key in before]
         _write(table, [*rows, *rest], found, chosen)
@@ -292,7 +292,7 @@ def _graded(
 
 @dataclass(frozen=True)
 class _Task:
-    """What is graded: the exercises, the seed asked for, how both are told, and who came twice.
+    """The task: the exercises, the requested seed, their texts in the table, and duplicates.
 
     namesakes: file -> other files of the same student. seconds: for the answers to one exercise.
     """
@@ -330,9 +330,9 @@ def _namesakes(read: Mapping[Path, Submission | str]) -> dict[Path, tuple[str, .
 
 
 def _read(path: Path, examiner: Examiner) -> Submission | str:
-    """The answers in a file, or why it cannot be read, found out in the process of the examiner.
+    """The answers in a file, or the reason why it cannot be read, from the examiner's process.
 
-    A file that takes too much time or memory costs its own student the marks, and nobody else.
+    A file that takes too much time or memory costs only its own student marks.
     """
     found = examiner.ask({"path": str(path)}, SECONDS)
     if isinstance(found, str):
@@ -346,17 +346,17 @@ def _read(path: Path, examiner: Examiner) -> Submission | str:
 
 
 def reply(request: Json) -> Json:
-    """What the process of the examiner answers: what is in a file, or as for other requests."""
+    """Reply of the examiner's process: the content of a file, or the result of a check."""
     return submission_data(request["path"]) if "path" in request else checked(request)
 
 
 def submission_data(path: str) -> Json:
-    """The answers in a file as JSON, or under "refused" why it cannot be read."""
+    """The answers in a file as JSON, or the reason for refusing it under "refused"."""
     try:
         found = read_submission(path)
     except GeomtorsionError as error:
         return {"refused": str(error)}
-    # A date that was written without quotes is no answer, but can be shown.
+    # A date that was written without quotes is not an answer, but can be shown.
     answers = json.loads(json.dumps(found.answers, default=str))
     return {**vars(found), "answers": answers}
 
@@ -394,7 +394,7 @@ def _mark(
     codes: list[str] = []
     remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
     remarks += [f"{key!r} stands outside of [answers]: it is not read." for key in read.outside]
-    # Of what belongs to the file alone, such as a date, nobody has to look at anything.
+    # A key that concerns the file only, such as a date, needs nobody's attention.
     unseen = bool(read.unknown) or any(key in names() for key in read.outside)
     answered = asked = 0
     for number in task.numbers:
@@ -407,7 +407,7 @@ def _mark(
         answered += sum(code != "empty" for _, code in said)
         codes += [f"{number}:{name} {code}" for name, code in said if code not in ("", "empty")]
         remarks += [f"{number}: {note}" for note in verdict.notes]
-        # A person decides on these: until then they cost no points.
+        # A person decides on these; until then they cost no points.
         worth -= sum(verdict[name].points for name in verdict.unread)
         remarks += [f"{number}: {name} could not be read." for name in verdict.unread]
         unseen |= bool(verdict.notes or verdict.unread)
@@ -449,7 +449,7 @@ def _as_values(row: Mapping[str, str], numbers: Sequence[str]) -> dict[str, obje
 
 
 def _as_text(key: str, value: object) -> str:
-    """A value of a row as it stands in the table."""
+    """A value of a row in the form of the table."""
     if isinstance(value, float):
         return f"{value:.1f}" if key == "percent" else f"{value:g}"
     return str(value)
@@ -458,7 +458,7 @@ def _as_text(key: str, value: object) -> str:
 def _write(
     table: Path, rows: Sequence[Mapping[str, str]], numbers: Sequence[str], chosen: str
 ) -> None:
-    """Write the table aside and put it in place at once: it is never half a table."""
+    """Write the table to a temporary file and rename it: it is never half a table."""
     table.parent.mkdir(parents=True, exist_ok=True)
     with written(table) as aside, aside.open("w", encoding="utf-8", newline="") as file:
         if table.suffix == ".json":

@@ -1,4 +1,4 @@
-"""limits: how large an answer may be, so that none keeps the examiner busy."""
+"""limits: the largest size of an answer, so that no answer blocks the examiner."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ ANSWER = Limits(
 
 @dataclass(frozen=True)
 class Most:
-    """How much is read, compared and shown.
+    """Largest sizes of answers that are read, compared and shown.
 
     characters: of one answer with all its components. entries: of one answer.
-    levels: of lists inside one another, more than any tensor here has indices. equations: of one.
+    levels: of nested lists, more than any tensor here has indices. equations: of one.
     terms: of an answer, multiplied out; equation_terms: of one of several equations, which are
     combined to solve them. roots: different ones.
     file: bytes of a file of answers. name: letters of a student's. seed: the largest variant.
@@ -54,12 +54,12 @@ _CIRCULAR = (sympy.sin, sympy.cos, sympy.tan, sympy.cot, sympy.sec, sympy.csc)
 
 
 def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> None:
-    """Refuse an expression that would be very long if it were multiplied out.
+    """Refuse an expression that would be very long when multiplied out.
 
     Raises
     ------
     LimitError
-        more than `largest` terms, or more than MOST.roots roots, are to be expected.
+        more than `largest` terms, or more than MOST.roots roots, are expected.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> Non
         raise LimitError(
             f"{where}: it contains more than {MOST.roots} different roots. Write it shorter."
         )
-    # Counted, not expanded: expanding is what has to be avoided.
+    # Counted without expanding, because expanding is the expensive step.
     above, below = _weight(expr, {})
     if above * below > largest:
         raise LimitError(

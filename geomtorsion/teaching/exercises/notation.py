@@ -1,7 +1,7 @@
-"""Notation: answers as people write them, rewritten as the reader of expressions takes them.
+"""Notation: answers as people write them, rewritten in the syntax of the parser.
 
-Only signs are exchanged and added here; what comes out still goes through the whitelist. Where a
-text can be read in two ways it is refused, with both ways of writing it.
+Only signs are exchanged and added here; the result still passes the whitelist. A text that
+can be read in two ways is refused, with both readings.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _MATRIX = re.compile(r"\\begin\{(\w*(?:matrix|array))\}(?:\{[lcr|]*\})?(.*?)\\en
 
 
 def without_latex(text: str) -> str:
-    r"""A formula of LaTeX as plain text; what is not known stays as it is.
+    r"""A formula of LaTeX as plain text; unknown commands are unchanged.
 
     Examples
     --------
@@ -66,7 +66,7 @@ def _rows(match: re.Match[str]) -> str:
 
 
 _BRACES = r"\s*\{([^{}]*)\}"
-# Of a quotient a part that is one sign, such as 2, r or \phi, needs no braces.
+# A part of a fraction that is one sign, such as 2, r or \phi, needs no braces.
 _PART = rf"\s*(?:\{{([^{{}}]*)\}}|([0-9A-Za-z]|\\(?:{'|'.join(GREEK)})(?![A-Za-z])))"
 _QUOTIENT = re.compile(r"\\[dtc]?frac(?![A-Za-z])" + _PART + _PART)
 _ROOT = re.compile(r"\\sqrt\s*(?:\[\s*([0-9]+)\s*\])?" + _BRACES)
@@ -95,7 +95,7 @@ def _root(match: re.Match[str]) -> str:
     return f"({match[2]})^(1/{match[1]})" if match[1] else f"sqrt({match[2]})"
 
 
-# How Unicode says that a sign is a small one of another, and how that is typed.
+# How Unicode marks a sign as a superscript or subscript -> how it is typed.
 _SMALL = MappingProxyType({"<super>": "^({})", "<sub>": "_{}"})
 _SIGNS = str.maketrans(
     {
@@ -105,7 +105,7 @@ _SIGNS = str.maketrans(
         "“": '"', "”": '"', **dict.fromkeys("\u200b\u200c\u200d\u2060\ufeff", None),
     }
 )  # fmt: skip
-# How functions are called elsewhere.
+# Names of functions in other systems.
 _OTHER_NAMES = MappingProxyType(
     {
         "tg": "tan", "ctg": "cot", "cotg": "cot", "cotan": "cot", "cosec": "csc", "sen": "sin",
@@ -132,7 +132,7 @@ _BRACKETS = "([{"
 
 
 def plain_signs(text: str) -> str:
-    """Text with the signs of a keyboard: superscripts, subscripts, LaTeX, other minus signs.
+    """Text in keyboard signs: superscripts, subscripts, LaTeX and other minus signs are replaced.
 
     Examples
     --------
@@ -168,9 +168,9 @@ def _primed(match: re.Match[str]) -> str:
 
 
 def written_out(text: str, names: Mapping[str, object], where: str) -> str:
-    """An expression with all its products and brackets, over names as the reader knows them.
+    """An expression with all its products and brackets, over names that the parser knows.
 
-    names: what may occur, as name -> symbol; x'' stands for x_dd.
+    names: allowed names, as name -> symbol; x'' means x_dd.
 
     Raises
     ------
@@ -210,7 +210,7 @@ def _with_rates(text: str, names: Mapping[str, object]) -> str:
 class _Token:
     """A piece of an answer; kind: number, symbol, function, sign or unknown.
 
-    text: as the reader takes it. shown: as it was written. spaced: whether a space stands before.
+    text: as the parser takes it. shown: as typed. spaced: whether a space precedes it.
     """
 
     kind: str
@@ -255,7 +255,7 @@ def _tokens(text: str, names: Mapping[str, object]) -> Iterator[_Token]:
 def _word(
     word: str, following: Sequence[str], names: Mapping[str, object]
 ) -> tuple[int, list[_Token]]:
-    """A name, with how many of the pieces that follow belong to it."""
+    """A name, with the number of following pieces that belong to it."""
     after = following[0] if following else ""
     if after[:1] in ("'", '"'):
         order = len(after.replace('"', "''"))
@@ -326,9 +326,9 @@ def _rate_name(word: str, order: int, names: Mapping[str, object]) -> str:
 
 
 def _parts(word: str, names: Mapping[str, object]) -> list[_Token]:
-    """A word as names side by side, such as Omega2Omega3 or piR; empty if it is not made of them.
+    """A word as names side by side, such as Omega2Omega3 or piR; empty if it is anything else.
 
-    Of several ways the one with the longest names from the left is taken.
+    If several splits exist, the split with the longest names from the left is taken.
     """
     found: list[_Token] = []
     longest = max(map(len, (*names, *FUNCTIONS))) + 1
@@ -348,14 +348,14 @@ def _parts(word: str, names: Mapping[str, object]) -> list[_Token]:
 
 
 class _Writer:
-    """Puts in the products and brackets that were left out."""
+    """Inserts the omitted products and brackets."""
 
     def __init__(self, tokens: Sequence[_Token], where: str) -> None:
         self.tokens = tokens
         self.where = where
         self.found: list[str] = []
-        # For each open bracket: whether a value stands under a stroke, and if that is a fraction
-        # of two numbers; and what follows the bracket when it is closed.
+        # For each open bracket: whether a value is in a denominator, and whether this is a
+        # fraction of two numbers; and the text that follows the closed bracket.
         self.under: list[str] = [""]
         self.closing: list[str] = [""]
 
@@ -371,7 +371,7 @@ class _Writer:
     def _next(self, k: int) -> int:
         token = self.tokens[k]
         before = self._at(k - 1)
-        # What is unknown may be meant as a function: the reader says that there is none.
+        # An unknown name may be meant as a function: the parser reports that there is none.
         called = before.kind == "unknown" and token.text == "("
         if k and token.starts_value and before.ends_value and not called:
             self._multiply(k)
@@ -393,7 +393,7 @@ class _Writer:
         return k + 1
 
     def _multiply(self, k: int) -> None:
-        """A product sign before token k, unless it would be read in two ways."""
+        """A product sign before token k, unless it is ambiguous."""
         token, before = self.tokens[k], self._at(k - 1)
         if self.under[-1] == "value" or (self.under[-1] == "number" and not token.spaced):
             above = self._at(k - 3).shown if self._at(k - 2).text == "/" else "..."
@@ -413,7 +413,7 @@ class _Writer:
         """A function with its power before its argument, and with brackets if it has none."""
         name = self.tokens[k].text
         power, k = self._power(name, k + 1)
-        # The reader knows no |x|; the root is taken without its sign where that is one.
+        # The parser has no |x|; the root of a square drops the sign of a real value.
         opening, closing = ("sqrt((", f"**2){power}") if name == "abs" else (f"{name}(", power)
         if self._at(k).text == "(":
             self.found.append(opening)
@@ -452,7 +452,7 @@ class _Writer:
         return f"**{exponent.text}", k + 2 + 2 * bracket
 
     def _check_end(self, k: int, name: str, argument: str) -> None:
-        """Refuse what may belong to an argument without brackets, or not."""
+        """Refuse a piece that may or may not belong to an argument without brackets."""
         token, after = self._at(k), self._at(k + 1)
         if token.text == "/" and after.kind == "function":
             return

@@ -18,7 +18,7 @@ Number = Any
 Columns = Mapping[sympy.Symbol, Sequence[float]]
 # Enough for answers in which a hundred digits cancel.
 DIGITS = 200
-# Binary exponents beyond these are not followed: exp(exp(exp(9))) would take minutes.
+# Larger binary exponents are refused: exp(exp(exp(9))) would take minutes.
 LARGEST_EXPONENT = 4000
 # Functions that floats and mpmath have by the names of sympy.
 _NAMES = frozenset(
@@ -31,7 +31,7 @@ _TURNED = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin", "as
 
 
 def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:
-    """Values at many points at once; nan or infinite where there is none.
+    """Values at many points at once; nan or infinite where the expression has no value.
 
     Examples
     --------
@@ -45,7 +45,7 @@ def at_points(expr: sympy.Expr, points: Columns) -> tuple[complex, ...]:
 def at_points_with_size(
     expr: sympy.Expr, points: Columns
 ) -> tuple[tuple[complex, ...], tuple[float, ...]]:
-    """Values at many points, and the largest number that occurred on the way to each.
+    """Values at many points, and the largest intermediate number at each.
 
     A value far below that size has lost digits by cancellation.
     """
@@ -59,7 +59,7 @@ def at_points_with_size(
 def at_point(
     expr: sympy.Expr, point: Mapping[sympy.Symbol, sympy.Rational], digits: int = DIGITS
 ) -> mpmath.mpc | None:
-    """Value at one point to many digits, None where there is none or it is beyond all size.
+    """Value at one point to many digits; None if it does not exist or is too large.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def _each(function: Callable[..., Any], *rows: Sequence[complex]) -> list[Any]:
 
 
 def _one(function: Callable[..., Any], *numbers: complex) -> Any:
-    """The same of single numbers: no value at a zero below, beyond all size at other poles."""
+    """`_each` for single numbers: nan at a division by zero, infinity at other poles."""
     try:
         return function(*numbers)
     except ZeroDivisionError:
@@ -144,7 +144,7 @@ class _Floats:
         return _Row([complex(x) for x in _each(function, *rows)])
 
     def checked(self, value: Number) -> Number:
-        # What is no number is larger than nothing.
+        # max(size, nan) is size: a value that is nan does not change the largest size.
         self.largest = [
             max(before, size)
             for before, size in zip(self.largest, _each(abs, value.values), strict=True)
@@ -174,7 +174,7 @@ class _Digits:
         return mpmath.mpc(getattr(mpmath, "fabs" if name == "Abs" else name)(*arguments))
 
     def _check_argument(self, value: Number) -> None:
-        # A periodic function of a larger argument has no digit that can be trusted.
+        # A periodic function of a larger argument has no significant digit.
         if value and mpmath.mag(value) > DIGITS:
             raise OverflowError("an argument beyond all size")
 
@@ -191,7 +191,7 @@ def _value(
     known: dict[sympy.Expr, Number],
 ) -> Number:
     """The value of an expression; equal parts are computed once."""
-    # Answers repeat their parts; without this, nested ones take a time that doubles with depth.
+    # Answers repeat their parts; otherwise the time doubles with each level of nesting.
     if expr in known:
         return known[expr]
     if expr.is_Symbol:
@@ -206,7 +206,7 @@ def _value(
 
 
 def _combined(expr: sympy.Expr, parts: list[Number], table: _Floats | _Digits) -> Number:
-    """The value of a sum, product, power or function from those of its parts."""
+    """The value of a sum, product, power or function from the values of its parts."""
     if expr.is_Add:
         return sum(parts[1:], parts[0])
     if expr.is_Mul:

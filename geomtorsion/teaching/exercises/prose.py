@@ -17,7 +17,7 @@ _MARKED = {"˙": "dot", "¨": "ddot", "¯": "mean", "^": "hat", "~": "tilde"}
 _FORMULA = re.compile(r"\$\$(.+?)\$\$|\$(.+?)\$", re.DOTALL)
 _CODE = re.compile(r"`([^`]+)`")
 _BOLD = re.compile(r"\*\*(.+?)\*\*", re.DOTALL)
-# Signs that LaTeX takes for its own outside of formulas -> how they are written there.
+# Signs that LaTeX reserves outside of formulas -> how they are written there.
 _LATEX = str.maketrans(
     {sign: f"\\{sign}" for sign in "%#&_{}$"}
     | {"\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}"}
@@ -27,7 +27,7 @@ _LATEX = str.maketrans(
 def html_of(markdown: str, *, tex: bool = False) -> str:
     r"""Paragraphs, lists, bold words, code and formulas as HTML.
 
-    tex: formulas as TeX between \( and \), for pages on which MathJax runs; else as MathML.
+    tex: formulas as TeX between \( and \), for pages with MathJax; otherwise as MathML.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def _block(block: str, tex: bool) -> str:
 
 
 def _formula(latex: str, tex: bool, *, display: bool) -> str:
-    """A formula as MathML, or as it stands, for MathJax."""
+    """A formula as MathML, or unchanged, for MathJax."""
     if not tex:
         return mathml(latex, display=display)
     return escape(rf"\[{latex}\]" if display else rf"\({latex}\)", quote=False)
@@ -72,7 +72,7 @@ def _inline(text: str, tex: bool) -> str:
 
 
 def text_of(markdown: str) -> str:
-    r"""The same as plain text: formulas in Greek letters, marks of Markdown left out.
+    r"""The statement as plain text: formulas in Greek letters, without marks of Markdown.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def latex_of(markdown: str) -> str:
 def _with_formulas(
     text: str, formula: Callable[[re.Match[str]], str], words: Callable[[str], str]
 ) -> str:
-    """Formulas by one rule, what stands between them by another."""
+    """Formulas by one rule, the text between them by another."""
     found, place = [], 0
     # Bold marks may enclose a formula: they are handled with placeholders for the formulas.
     formulas: list[str] = []
@@ -142,7 +142,7 @@ def plain_of(latex: str) -> str:
 
 
 def lines_of(latex: str) -> list[str]:
-    r"""A formula as lines: a matrix stands in its rows.
+    r"""A formula as lines: a matrix takes one line for each row.
 
     Examples
     --------
@@ -176,10 +176,10 @@ class Node:
     """A part of a formula.
 
     kind: row, letter, sign, number, word, space, fraction, root, scripts, accent, fence or matrix.
-    text: the letter, sign, number, word or accent; of a fence its two brackets.
-    parts: what is inside; of scripts: base, subscript, superscript (empty rows where missing);
-    of a root: what is under it, and its degree if that is not two.
-    width: of a space, in em.
+    text: the letter, sign, number, word or accent; for a fence its two brackets.
+    parts: children; for scripts: base, subscript, superscript (empty rows where missing);
+    for a root: the radicand, and its degree if that is not two.
+    width: for a space, in em.
     """
 
     kind: str
@@ -231,7 +231,7 @@ def _parts(element: ElementTree.Element) -> tuple[Node, ...]:
 
 
 def _width(space: ElementTree.Element) -> float:
-    r"""Width of a space that somebody wrote; 0.1667em is what a function has on both sides."""
+    r"""Width of an explicit space; 0.1667em is the space on both sides of a function."""
     width = space.get("width", "0em").removesuffix("em")
     return 0.0 if width == "0.1667" else float(width)
 
@@ -332,7 +332,7 @@ def _is_function(node: Node) -> bool:
 
 
 def _collide(before: Node, after: Node, text: str, piece: str) -> bool:
-    """Whether two things side by side would be read as one."""
+    """Whether two parts side by side would be read as one."""
     if after.kind in ("word", "fraction", "root") and before.kind in (*_BINDING, "fraction"):
         return True
     if before.kind == "word":

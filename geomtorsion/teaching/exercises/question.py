@@ -1,4 +1,4 @@
-"""Question: what is asked, how it is answered, and which mistakes are likely."""
+"""Question: one task, the form of its answer, and its likely mistakes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Mistake:
     """A wrong answer that is recognised.
 
     code: one of `diagnoses.TITLES`. value: the wrong answer, in any form `normal` understands.
-    message: what to say about it, where the exercise knows better than the code.
+    message: the feedback, if the exercise has a better one than the code.
     """
 
     code: str
@@ -43,22 +43,22 @@ def _none() -> Iterable[Mistake]:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """One thing that is asked.
+    """One task with one answer.
 
     name: key of the answer. kind: one of KINDS. prompt: Markdown with LaTeX.
-    domain: symbols that may be used, with what holds between them.
-    answer: computes the right answer with the library, when it is first needed.
+    domain: symbols that may be used, with the relations between them.
+    answer: computes the right answer with the library at its first use.
     errors: computes the wrong answers that this exercise expects.
     shape: numbers of components, as (3, 3, 3); () for a single one.
-    label: what one component is called in messages, such as "Gamma".
-    marks: where each index stands, "_" below and "^" above, in order: "__^" for Gamma_ab^c.
+    label: name of a component in messages, such as "Gamma".
+    marks: position of each index, "_" below and "^" above, in order: "__^" for Gamma_ab^c.
     symmetry: "antisymmetric" or "symmetric" in the first two indices: half may be given.
-    unknowns: of equations: what stands before the sign of equality, such as "Omega1'".
+    unknowns: for equations: the text before the sign of equality, such as "Omega1'".
     unit, tolerance: of numbers; the tolerance is relative to the largest component.
     options: of choices: key -> text.
-    generic: mistakes looked for without being named by the exercise.
-    remarks: code of a generic mistake -> what to add here to what is said of it everywhere.
-    points: what a right answer is worth.
+    generic: mistakes that are tested without being named by the exercise.
+    remarks: code of a generic mistake -> sentence to append to its general message.
+    points: points of a right answer.
     """
 
     name: str
@@ -81,18 +81,18 @@ class Question:
 
     @cached_property
     def solution(self) -> Value:
-        """The right answer as index -> expression or number; what is missing is zero."""
+        """The right answer as index -> expression or number; a missing component is zero."""
         return normal(self.answer())
 
     @property
     def exact(self) -> bool:
-        """Whether a number has to be given exactly: its tolerance is there for floats only."""
-        # Nobody asks for a number in digits like these.
+        """Whether a number must be exact: its tolerance then covers rounding only."""
+        # No question requires this many digits.
         return self.tolerance < 1e-6
 
     @cached_property
     def mistakes(self) -> tuple[Mistake, ...]:
-        """Wrong answers that are recognised, in the order in which they are tried."""
+        """Wrong answers that are recognised, in the order of their tests."""
         return all_mistakes(self)
 
 
@@ -137,13 +137,13 @@ def deviation(question: Question, given: Value, right: Value) -> float:
 
 
 def all_mistakes(question: Question) -> tuple[Mistake, ...]:
-    """What the exercise expects, then what can happen everywhere; none equals the solution."""
+    """Expected mistakes of the exercise, then generic ones; none equals the solution."""
     found: list[Mistake] = []
     for mistake in question.errors():
         value = normal(mistake.value)
         if _is_other(question, value) and not _repeats(found, mistake.code, value):
             found.append(Mistake(mistake.code, value, mistake.message))
-    # Where the exercise knows why a value is wrong, nothing more general is said about it.
+    # If the exercise explains why a value is wrong, the general message is dropped.
     own = tuple(found)
     for mistake in _generic(question):
         value = normal(mistake.value)
@@ -160,7 +160,7 @@ def _is_other(question: Question, value: Value) -> bool:
 
 
 def _agree(question: Question, one: Value, two: Value) -> bool:
-    """Whether two wrong answers are the same one."""
+    """Whether two wrong answers are the same."""
     return one == two or (question.kind == "number" and deviation(question, one, two) <= 1)
 
 
@@ -214,7 +214,7 @@ def permuted(value: Value, shape: tuple[int, ...]) -> Iterator[Value]:
 
 
 def reordered(value: object, order: tuple[int, ...]) -> Value:
-    """Components with their indices in another order; order[k] comes k-th.
+    """Components with their indices in another order; order[k] becomes index k.
 
     Examples
     --------
@@ -239,7 +239,7 @@ ASKED = {
 
 
 def how_to_answer(question: Question, *, options: bool = True) -> str:
-    """One line of Markdown: kind of answer, symbols, tolerance, and what can be chosen.
+    """One line of Markdown: kind of answer, symbols, tolerance, and options.
 
     Examples
     --------
@@ -293,7 +293,7 @@ def plain_name(text: str) -> str:
 
 
 def shown_name(text: str) -> str:
-    """The same backwards.
+    """Names of symbols as derivatives, the inverse of `plain_name`.
 
     Examples
     --------
@@ -304,9 +304,9 @@ def shown_name(text: str) -> str:
 
 
 def advice(question: Question, message: str, given: str = "") -> str:
-    """A message of the parser, with advice that fits an answer, in which nothing can be declared.
+    """A message of the parser, with advice for an answer, in which nothing can be declared.
 
-    given: what was written; it is shown where the message shows something else, as it was read.
+    given: the typed text; it replaces the rewritten text in the message.
 
     Examples
     --------

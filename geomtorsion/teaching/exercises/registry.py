@@ -16,7 +16,7 @@ from geomtorsion.teaching.exercises.limits import MOST
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.verdict import Verdict
 
-# number, what it is about
+# number, subject
 CHAPTERS: tuple[tuple[str, str], ...] = (
     ("1", "Frames and anholonomy"),
     ("2", "Cartan connection and torsion"),
@@ -87,7 +87,7 @@ def titles() -> dict[str, str]:
 
 
 def chapter_of(number: str) -> str:
-    """Title of the chapter in which an exercise stands."""
+    """Title of the chapter of an exercise."""
     return dict(CHAPTERS)[number.partition(".")[0]]
 
 
@@ -97,7 +97,7 @@ def load(number: str, seed: int = 0) -> Exercise:
     Raises
     ------
     UnknownNameError
-        There is no such exercise, or no such seed; the message says what there is.
+        There is no such exercise, or no such seed; the message lists the known ones.
 
     Examples
     --------
@@ -116,16 +116,16 @@ def load(number: str, seed: int = 0) -> Exercise:
     )
 
 
-# A class has a few variants of each exercise; solving one anew costs time.
+# A class has a few variants of each exercise; solving one again costs time.
 @lru_cache(maxsize=512)
 def _loaded(number: str, module: str, title: str, level: str, seed: int) -> Exercise:
-    """An exercise, kept: what was computed for one student serves the next."""
+    """An exercise from the cache: results computed for one student serve the next."""
     variant = import_module(f"geomtorsion.teaching.exercises.{module}").make(Draw(seed))
     return Exercise(number, title, chapter_of(number), level, seed, variant, load)
 
 
 def check(number: str, answers: Mapping[str, object] | str, seed: int = 0) -> Verdict:
-    """What is said about the answers to an exercise; see `Exercise.check`.
+    """The verdict on the answers to an exercise; see `Exercise.check`.
 
     Examples
     --------

@@ -27,7 +27,7 @@ from geomtorsion.teaching.exercises.worker_pool import Json
 
 
 def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
-    """A notebook as JSON-ready data (nbformat 4.5): statements, room to work, checks, hints.
+    """A notebook as JSON-ready data (nbformat 4.5): statements, space to work, checks, hints.
 
     Examples
     --------
@@ -50,7 +50,7 @@ def notebook_of(title: str, exercises: Sequence[Exercise]) -> Json:
 
 
 def _cells(exercise: Exercise) -> list[Json]:
-    """Statement, questions, room to work, check, hints."""
+    """Statement, questions, space to work, check, hints."""
     key = exercise.number.replace(".", "-")
     asked = [
         f"- `{question.name}`: {question.prompt}\n  *Answer: {how_to_answer(question)}.*"
@@ -105,7 +105,7 @@ def write_sheet(
     chapter
         its number, "1" to "7".
     directory
-        made if it is missing.
+        created if it is missing.
     seed
         the variant.
 
@@ -124,7 +124,7 @@ def write_sheet(
         raise UnknownNameError(f"there is no chapter {checks.shown(chapter)}. There are {known}.")
     title = titles[chapter]
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
-    # Refused before everything is solved.
+    # Refused before any exercise is solved.
     with written(directory, is_folder=True) as folder:
         teacher = folder / "teacher"
         teacher.mkdir(exist_ok=True)
@@ -165,7 +165,7 @@ def page_of(title: str, seed: int, cards: Sequence[str]) -> str:
 
 
 def _card(exercise: Exercise, *, solution: bool = False) -> str:
-    """One exercise; hints folded in, or with its solution and the mistakes to expect."""
+    """One exercise; with folded hints, or with its solution and the mistakes to expect."""
     head = (
         f'<section class="card" id="e{exercise.number}"><div class="head"><h2>{exercise.number} '
         f'{escape(exercise.title)}</h2><span class="note">{exercise.level}</span></div>'
@@ -208,7 +208,7 @@ def _worked(exercise: Exercise) -> str:
 
 
 def _solution(question: Question) -> str:
-    """The solution, and what some wrong answers mean."""
+    """The solution, and the meaning of some wrong answers."""
     value = question.solution
     shown = _typeset(question)
     rows = []
@@ -240,7 +240,7 @@ def _typeset(question: Question) -> str:
 
 
 def _left_side(question: Question, key: tuple[int, ...]) -> str:
-    """What stands before the sign of equality, in LaTeX; nothing for a single expression."""
+    """The text before the sign of equality, in LaTeX; empty for a single expression."""
     if question.unknowns:
         name, prime, more = question.unknowns[key[0]].partition("'")
         return f"{latex_name(name)}{prime}{more} = "

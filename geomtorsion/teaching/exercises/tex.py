@@ -1,4 +1,4 @@
-"""tex: LaTeX of computed things, for statements."""
+"""tex: LaTeX of computed objects, for statements."""
 
 from __future__ import annotations
 

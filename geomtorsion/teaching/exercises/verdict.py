@@ -1,4 +1,4 @@
-"""Verdict: what an examiner says about an answer."""
+"""Verdict: the result of checking an answer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from geomtorsion.checks import known_name
 from geomtorsion.errors import UnknownNameError
 from geomtorsion.teaching.exercises.prose import html_of
 
-# Code -> what the mistake is, in a few words.
+# Code -> the mistake in a few words.
 TITLES: Mapping[str, str] = MappingProxyType(
     {
         "factor": "a factor 2",
@@ -39,9 +39,9 @@ TITLES: Mapping[str, str] = MappingProxyType(
         "too large": "too large to be checked",
     }
 )
-# Codes of answers that cost no points: nobody knows yet whether they are right.
+# Codes of answers that cost no points, because it is unknown whether they are right.
 UNREAD = ("unreadable", "too large")
-# Code -> what is said to a student, if the exercise says nothing of its own.
+# Code -> message to a student, unless the exercise has its own.
 MESSAGES: Mapping[str, str] = MappingProxyType(
     {
         "factor": "It is off by a factor 2.",
@@ -73,7 +73,7 @@ MESSAGES: Mapping[str, str] = MappingProxyType(
         "rounded": "Close, but not within the tolerance: rounded too early?",
     }
 )
-# What a sign or a factor 2 comes from where torsion is asked for, and only there.
+# Sources of a wrong sign or factor 2 in questions about torsion only.
 TORSION: Mapping[str, str] = MappingProxyType(
     {
         "sign": "Which lower index of the connection differentiates? Here it is the first; books "
@@ -81,7 +81,7 @@ TORSION: Mapping[str, str] = MappingProxyType(
         "factor": "Is there a half to keep or to drop, as in $S = T/2$?",
     }
 )
-# The same where the connection itself is asked for.
+# Sources of these mistakes in questions about the connection itself.
 CONNECTION: Mapping[str, str] = MappingProxyType(
     {
         "sign": r"Were the legs differentiated instead of the forms? "
@@ -93,7 +93,7 @@ CONNECTION: Mapping[str, str] = MappingProxyType(
 
 
 def message_of(code: str, remarks: Mapping[str, str]) -> str:
-    """What is said about a mistake: the same for every exercise, then its own remark.
+    """The message about a mistake: common to all exercises, then the exercise's own remark.
 
     Examples
     --------
@@ -108,15 +108,15 @@ Json = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class QuestionVerdict:
-    """What is said about the answer to one question.
+    """The verdict on the answer to one question.
 
     name: of the question. right: whether the answer is right.
-    score: from 0 to 1; the share of components that are right where there are several.
-    message: what to tell the student.
+    score: from 0 to 1; the share of right components if there are several.
+    message: the feedback to the student.
     diagnosis: code of the likely mistake (see `diagnoses`), empty if there is none.
-    also: further codes that fit as well.
-    points: what a right answer is worth.
-    read_as: the answer as it was read, in the notation of solutions; empty if it was not read.
+    also: further codes that fit equally well.
+    points: points of a right answer.
+    read_as: the answer as parsed, in the notation of solutions; empty if it could not be read.
     """
 
     name: str
@@ -130,7 +130,7 @@ class QuestionVerdict:
 
     @property
     def was_read(self) -> bool:
-        """Whether the answer could be read and checked; else it costs no points."""
+        """Whether the answer could be read and checked; otherwise it costs no points."""
         return self.diagnosis not in UNREAD
 
     @property
@@ -156,10 +156,10 @@ class QuestionVerdict:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is said about the answers to an exercise.
+    """The verdict on the answers to an exercise.
 
     number, seed: which exercise. questions: one verdict each, in order.
-    notes: remarks about the answers as a whole, such as names that no question has.
+    notes: remarks about the answers as a whole, such as names that do not match a question.
 
     Examples
     --------
@@ -190,12 +190,12 @@ class Verdict:
 
     @property
     def earned(self) -> float:
-        """Points that were earned."""
+        """Earned points."""
         return sum(question.points * question.score for question in self.questions)
 
     @property
     def score(self) -> float:
-        """Share of the points that was earned, 0 to 1."""
+        """Earned share of the points, 0 to 1."""
         return self.earned / self.points if self.points else 0.0
 
     def to_json(self) -> Json:
@@ -212,12 +212,12 @@ class Verdict:
         return cls(data["number"], data["seed"], tuple(questions), tuple(data["notes"]))
 
     def __getitem__(self, name: str) -> QuestionVerdict:
-        """The verdict on the question of a name.
+        """The verdict on the question with this name.
 
         Raises
         ------
         UnknownNameError
-            There is none; the message lists those there are.
+            There is no such question; the message lists the known ones.
         """
         table = {question.name: question for question in self.questions}
         return table[known_name(name, table, f"exercise {self.number}", UnknownNameError)]

@@ -22,7 +22,7 @@ from typing import IO, Any
 
 from geomtorsion.errors import LimitError
 
-# What crosses the pipe: a dictionary of what JSON knows.
+# Content of the pipe: a dictionary of JSON types.
 Json = Mapping[str, Any]
 # Seconds that a process may take to start, however busy the machine is.
 STARTING = 120.0
@@ -42,8 +42,8 @@ class Worker:
     """One process: `ask` sends a request and waits for the reply, or ends the process."""
 
     def __init__(self, function: str, *, errors_shown: bool = False) -> None:
-        # -P: nothing that lies about in the working folder is imported (a sympy.py among answers
-        # that are graded); but this very package is, wherever it was imported from here.
+        # -P: Python imports nothing from the working folder (a sympy.py among answers that are
+        # graded), but it does import this package, wherever this process imported it from.
         paths = [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH", "")]
         self.process: subprocess.Popen[str] = subprocess.Popen(
             [sys.executable, "-P", "-c", _BEGIN, function],
@@ -52,7 +52,7 @@ class Worker:
             stderr=None if errors_shown else subprocess.DEVNULL,
             encoding="utf-8",
             env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
-            # Ctrl-C is for the one who asked; this process ends with its parent.
+            # Ctrl-C is for the parent process; this process ends with its parent.
             start_new_session=True,
         )
         self._replies: queue.Queue[str] = queue.Queue()
@@ -67,7 +67,7 @@ class Worker:
         self._replies.put("")
 
     def ask(self, request: Json, seconds: float) -> Json:
-        """The reply; the time counts from when the process is ready.
+        """The reply; the time limit starts when the process is ready.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class Worker:
 
     @property
     def lives(self) -> bool:
-        """Whether it can still be asked."""
+        """Whether it still accepts requests."""
         return self.process.poll() is None
 
     def end(self) -> None:
@@ -107,24 +107,26 @@ class Worker:
         self.process.wait()
         for stream in (self.process.stdin, self.process.stdout):
             if stream is not None:
-                # What was still to be written has no reader any more.
+                # Unwritten data has no reader any more.
                 with contextlib.suppress(OSError):
                     stream.close()
 
 
 class WorkerPool:
-    """Processes that call one function; any number of threads may ask, each waits its turn.
+    """Processes that call one function; any number of threads may send requests.
+
+    Each request waits for a free worker.
 
     Parameters
     ----------
     function
-        What a worker calls with each request, as "package.module:name".
+        The function that a worker calls with each request, as "package.module:name".
     size
         Number of processes; each starts when it is first needed.
     patience
         Seconds that a request waits for a free worker.
     errors_shown
-        Whether what workers print to standard error is seen.
+        Whether standard error of the workers is shown.
 
     Examples
     --------
@@ -158,7 +160,7 @@ class WorkerPool:
         self.close()
 
     def ask(self, request: Json, seconds: float) -> Json:
-        """What the function gives; a worker that ends is replaced for whoever comes next.
+        """The result of the function; a worker that ends is replaced for the next request.
 
         Raises
         ------
@@ -183,7 +185,7 @@ class WorkerPool:
             self._free.put(worker)
 
     def _living(self, worker: Worker | None) -> Worker:
-        """The worker, or a new one in its place."""
+        """The worker, or a new one if it has ended."""
         if worker is not None and worker.lives:
             return worker
         new = Worker(self.function, errors_shown=self.errors_shown)
@@ -201,8 +203,8 @@ class WorkerPool:
     ) -> None:
         """Start all workers; then, in the background, let each answer these requests in turn.
 
-        What is compiled for the first request of a kind serves all that follow. All workers but
-        the one that warms up stay free. done: is given each request with its reply.
+        Code compiled for the first request of a kind serves all that follow. All workers but
+        the one that warms up stay free. done: is called with each request and its reply.
         """
         for _ in range(self.size):
             self._free.put(self._living(self._free.get()))
@@ -210,7 +212,7 @@ class WorkerPool:
 
         def rehearse() -> None:
             seen: set[Worker | None] = set()
-            # Workers come round in turn; whoever is busy all the time is warm without this.
+            # Workers take turns; a worker that is busy all the time is warm without this.
             for _ in range(2 * self.size):
                 worker = self._free.get()
                 if worker not in seen:
@@ -233,9 +235,9 @@ class WorkerPool:
 
 
 def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str]) -> None:
-    """Say that this process is ready, then answer requests, one a line, until they end.
+    """Report that this process is ready, then answer requests, one a line, until they end.
 
-    A request that needs more memory or depth than there is gets `{"exceeded": which}`.
+    A request that needs more memory or depth than is available gets `{"exceeded": which}`.
     """
     replies.write(READY + "\n")
     replies.flush()
@@ -246,7 +248,7 @@ def serve(function: Callable[[Json], Json], requests: IO[str], replies: IO[str])
 
 
 def answered(function: Callable[[Json], Json], request: Json) -> Json:
-    """What a function gives, or `{"exceeded": which}`."""
+    """The result of a function, or `{"exceeded": which}`."""
     try:
         return function(request)
     except MemoryError:

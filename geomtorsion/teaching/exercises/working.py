@@ -1,4 +1,4 @@
-"""Working: the ways by hand that worked solutions go, in plain sympy and apart from the library."""
+"""Working: worked solutions by hand, in plain sympy and independent of the library."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ Table = dict[tuple[int, ...], sp.Expr]
 class Step:
     """A step of a worked solution.
 
-    text: what is done, Markdown with LaTeX. question: the one that is answered by it, or "".
-    value: its answer, in any form that a solution has; worked out by hand, not by the library.
+    text: the step, Markdown with LaTeX. question: the question that it answers, or "".
+    value: its answer, in any form that a solution has; derived by hand, not by the library.
     """
 
     text: str
@@ -31,12 +31,12 @@ class Step:
 
 @lru_cache(maxsize=1024)
 def tidy(expr: sp.Expr) -> sp.Expr:
-    """An expression as short as sympy makes it."""
+    """An expression as short as sympy can write it."""
     return sp.simplify(sp.expand(expr)) if expr else sp.S.Zero
 
 
 def nonzero(table: Mapping[tuple[int, ...], sp.Expr]) -> Table:
-    """The components that do not vanish, tidy."""
+    """The nonzero components, simplified."""
     found = {key: tidy(value) for key, value in table.items()}
     return {key: value for key, value in found.items() if value != 0}
 
@@ -154,7 +154,7 @@ def cross(one: Iterable[sp.Expr], two: Iterable[sp.Expr]) -> list[sp.Expr]:
 
 
 def listed(name: str, table: Mapping[tuple[int, ...], object], above: int = 1) -> str:
-    """Components in LaTeX, indices counted from 1, the last so many of them above.
+    """Components in LaTeX, indices counted from 1; the last `above` indices are upper ones.
 
     Examples
     --------
@@ -175,7 +175,7 @@ def listed(name: str, table: Mapping[tuple[int, ...], object], above: int = 1) -
 
 
 def differentials(frame: Frame) -> str:
-    r"""d e^k of the forms that are not closed, each a displayed formula of its own.
+    r"""d e^k of the forms that are not closed, each as a displayed formula.
 
     Examples
     --------

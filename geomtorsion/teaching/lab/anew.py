@@ -1,8 +1,8 @@
-"""anew: fields of one case that take nothing over from those of the case before.
+"""anew: controls that take no value from the controls of the previous case.
 
-marimo numbers what a cell makes from nought on and draws over what stands there. A field into which
-somebody types waits a moment before it tells; what it tells late, or what the browser still holds
-under its number, would come into the field of the next case, whose tetrad is another one.
+marimo numbers the elements of a cell from zero and redraws an element with the same number. A text
+field waits a moment before it sends its text. A late text, or a text that the browser stores under
+the same number, would then enter a field of the next case, which has another tetrad.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 
 
 def numbers_apart(mo: ModuleType, cases: Sequence[object], chosen: object, most: int) -> None:
-    """Leave numbers out, so that at most so many fields of this case have others than before.
+    """Skip element numbers, so that at most `most` fields of this case get numbers of their own.
 
     Fields in a dictionary take two numbers, the dictionary itself one.
     """
@@ -24,9 +24,10 @@ def numbers_apart(mo: ModuleType, cases: Sequence[object], chosen: object, most:
 
 
 def drawn_anew(html: str, *case: object) -> str:
-    """HTML that a browser draws from nothing as soon as the case is another one.
+    """HTML that a browser draws completely whenever the case changes.
 
-    A tag of another name is another thing to it, where attributes are only changed.
+    The name of the tag depends on the case: a browser replaces an element with another tag, but
+    keeps an element whose attributes change.
 
     Examples
     --------

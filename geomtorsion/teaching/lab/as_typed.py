@@ -14,22 +14,22 @@ from geomtorsion.exact.names import NOT_SMOOTH
 from geomtorsion.exact.tokens import Limits
 from geomtorsion.teaching.exercises.notation import written_out
 
-# What a person types by hand stays far below these.
+# A text typed by hand stays far below these.
 LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 
 
 def read_typed(
     text: str, symbols: Mapping[str, sp.Symbol], functions: Mapping[str, Any], where: str
 ) -> sp.Expr:
-    """An expression; zero where nothing was typed.
+    """An expression; zero for an empty text.
 
-    What the library reads means what it does everywhere. Anything else is read as answers of
-    exercises are: products without a sign, functions without brackets, LaTeX, signs of other keys.
+    A text that the library reads keeps its meaning. Any other text is read like an answer to
+    an exercise: products without a sign, functions without brackets, LaTeX, signs of other keys.
 
     Raises
     ------
     ExpressionError
-        It can be read in no way, or in two.
+        It can be read in no way, or in two ways.
     LimitError
         It is longer or deeper than what a person types.
 
@@ -48,10 +48,10 @@ def read_typed(
     except ExpressionError as error:
         if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
             raise
-        # In two ways: that says more than that a sign is missing.
+        # Raises if the text is ambiguous: that message is better than one about a missing sign.
         plain = written_out(text, symbols, where)
         try:
             return parse_expression(plain, symbols, functions, where=where, limits=LIMITS)
         except (ExpressionError, LimitError):
-            # It is told about as it was typed.
+            # The first error shows the text as typed.
             raise error from None

@@ -15,7 +15,7 @@ from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.plot import SAVE
 from geomtorsion.teaching.lab.views import saving
 
-# Name of a crystal -> its edge dislocations: place, and b along x of the displacement put in.
+# Name of a crystal -> its edge dislocations: position, and b along x of the displacement.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
     "one edge dislocation": ((0.0, 0.0, 1),),
     "two of the same": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
@@ -51,8 +51,8 @@ def crystal(name: str) -> Json:
 
     Returns
     -------
-    atoms: places, shape (n, 2). bonds: [first, second, dx, dy] of nearest neighbours, whole
-    numbers, from the first to the second.
+    atoms: positions, shape (n, 2). bonds: [first, second, dx, dy] of nearest neighbours,
+    integers, from the first to the second.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def crystal(name: str) -> Json:
     (221, 412)
     """
     columns, rows = (np.arange(-n, n + 1) for n in SIZE)
-    # No line goes through an atom.
+    # Half steps shift the lattice so that no dislocation line passes through an atom.
     perfect = np.array(
         [(x + 0.5 * (len(CRYSTALS[name]) % 2), y + 0.5) for y in rows for x in columns]
     )
@@ -103,7 +103,7 @@ def atoms() -> Json:
 
     Returns
     -------
-    space: the document. title: what it is called.
+    space: the document. title: its title.
 
     Examples
     --------

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 import sympy as sp
 
 from geomtorsion.codegen import graph
@@ -48,8 +48,8 @@ def closure_failure(
 
     Returns
     -------
-    pictures: two svg elements. table: HTML, one row a component. sentence: what is seen.
-    b, expected: b^i and 2 S_{mn}^i A at the centre, as numbers. error: bound on that of b.
+    pictures: two svg elements. table: HTML, one row a component. sentence: description.
+    b, expected: b^i and 2 S_{mn}^i A at the centre, as numbers. error: bound on the error of b.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def closure_failure(
 def _round_the_axis(
     frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float
 ) -> Json:
-    """The same for a circle about the axis of polar coordinates: legs may come back turned."""
+    """Reply for a circle about the axis of polar coordinates: legs may come back rotated."""
     s = sp.Symbol("s", real=True)
     begin = centre[1]
     curve = [sp.Rational(radius), sp.Rational(begin) + s, *map(sp.Rational, centre[2:])]
@@ -118,7 +118,7 @@ def _round_the_axis(
 
 
 def _outside(frame: Frame, b: BurgersVector) -> str:
-    """What is said of a loop that leaves the domain of its coordinates; nothing of others."""
+    """Message about a loop that leaves the domain of its coordinates; otherwise empty."""
     at = b.loop.points(PAGE.samples)
     names = [symbol.name for symbol in (*frame.coordinates, *frame.parameters)]
     place = [*np.real(at), *(b.parameters[p.name] for p in frame.parameters)]
@@ -133,7 +133,7 @@ def _outside(frame: Frame, b: BurgersVector) -> str:
 
 
 def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[float]:
-    """2 S_{mn}^i A at the centre of a loop: what a small one has, frame components.
+    """2 S_{mn}^i A at the centre of a loop: the prediction for a small loop, frame components.
 
     Equation
     --------
@@ -151,7 +151,7 @@ def density(frame: Frame, b: BurgersVector, first: int, second: int) -> list[flo
 
 
 def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str) -> str:
-    """A loop round the origin, with its base point and its sense."""
+    """A loop around the origin, with its base point and its sense."""
     figure, axes = plane(title, labels, equal=True)
     _curve(axes, points, PATH)
     mark(axes, (0.0, 0.0), START, "X", centre)
@@ -160,7 +160,7 @@ def _loop(points: np.ndarray, title: str, labels: tuple[str, str], centre: str) 
 
 
 def _image(points: np.ndarray, title: str, labels: tuple[str, str], *, closed: bool) -> str:
-    """The image of a loop; where it is not closed with an arrow from its start to its end."""
+    """The image of a loop; if it is not closed, with an arrow from its start to its end."""
     figure, axes = plane(title, labels, equal=True)
     _curve(axes, points, IMAGE)
     start, end = points[:, 0], points[:, -1]
@@ -206,7 +206,7 @@ def _image_picture(drawn: Hodograph, b: BurgersVector) -> str:
 
 
 def _table(b: BurgersVector, expected: Sequence[float]) -> str:
-    """Both routes, component by component, and what a small loop has."""
+    """Both results, component by component, and the prediction for a small loop."""
     flux = b.check.flux
     rows = []
     for k, value in enumerate(np.real(b.vector)):

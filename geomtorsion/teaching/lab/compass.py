@@ -21,7 +21,7 @@ START = (1.5, 0.0)
 
 
 def compass(course: float) -> Json:
-    """Both ways on the unit sphere.
+    """Both paths on the unit sphere.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def compass(course: float) -> Json:
 
     Returns
     -------
-    space: an HTML document with the globe, to be turned. title: its name.
+    space: an HTML document with the turnable globe. title: its name.
 
     Examples
     --------

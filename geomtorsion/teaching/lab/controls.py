@@ -1,4 +1,4 @@
-"""controls: sliders and lists of the page, made of what a worker tells of a case."""
+"""controls: sliders and lists of the page, made from the reply of a worker about a case."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from geomtorsion.teaching.lab.views import COMPASS, TABS, intro
 if TYPE_CHECKING:
     from marimo import ui
 
-# Radii of circles, from those that only the flux route can do to those that are easily seen.
+# Radii of circles, from those that only the flux method resolves to clearly visible ones.
 RADII = (
     1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45,
     0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0,
 )  # fmt: skip
-# Spaces in which moments of inertia mean something, with the frame vectors that turn.
+# Spaces of rigid bodies, with the number of frame vectors that rotate.
 BODIES = {"so3": 3, "so3_zxz": 3, "so3_xyz": 3, "so3_zyx": 3, "so3_quaternion": 3, "r3xso3": 3}
 
 
-# What a space of a list is where the address of the page names none.
+# Default space of a list if the address of the page names none.
 COURSES = (70, 110)
 FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
-# Thresholds of grains, degrees, and what stands for no other symmetry than that of the file.
+# Thresholds of grains, degrees, and the option that keeps the symmetry of the file.
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
 AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
-# A symmetric body, whose cones are round.
+# A symmetric body, whose cones are circular.
 BODY = {"I": (1.0, 1.0, 1.8), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 
 
 def tabs(mo: ModuleType, kept: Kept) -> ui.tabs:
-    """The tabs, which hold nothing but tell which is open."""
+    """The tabs; their only value is the open tab."""
     opened = kept.one_of("tab", list(TABS), COMPASS)
     return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS}, value=opened)
 
@@ -61,7 +61,7 @@ def spaces(mo: ModuleType, chosen: str, kept: Kept, key: str) -> ui.dropdown:
 
 
 def with_unit(name: str) -> str:
-    """A coordinate with its unit, where its name says that it is an angle.
+    """A coordinate, with its unit if its name is the name of an angle.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def plane(mo: ModuleType, info: Json, kept: Kept) -> ui.dropdown:
 def kept_loop(
     info: Json, where: Mapping[str, float], size: float, plane: tuple[int, int]
 ) -> dict[str, tuple[str, str]]:
-    """What the address keeps of a loop."""
+    """The values of a loop that the address stores."""
     shown = [greek_name(name) for name in info["coordinates"]]
     i, k = info["planes"][0]
     return {
@@ -126,7 +126,7 @@ def kept_loop(
 
 
 def upload(mo: ModuleType) -> ui.file:
-    """A field for one file of a map; what is longer than it says does not come in."""
+    """A field for one file of a map; it refuses files above the stated size."""
     ends = [".npz", ".csv", *TEXT_MAPS, ".txt", ".png", ".tif", ".tiff", ".npy"]
     label = f"a file, up to {PAGE.upload / 1e6:g} MB"
     return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
@@ -152,7 +152,7 @@ def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
 
 
 def map_measure(mo: ModuleType) -> ui.radio:
-    """Whether places and sizes are counted in pixels or measured in the unit of the map."""
+    """Whether positions and sizes are in pixels or in the unit of the map."""
     options = {"pixels": False, "unit of the map": True}
     return mo.ui.radio(options, value="pixels", label="measure in", inline=True)
 
@@ -186,12 +186,12 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
 
 
 def _stations(first: float, count: int, step: float) -> list[float]:
-    """Values of a slider, with as many digits as anybody wants to read."""
+    """Values of a slider, rounded to a readable number of digits."""
     return [float(f"{first + step * k:.9g}") for k in range(count)]
 
 
 def _map_unit(facts: Json, measured: bool) -> str:
-    """What a slider of a map counts in."""
+    """The unit in which a slider of a map counts."""
     if not measured:
         return " in pixels"
     return f" in {facts['unit']}" if facts["unit"] else ""
@@ -239,7 +239,7 @@ def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
 
 
 def _leg(space: str, k: int) -> str:
-    """What a velocity along leg k of a frame means.
+    """The meaning of a velocity along leg k of a frame.
 
     Examples
     --------
@@ -255,7 +255,7 @@ def _leg(space: str, k: int) -> str:
 
 
 def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
-    """A slider for each moment of inertia; none where there is no body."""
+    """A slider for each moment of inertia; none for a space without a body."""
     count = BODIES.get(space, 0)
     at = kept.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
     return mo.ui.dictionary(
@@ -271,7 +271,7 @@ def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
 def kept_path(
     info: Json, speeds: Mapping[str, float], inertia: Mapping[str, float]
 ) -> dict[str, tuple[str, str]]:
-    """What the address keeps of two curves."""
+    """The values of two curves that the address stores."""
     speed = [value for name, value in speeds.items() if name != "t"]
     own = list(inertia.values())
     return {
@@ -294,7 +294,7 @@ def path_case(
     """
     speed = [value for name, value in speeds.items() if name != "t"]
     own = list(inertia.values())
-    # Equal unit moments are the metric of the frame itself; who does not turn keeps its own.
+    # Equal unit moments give the metric of the frame; a body that does not turn keeps its metric.
     given = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
     return {"space": space, "velocity": speed, "t": speeds["t"], "moments": given}
 
@@ -307,7 +307,7 @@ def loop_case(space: str, where: Mapping[str, float], size: float, plane: tuple[
 
 
 def case_kind(mo: ModuleType, kept: Kept) -> ui.radio:
-    """Which case is to be measured."""
+    """The case that is measured."""
     options = {
         "the loop": "loop",
         "the straightest path": "straightest",
@@ -351,7 +351,7 @@ def switches(mo: ModuleType, kept: Kept) -> ui.dictionary:
 
 
 def watched(mo: ModuleType, kept: Kept) -> ui.dropdown:
-    """What is drawn, and what the plan is made for."""
+    """The quantity that is drawn, and for which the plan is made."""
     options = {text: name for name, text in WATCHED.items()}
     wanted = kept.one_of("watch", list(WATCHED), "nutation")
     return mo.ui.dropdown(options, value=WATCHED[wanted], label="to watch")
@@ -360,7 +360,7 @@ def watched(mo: ModuleType, kept: Kept) -> ui.dropdown:
 def kept_top(
     numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str
 ) -> dict[str, tuple[str, str]]:
-    """What the address keeps of the top."""
+    """The values of the top that the address stores."""
     return {
         "body": (written([numbers[f"I{k}"] for k in (1, 2, 3)]), written(BODY["I"])),
         "omega": (written([numbers[f"w{k}"] for k in (1, 2, 3)]), written(BODY["w"])),

@@ -39,7 +39,7 @@ def costs(kind: str, case: Json) -> Json:
     kind
         "loop", "straightest", "shortest" or "top".
     case
-        What the page for it is set to: the arguments of `closure_failure`, of `paths` or of `top`.
+        Settings of the page: the arguments of `closure_failure`, of `paths` or of `top`.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def costs(kind: str, case: Json) -> Json:
 
 
 def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence[int]) -> Json:
-    """Rules of quadrature round a circle, against fifty digits."""
+    """Quadrature rules around a circle, against fifty digits."""
     frame = space_of(space).frame
     first, second = plane
     if is_round_the_axis(space, centre, plane):

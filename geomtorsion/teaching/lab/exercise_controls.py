@@ -30,7 +30,7 @@ def seed(mo: ModuleType, kept: Kept) -> ui.number:
 
 
 def variant(typed: float | None) -> float:
-    """The seed that is asked for; the exercise refuses what is no whole number, and says why.
+    """The requested seed; the exercise refuses a seed that is not an integer, with a message.
 
     Examples
     --------
@@ -42,13 +42,13 @@ def variant(typed: float | None) -> float:
 
 
 def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
-    """A field for each question; what is in them is checked when it is sent."""
+    """A field for each question; an answer is checked when it is sent."""
     fields, parts = {}, []
     for number, question in enumerate(exercise.get("questions", ())):
         key = f"q{number}"
         typed = kept.text(_answer_key(exercise, number), "")
         fields[key] = _field(mo, question, typed)
-        # Braces are places for fields in the template.
+        # Braces mark the fields in the template.
         prompt = question["prompt"].replace("{", "{{").replace("}", "}}")
         how = f'<p class="note">{escape(question["how"])}</p>'
         parts.append(f'<div class="sideways">{prompt}{{{key}}}{how}</div>')
@@ -57,12 +57,12 @@ def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
 
 
 def _answer_key(exercise: Json, number: int) -> str:
-    """Under which name an answer is kept: of one exercise in one variant alone."""
+    """Key of an answer in the address; it belongs to one exercise in one variant only."""
     return f"answer{exercise['number']}.{exercise['seed']}.{number + 1}"
 
 
 def kept_exercise(exercise: Json, first: str, values: Json) -> dict[str, tuple[str, str]]:
-    """What the address keeps of an exercise: which it is, and the answers as they stand."""
+    """The values of an exercise that the address stores: its number, variant and answers."""
     if "number" not in exercise:
         return {}
     typed = {
@@ -77,7 +77,7 @@ def kept_exercise(exercise: Json, first: str, values: Json) -> dict[str, tuple[s
 
 
 def _field(mo: ModuleType, question: Json, typed: str = "") -> ui.dropdown | ui.text | ui.text_area:
-    # Each key is sent at once: what is checked is what stands there when the button is pressed.
+    # Each keystroke is sent at once, so that the button checks the current text.
     label = question["name"] + (f" in {question['unit']}" if question["unit"] else "")
     if question["kind"] == "choice":
         options = {text: key for key, text in question["options"].items()}

@@ -19,7 +19,7 @@ from geomtorsion.teaching.lab.space_info import space_info
 from geomtorsion.teaching.lab.tasks import task
 
 Progress = Callable[[str], object]
-# The browser is told to load nothing at all.
+# This policy forbids the browser to load anything.
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; "
 )
@@ -64,10 +64,10 @@ main { max-width: 72rem; margin: 0 auto; padding: 1rem; }
 def write_pages(
     directory: str | PathLike[str], progress: Progress = lambda _: None
 ) -> tuple[Path, ...]:
-    """Write index.html and a page for each tab; give their paths, the index first.
+    """Write index.html and a page for each tab; return their paths, the index first.
 
-    Everything is inside the pages: style, pictures, mathematics (MathML) and the scripts that turn
-    pictures and move sliders. Nothing is written before everything is computed.
+    The pages contain everything: style, pictures, mathematics (MathML) and the scripts that turn
+    pictures and move sliders. Writing starts after all computations.
     """
     directory = checks.file_name(directory, "directory")
     made = pages(progress)
@@ -244,6 +244,6 @@ def exercises() -> str:
 
 
 def _nameless(html: str) -> str:
-    """The same without the names of its parts, for pages on which it stands several times."""
-    # An id may stand once on a page.
+    """HTML without the ids of its elements, for pages that contain it several times."""
+    # An id must be unique on a page.
     return re.sub(r' id="[a-z-]+"', "", html)

@@ -1,4 +1,4 @@
-"""given: what the page needs of a map or an image that somebody gives, whatever it was made by."""
+"""given: the facts that the page needs about an uploaded map or image, in any format."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from geomtorsion.teaching.lab.settings import PAGE
 
 @dataclass(frozen=True)
 class Layout:
-    """Where nodes lie.
+    """Positions of the nodes.
 
-    shape: nodes along x and y. starts, steps: coordinates of the first node and from one to the
-    next. names: of the axes. unit: of coordinates.
+    shape: nodes along x and y. starts: coordinates of the first node. steps: coordinate
+    differences to the next node. names: of the axes. unit: of coordinates.
     """
 
     shape: tuple[int, int]
@@ -39,8 +39,8 @@ class Layout:
 class Shown:
     """Picture of all nodes: numbers, shape (y, x), or colours, shape (y, x, 3).
 
-    title: what they show. unit: of numbers, which are not finite where they are not known.
-    side: of the circuits in whose middles numbers stand, 0 where they stand at nodes.
+    title: the quantity. unit: of the numbers, which are not finite where they are unknown.
+    side: of the circuits whose centres carry the numbers, 0 if the nodes carry them.
     """
 
     pixels: np.ndarray
@@ -54,7 +54,7 @@ class Given(Protocol):
 
     @property
     def layout(self) -> Layout:
-        """Where its nodes lie."""
+        """Positions of its nodes."""
         ...
 
     @property
@@ -64,16 +64,16 @@ class Given(Protocol):
 
     @property
     def about(self) -> str:
-        """What it is, in words."""
+        """A description in words."""
         ...
 
     @property
     def settings(self) -> Json:
-        """What can be chosen about how it is read; empty where nothing can."""
+        """The options for reading it; empty if there are none."""
         ...
 
     def shown(self, side: int) -> Shown:
-        """What lies below a circuit of so many cells along its side."""
+        """The picture behind a circuit of so many cells along its side."""
         ...
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
@@ -115,7 +115,7 @@ class GivenFrame:
 
     @property
     def settings(self) -> Json:
-        """Nothing can be chosen."""
+        """No options."""
         return {}
 
     def shown(self, side: int) -> Shown:
@@ -227,19 +227,19 @@ class GivenImage:
 
     @property
     def settings(self) -> Json:
-        """Nothing can be chosen."""
+        """No options."""
         return {}
 
     @cached_property
     def _pixels(self) -> np.ndarray:
-        """The picture, no finer than the page shows it; holes are red."""
+        """The picture, at most at the resolution of the page; holes are red."""
         values, holes = self.phases.picture.T, self.phases.holes.T
         every = -(-max(values.shape) // PAGE.across)
         rows, columns = (n // every * every for n in values.shape)
         blocks = (rows // every, every, columns // every, every)
         means = values[:rows, :columns].reshape(blocks).mean(axis=(1, 3))
         touched = holes[:rows, :columns].reshape(blocks).any(axis=(1, 3))
-        # A few pixels that are very bright or dark hide nothing.
+        # A few very bright or dark pixels do not hide the rest.
         low, high = np.percentile(means, [1, 99])
         share = np.clip((means - low) / ((high - low) or 1.0), 0, 1)
         grey = np.rint(255 * share).astype(np.uint8)
@@ -252,7 +252,7 @@ class GivenImage:
         return Shown(self._pixels, "the picture; red: no lattice is seen there")
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
-        """Whole numbers, and the chance that noise has changed one."""
+        """Integer components, and the probability that noise has changed one."""
         x, y = corner
         corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
         b = self.phases.burgers(Loop.polygon([list(map(float, p)) for p in corners]))
@@ -280,18 +280,18 @@ class GivenImage:
 def given_of(
     found: SampledFrame | OrientationMap | LatticePhases, phase: int = 0
 ) -> GivenFrame | GivenOrientations | GivenImage:
-    """What a file holds, as the page needs it."""
+    """The content of a file, in the form that the page needs."""
     if isinstance(found, OrientationMap):
         return GivenOrientations(found, phase if phase in found.phases else 0)
     return GivenImage(found) if isinstance(found, LatticePhases) else GivenFrame(found)
 
 
 def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Shown:
-    """Values of circuits in the nodes in their middles."""
+    """Values of circuits at the nodes in their centres."""
     whole = np.full(layout.shape, np.nan)
     half = side // 2
     whole[half : half + density.shape[0], half : half + density.shape[1]] = density
-    # Pixels run as coordinates do, also where an axis descends.
+    # Pixels follow increasing coordinates, also where an axis descends.
     turned = whole[:: int(np.sign(layout.steps[0])), :: int(np.sign(layout.steps[1]))]
     title = f"|b| per area, circuits of {side} × {side} cells"
     return Shown(turned.T, title, side, density_unit(vectors, layout.unit))
@@ -322,8 +322,8 @@ def _answer(
 ) -> Json:
     """A Burgers vector with its errors, component by component, in words and as a table.
 
-    interpolation: of the largest component, None where it is far below the noise. significance:
-    |b| against its errors. remark: what else is to be said.
+    interpolation: of the largest component, None if it is far below the noise. significance:
+    ratio of |b| to its errors. remark: a further sentence.
     """
     behind = f" {unit}" if unit else ""
     size, most = float(np.linalg.norm(vector)), float(np.max(noise))
@@ -332,7 +332,7 @@ def _answer(
     if interpolation is not None:
         said += f", interpolation {interpolation:.1e}{behind}"
     if np.isfinite(significance):
-        # Noise alone: |b| against sigma is the root of the number of components.
+        # With noise only, |b| / sigma is the square root of the number of components.
         alone = len(vector) ** 0.5
         times = number(float(f"{significance:.3g}"))
         said += f". Against its errors |b| is {times}; errors alone give {alone:.1f}"

@@ -1,7 +1,7 @@
-"""kept: what the address of the page says of its input, so that a reload or a link brings it back.
+"""kept: the input that the address of the page stores, so that a reload or a link restores it.
 
-Whoever sends a link chooses what stands in it: texts are cut, numbers bounded, names looked up in
-lists. What is odd counts as absent.
+The author of a link chooses its content: texts are cut, numbers bounded, names looked up in
+lists. An invalid entry counts as absent.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Kept:
-    """Texts by key, as they stand in the address.
+    """Texts by key, from the address.
 
     Examples
     --------
@@ -34,17 +34,17 @@ class Kept:
 
     @classmethod
     def now(cls, mo: ModuleType) -> Kept:
-        """What stands in the address at this moment; it is written as the page is used."""
+        """The current content of the address, which the page updates while it is used."""
         return cls.of(mo.query_params().to_dict())
 
     @classmethod
     def of(cls, query: Mapping[str, str | list[str]]) -> Kept:
-        """What stands in a query; of a key that stands there twice the first."""
+        """The content of a query; the first value of a repeated key."""
         first = {key: text[0] if isinstance(text, list) else text for key, text in query.items()}
         return cls({key: text for key, text in first.items() if len(text) <= PAGE.address})
 
     def of_case(self, key: str, chosen: object, usual: object) -> Kept:
-        """What is kept of a case, as long as its space, kept under this key, is the chosen one.
+        """The stored values of a case if its space, stored under this key, is the chosen one.
 
         Examples
         --------
@@ -55,16 +55,16 @@ class Kept:
         return self if self.text(key, str(usual)) == str(chosen) else Kept()
 
     def text(self, key: str, default: str) -> str:
-        """A text of a field; nothing says what is in it."""
+        """The unchecked text of a field."""
         return self.texts.get(key, default)
 
     def one_of(self, key: str, options: Sequence[T], default: T) -> T:
-        """The option that is written so."""
+        """The option whose text is stored."""
         given = self.texts.get(key)
         return next((one for one in options if str(one) == given), default)
 
     def some_of(self, key: str, options: Sequence[str], default: Sequence[str]) -> list[str]:
-        """Options with commas between them."""
+        """The stored options, separated by commas."""
         if key not in self.texts:
             return list(default)
         given = self.texts[key].split(",")
@@ -73,7 +73,7 @@ class Kept:
     def numbers(
         self, key: str, ranges: Sequence[tuple[float, float]], default: Sequence[float]
     ) -> list[float]:
-        """As many numbers as there are ranges, each within its own; else the default."""
+        """One number for each range, if all are in their ranges; otherwise the default."""
         try:
             found = [float(part) for part in self.texts.get(key, "").split(",")]
         except ValueError:
@@ -86,7 +86,7 @@ class Kept:
 
 
 def written(values: Sequence[float]) -> str:
-    """Numbers as they stand in an address.
+    """Numbers in the form of an address.
 
     Examples
     --------
@@ -97,9 +97,9 @@ def written(values: Sequence[float]) -> str:
 
 
 def keep(mo: ModuleType, values: Mapping[str, tuple[str, str]]) -> None:
-    """Write texts into the address, each given with what it is where nothing was changed.
+    """Write texts into the address; each is given with its default.
 
-    Only what differs from that is written: a page that nobody has touched has a short address.
+    Only values that differ from the default are written: an untouched page has a short address.
     """
     query = mo.query_params()
     for key, (text, usual) in values.items():

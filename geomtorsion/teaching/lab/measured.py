@@ -1,4 +1,4 @@
-"""measured: a square circuit in a map or image that is given: Burgers vector, errors, picture."""
+"""measured: a square circuit in an uploaded map or image: Burgers vector, errors, picture."""
 
 from __future__ import annotations
 
@@ -11,36 +11,36 @@ from geomtorsion.teaching.lab.plot import plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import read_map, title_of
 
-# Bright with a dark edge: seen on every colour of the map.
+# Bright with a dark edge: visible on every colour of the map.
 LINE, EDGE, UNKNOWN = "#ffffff", "#a3201a", "#cdd0d5"
 
 
 def map_facts(
     content: bytes, name: str, threshold: float | None = None, phase: int = 0, laue: str = ""
 ) -> Json:
-    """What a map is, and where circuits may lie in it.
+    """Description of a map, and the possible positions of circuits in it.
 
     Parameters
     ----------
     content
-        The bytes of the file; what they are is seen in them.
+        The bytes of the file, which determine its format.
     name
         Of the file, for messages.
     threshold, phase, laue
-        Of orientation maps: grains differ by more, degrees; the phase that colours show, 0 for all;
-        its Laue group, empty as in the file.
+        For orientation maps: least angle between grains, degrees; the displayed phase, 0 for all;
+        its Laue group, empty for the group in the file.
 
     Returns
     -------
-    sentence: what it is. shape: nodes along x and y. starts, steps: coordinates of the first node
-    and from one to the next, in `unit`. names: of the axes. middle, side: of the first circuit,
-    numbers of nodes and of cells; most: cells that its side may have. settings: what can be chosen
-    about how the file is read. problem: why it can only be read with another choice.
+    sentence: description. shape: nodes along x and y. starts, steps: coordinates of the first node
+    and differences to the next, in `unit`. names: of the axes. middle, side: of the first circuit,
+    numbers of nodes and of cells; most: largest number of cells of a side. settings: options for
+    reading the file. problem: why the file can only be read with another option.
 
     Raises
     ------
     GeomtorsionError
-        The file is nothing that the page reads.
+        The file has a format that the page does not read.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def map_facts(
     try:
         found = _read(content, title, threshold, phase, laue)
     except FileFormatError as error:
-        # With any symmetry for its phases the file may be sound all the same.
+        # The file may be readable if some symmetry is assumed for its phases.
         if laue or "its symmetry is not known" not in str(error):
             raise
         found = _read(content, title, threshold, 0, "-1")
@@ -96,19 +96,19 @@ def map_circuit(
     content, name, threshold, phase, laue
         As for `map_facts`.
     centre
-        The node in its middle, numbers along x and y from 0.
+        The node at its centre, numbers along x and y from 0.
     side
         Cells along its side.
 
     Returns
     -------
-    picture: svg, the map and its scale. refused: why the circuit has no b, where it has
-    none. Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
+    picture: svg, the map and its scale. refused: why the circuit has no b, if it has none.
+    Otherwise sentence, table: text and HTML; b, noise: by component; interpolation; unit.
 
     Raises
     ------
     GeomtorsionError
-        The file is nothing that the page reads, or the side is longer than the map.
+        The file has a format that the page does not read, or the side is longer than the map.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def map_circuit(
 
 
 def _read(content: bytes, title: str, threshold: float | None, phase: int, laue: str) -> Given:
-    """What is in the file, read as was chosen."""
+    """The content of the file, read with the chosen options."""
     return given_of(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
 
 
@@ -139,14 +139,14 @@ def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> st
     unit = f" in {layout.unit}" if layout.unit else ""
     labels = (f"{layout.names[0]}{unit}", f"{layout.names[1]}{unit}")
     figure, axes = plane(shown.title, labels, equal=True)
-    # Whoever has a figure has matplotlib.
+    # A figure exists only if matplotlib is installed.
     from matplotlib import colormaps
     from matplotlib.patches import Patch
 
     def at(i: float, k: float) -> tuple[float, float]:
         return x + dx * i, y + dy * k
 
-    # A value at even sides stands for the node in the middle, and covers a step about it.
+    # For an even side, a value belongs to the centre node, and covers one step around it.
     shift = 0.5 * (shown.side % 2)
     last = (layout.shape[0] - 0.5 + shift, layout.shape[1] - 0.5 + shift)
     ends = zip(at(shift - 0.5, shift - 0.5), at(*last), strict=True)

@@ -11,7 +11,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 
 
 def shown(value: float, error: float = 0.0) -> str:
-    """A number for people; zero where it is no more than its error.
+    """A number for people; zero if it is within its error.
 
     Examples
     --------
@@ -24,7 +24,7 @@ def shown(value: float, error: float = 0.0) -> str:
 
 
 def names_text(names: Sequence[str]) -> str:
-    """Names as a person lists them.
+    """Names in a list for people.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def names_text(names: Sequence[str]) -> str:
 
 
 def raised(k: int) -> str:
-    """The number of a component as people count, from 1, in raised digits.
+    """The number of a component, counted from 1, in superscript digits.
 
     Examples
     --------

@@ -13,16 +13,16 @@ app = marimo.App(
 
 @app.cell
 def _():
-    # A cell sees what other cells have made, and nothing from the top of the file.
+    # A cell sees variables of other cells, but no imports at the top of the file.
     import marimo as mo
 
-    # The same here.
+    # Also imported here for this reason.
     from geomtorsion.teaching.lab import anew, controls, exercise_controls, tetrad_controls, views
     from geomtorsion.teaching.lab.kept import Kept, keep
     from geomtorsion.teaching.lab.tasks import common_runner
 
     runner = common_runner()
-    # What stood in the address when the page was opened.
+    # Content of the address when the page was opened.
     kept = Kept.now(mo)
     mo.Html(views.header())
     return Kept, anew, controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
@@ -81,7 +81,7 @@ def _(Kept, anew, beginning, mo, runner, tetrad_controls):
     _own = Kept.now(mo).of_case("start", beginning.value, tetrad_controls.first_start())
     anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, 4)
     names = tetrad_controls.names(mo, tetrad_facts, _own)
-    # The entries as they stand: fields are made anew when coordinates get other names.
+    # Current entries: the fields are created again when coordinates are renamed.
     typed = tetrad_controls.typed(tetrad_facts, _own)
     return names, tetrad_facts, typed
 
@@ -222,7 +222,7 @@ def _(given, mo, tab, views):
 
 @app.cell
 def _(given, mo, runner):
-    # Nobody looks into the file here: the worker does.
+    # Only the worker reads the file.
     mo.stop(not given.value)
     map_file = given.value[0]
     map_facts = runner.ask("map_facts", map_file.contents, name=map_file.name)
@@ -237,7 +237,7 @@ def _(controls, map_facts, mo):
 
 @app.cell
 def _(controls, map_facts, map_measure, mo):
-    # What is chosen about grains and symmetry does not move the circuit.
+    # Settings of grains and symmetry do not move the circuit.
     map_places = controls.map_places(mo, map_facts, map_measure.value)
     return (map_places,)
 
@@ -270,7 +270,7 @@ def _(
     tab,
     views,
 ):
-    # Where it cannot be read as was chosen, that has been said.
+    # A cell above has already reported why the file cannot be read with these settings.
     mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_said)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
@@ -404,7 +404,7 @@ def _(exercise_controls, kept, mo, runner):
 def _(Kept, exercise, exercise_controls, mo, runner, seed):
     _variant = exercise_controls.variant(seed.value)
     stated = runner.ask("exercise", number=exercise.value, seed=_variant)
-    # With what was typed before another exercise was looked at.
+    # Includes the text typed before the user switched to another exercise.
     fields = exercise_controls.answers(mo, stated, Kept.now(mo))
     check = mo.ui.run_button(label="Check")
     hint = exercise_controls.next_hint(mo, stated)
@@ -429,7 +429,7 @@ def _(check, exercise, fields, mo, seed, stated, tab, views):
 @app.cell
 def _(exercise, exercise_controls, fields, keep, mo, stated, tab, views):
     mo.stop(tab.value != views.EXERCISES)
-    # What is typed is kept at once, so that a reload loses nothing.
+    # Each input is saved at once, so that a reload loses nothing.
     _first = next(iter(exercise.options.values()))
     keep(mo, exercise_controls.kept_exercise(stated, _first, fields.value))
     return

@@ -42,7 +42,7 @@ def paths(
 
     Returns
     -------
-    space: an HTML document with the curves, to be turned; or picture: an svg element where the
+    space: an HTML document with the turnable curves; or picture: an svg element if the
     space is a plane. distance: svg. table, sentence: HTML and text. largest: of the distances.
 
     Examples
@@ -54,7 +54,7 @@ def paths(
         space_of(space),
         frame_velocity=[float(x) for x in velocity],
         t=float(t),
-        # JSON has whole numbers where a slider stands on one; the solver wants floats.
+        # JSON sends a whole slider value as an integer; the solver needs floats.
         moments=None if moments is None else [float(x) for x in moments],
         accuracy=PAGE.accuracy,
         samples=PAGE.samples,
@@ -70,7 +70,7 @@ def paths(
 
 
 def _drawn(pair: Pair) -> Json:
-    """The curves where they can be seen best."""
+    """The curves in the most readable projection."""
     embedding = pair.embedding
     name = f"paths {pair.space.name}"
     if embedding is not None and len(embedding.place) == 3:
@@ -114,7 +114,7 @@ def _three(names: Sequence[str]) -> tuple[str, str, str]:
 
 
 def _radius(places: dict[str, np.ndarray]) -> float:
-    """Radius of the sphere on which all points lie, or zero."""
+    """Radius of the sphere that contains all points, or zero."""
     lengths = np.concatenate([np.linalg.norm(points, axis=1) for points in places.values()])
     return float(lengths.max()) if np.ptp(lengths) < 1e-6 * lengths.max() else 0.0
 
@@ -155,7 +155,7 @@ def _plane(places: dict[str, np.ndarray], names: Sequence[str], title: str, *, e
 
 
 def _distance(pair: Pair) -> str:
-    """Their distance over time; on a logarithmic axis where they are one."""
+    """Their distance over time; on a logarithmic axis if the curves coincide."""
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
         figure, axes = plane("Distance: the two are one, to the accuracy", ("t", "distance"))
@@ -172,7 +172,7 @@ def _distance(pair: Pair) -> str:
 
 
 def _table(pair: Pair) -> str:
-    """What each solution cost and how accurate it is."""
+    """Cost and error of each solution."""
     rows = [
         [
             LABELS[curve],

@@ -1,4 +1,4 @@
-"""problems: exercises as the page shows them, and what it says about an answer."""
+"""problems: exercises in the form of the page, and feedback on answers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ HOW = {
 
 
 def how(question: Question) -> str:
-    """How a question is answered, and with which names.
+    """Instructions for the answer to a question, with the names that may occur.
 
     Examples
     --------
@@ -116,19 +116,19 @@ def hints(number: str, seed: int, count: int) -> Json:
 
 
 def _copy_button(texts: Sequence[str], what: str) -> str:
-    """A button that copies texts as LaTeX; nothing where there is no formula in them."""
+    """A button that copies texts as LaTeX; empty if they contain no formula."""
     if not any("$" in text for text in texts):
         return ""
     return views.copy_button("\n\n".join(map(latex_of, texts)), what)
 
 
 def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
-    """What is said about answers, question by question, as HTML; an empty one is not looked at.
+    """The verdict on answers, question by question, as HTML; an empty answer is skipped.
 
     Raises
     ------
     LimitError
-        An answer is longer than any that is needed.
+        An answer is longer than the limit.
 
     Examples
     --------

@@ -26,7 +26,7 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-# The browser itself is told to load nothing from anywhere else.
+# The policy forbids the browser to load anything from another origin.
 POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob:; "
     "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
@@ -34,12 +34,12 @@ POLICY = (
     "object-src 'none'; base-uri 'self'; form-action 'self'"
 )
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-# Of a code that a class types from a projector: letters that are not mistaken for each other.
+# Letters of a code that a class types from a projector; none resembles another.
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
-# Where the values of controls arrive; a file is one, so that here requests may be longer.
+# Route for values of controls; a file is also such a value, so its requests may be longer.
 CONTROL = "/api/kernel/set_ui_element_value"
-# (method, path) -> what the page uses it for. Nothing else is answered, whatever marimo has: a
-# path that ends with * stands for all that begin so.
+# (method, path) -> its use by the page. The server refuses every other route of marimo. A
+# path that ends with * is a prefix.
 ROUTES: Mapping[tuple[str, str], str] = {
     ("GET", "/"): "the page itself",
     ("GET", "/assets/*"): "scripts, styles and fonts of marimo's front end",
@@ -55,7 +55,7 @@ ROUTES: Mapping[tuple[str, str], str] = {
     ("POST", CONTROL): "a slider was moved, a text typed, a file of a map given",
     ("WEBSOCKET", "/ws"): "the session: what the cells show",
 }
-# How the message begins that ends the first run of a session, or says that it goes on.
+# Start of the message that ends the first run of a session, or reports that it resumes.
 _BEGUN = ('{"op": "completed-run"', '{"op": "reconnected"')
 _FULL = (
     "<!doctype html><meta charset=utf-8><title>Torsion lab</title><p>The lab is full: {most} pages "
@@ -64,11 +64,11 @@ _FULL = (
 
 
 class AccessControl:
-    """An ASGI application before another: hosts, origins, sizes and the number of sessions.
+    """An ASGI application in front of another: hosts, origins, sizes and the number of sessions.
 
-    hosts: names by which the page may be called; empty: any. A page of another site that is open
+    hosts: accepted names of the page; empty: any. A page of another site that is open
     in the same browser has another origin, and is refused. sessions: open at once; reserve:
-    places at the end for clients with fewer sessions, a client being an address on the network.
+    sessions at the end for clients with fewer sessions, a client being an address on the network.
     ending: awaited before the server ends.
     """
 
@@ -84,14 +84,14 @@ class AccessControl:
         self.ending = ending
         self.hosts: frozenset[str] = frozenset(hosts)
         self.sessions = sessions
-        # Of few places a quarter is kept, so that somebody alone gets nearly all of them.
+        # With few sessions a quarter is reserved, so that a single user gets nearly all of them.
         self.reserve = min(reserve, sessions // 4)
-        # Client -> sessions that it has open.
+        # Client -> its open sessions.
         self.open: Counter[str] = Counter()
         self._opening = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Refuse a request, or hand it on."""
+        """Refuse a request, or pass it on."""
         if scope["type"] == "lifespan":
             await self._life(receive, send)
             return
@@ -107,14 +107,14 @@ class AccessControl:
     async def _answered(
         self, scope: Scope, receive: Receive, send: Send, reason: tuple[int, str] | None
     ) -> None:
-        """Answer a request, or say why not."""
+        """Answer a request, or send the reason for refusing it."""
         if scope["type"] == "websocket":
             await self._session(scope, receive, send, reason)
         elif reason:
             await _tell(send, *reason)
         elif scope["path"] == "/":
-            # The page is read anew for each browser, see `_opened`. It is sent when the lock is
-            # free again: a browser that does not read it delays nobody else.
+            # The page is read again for each browser, see `_opened`. It is sent after the lock is
+            # released: a browser that does not read it delays no other browser.
             answer: list[MutableMapping[str, Any]] = []
 
             async def kept(message: MutableMapping[str, Any]) -> None:
@@ -128,7 +128,7 @@ class AccessControl:
             await self.app(scope, _bounded(receive, most_bytes(scope)), _guarded(send))
 
     async def _life(self, receive: Receive, send: Send) -> None:
-        """Begin and end of the server."""
+        """Start and end of the server."""
         await receive()
         await send({"type": "lifespan.startup.complete"})
         await receive()
@@ -143,7 +143,7 @@ class AccessControl:
         if self.hosts and name not in self.hosts:
             return 421, f"This page is not served as {name!r}."
         origin = headers.get("origin", "")
-        # The scheme may be changed on the way, the host and port may not.
+        # A proxy may change the scheme, but not the host and port.
         if origin not in ("", "null") and _split(origin).netloc != host:
             return 403, "Requests of other pages are not answered."
         reads = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
@@ -161,7 +161,7 @@ class AccessControl:
         return None
 
     def _full(self, scope: Scope) -> int:
-        """How many pages are open, of all clients or of this one, if there may be no more."""
+        """The number of open pages, of all clients or of this one, if no more may open; else 0."""
         own, left = self.open[_client(scope)], self.sessions - self.open.total()
         if left <= 0:
             return self.sessions
@@ -183,7 +183,7 @@ class AccessControl:
             self.open[client] -= 1
 
     async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """A session that is read and run through before the next one begins to be.
+        """A session whose start completes before the next session starts.
 
         marimo compiles the page in a thread for each session, and in Python before 3.13 two threads
         that call `ast.parse` at once can fail ("AST constructor recursion depth mismatch").
@@ -205,7 +205,7 @@ class AccessControl:
 
         async with self._opening:
             session = asyncio.ensure_future(self.app(scope, receive, watched))
-            # Messages wait in a queue: while a session begins, nobody waits for its browser, which
+            # Messages wait in a queue: while a session begins, no task waits for its browser, which
             # may never read.
             sender = asyncio.create_task(passed_on())
             waiting = asyncio.create_task(begun.wait())
@@ -231,19 +231,19 @@ class AccessControl:
 
 
 def _client(scope: Scope) -> str:
-    """The address on the network of who asks."""
+    """Network address of the client."""
     client = scope.get("client")
     return str(client[0]) if client else ""
 
 
 def _no_body() -> Receive:
-    """A request of which all has arrived and nothing follows."""
+    """A request that has arrived completely."""
     given = False
 
     async def receive() -> MutableMapping[str, Any]:
         nonlocal given
         if given:
-            # Who listens here waits for the browser to go; that is seen when the answer is sent.
+            # The caller waits for a disconnect, which the server notices when it sends the answer.
             await asyncio.Event().wait()
         given = True
         return {"type": "http.request", "body": b"", "more_body": False}
@@ -262,7 +262,7 @@ def is_used(scope: Scope) -> bool:
     False
     """
     method = "WEBSOCKET" if scope["type"] == "websocket" else scope.get("method", "GET")
-    # What may be read may be asked about.
+    # A HEAD request is allowed for every route that may be read.
     method = "GET" if method == "HEAD" else method
     path = scope["path"]
     for allowed, pattern in ROUTES:
@@ -273,7 +273,7 @@ def is_used(scope: Scope) -> bool:
 
 
 def most_bytes(scope: Scope) -> int:
-    """How many bytes a request may have: more only where files arrive.
+    """Largest size of a request in bytes; larger where files arrive.
 
     Examples
     --------
@@ -284,7 +284,7 @@ def most_bytes(scope: Scope) -> int:
 
 
 def _split(address: str) -> SplitResult:
-    """An address in its parts, which are empty where it is none."""
+    """The parts of an address, which are empty if it is not valid."""
     try:
         return urlsplit(address)
     except ValueError:
@@ -292,7 +292,7 @@ def _split(address: str) -> SplitResult:
 
 
 def _bounded(receive: Receive, most: int) -> Receive:
-    """A body that ends where it becomes too long, whatever its header says."""
+    """Refuse a body at the size limit, whatever its header claims."""
     seen = 0
 
     async def bounded() -> MutableMapping[str, Any]:
@@ -305,7 +305,7 @@ def _bounded(receive: Receive, most: int) -> Receive:
 
 
 def _guarded(send: Send) -> Send:
-    """An answer with the policy in its head."""
+    """An answer with the policy in its header."""
 
     async def guarded(message: MutableMapping[str, Any]) -> None:
         if message["type"] == "http.response.start":
@@ -321,7 +321,7 @@ def _guarded(send: Send) -> Send:
 
 
 async def _tell(send: Send, status: int, text: str) -> None:
-    """A short answer in words."""
+    """A short text as answer."""
     kind = b"text/html; charset=utf-8" if text.startswith("<") else b"text/plain; charset=utf-8"
     await send(
         {"type": "http.response.start", "status": status, "headers": [(b"content-type", kind)]}
@@ -329,7 +329,7 @@ async def _tell(send: Send, status: int, text: str) -> None:
     await send({"type": "http.response.body", "body": text.encode()})
 
 
-# What the tabs begin with; the motions among it are compiled.
+# First requests of the tabs; the motions among them are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
 _TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
@@ -346,7 +346,7 @@ class Address:
     """Where the page is served.
 
     host: name or number of an interface; port: 0 takes a free one.
-    token: what a browser must bring; made where the host is not this machine alone.
+    token: required from a browser; generated unless the host is this machine.
     """
 
     host: str = "127.0.0.1"
@@ -355,7 +355,7 @@ class Address:
 
     @property
     def is_local(self) -> bool:
-        """Whether nobody but this machine can reach it.
+        """Whether only this machine can reach it.
 
         Examples
         --------
@@ -368,7 +368,7 @@ class Address:
             return self.host == "localhost"
 
     def guarded(self) -> Address:
-        """The same with a token, if others can reach it.
+        """The same address with a token, if other machines can reach it.
 
         Examples
         --------
@@ -381,18 +381,18 @@ class Address:
         return Address(self.host, self.port, code)
 
     def url(self, port: int) -> str:
-        """What to open in a browser on any machine of the network, token included."""
+        """The URL to open in a browser on any machine of the network, token included."""
         name = lan_address() if self.host in ("0.0.0.0", "::") else self.host
         name = f"[{name}]" if ":" in name else name
         return f"http://{name}:{port}/" + (f"?access_token={self.token}" if self.token else "")
 
 
 def lan_address() -> str:
-    """The address of this machine on its network; its name if it is on none."""
+    """The address of this machine on its network; its name without a network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            # This sends nothing: the system only chooses the interface. The address is one that
-            # is kept for documentation.
+            # This sends nothing: the system only chooses the interface. The address is reserved for
+            # documentation.
             probe.connect(("192.0.2.1", 9))
             return str(probe.getsockname()[0])
         except OSError:
@@ -408,7 +408,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         marimo is not installed.
     """
     try:
-        # An extra, and 0.5 s.
+        # marimo is an extra, and its import takes 0.5 s.
         import marimo
     except ImportError:
         raise MissingExtraError(
@@ -428,7 +428,7 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
     managers = [route.app.state.session_manager for route in inner.routes]
 
     async def ending() -> None:
-        # A mounted application is not told that the server ends; its threads would go on.
+        # A mounted application gets no event when the server ends; its threads would keep running.
         for manager in managers:
             await manager.shutdown()
 
@@ -440,18 +440,18 @@ def serve(
     ready: Callable[[str], object] = lambda _: None,
     sessions: int = PAGE.sessions,
 ) -> None:
-    """Serve until interrupted; ready hears the address once it is answered.
+    """Serve until interrupted; `ready` is called with the address when the port is open.
 
     Raises
     ------
     LimitError
-        The port is taken, or the host is none of this machine.
+        The port is taken, or the host is not an address of this machine.
     MissingExtraError
         marimo is not installed.
     """
     address = address.guarded()
     app = application(address, sessions)
-    # It comes with marimo, whose absence has been told by now.
+    # uvicorn comes with marimo, and a missing marimo has already raised an error.
     import uvicorn
 
     taken = _socket(address)
@@ -462,7 +462,7 @@ def serve(
         log_level="warning",
         timeout_graceful_shutdown=2,
         ws_max_size=2**20,
-        # A class that begins at once keeps the machine busy longer than the usual 20 s.
+        # A class that starts together keeps the machine busy for more than the usual 20 s.
         ws_ping_timeout=120,
         lifespan="on",
     )
@@ -481,7 +481,7 @@ def _socket(address: Address) -> socket.socket:
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((address.host, address.port))
-    # A port that is no number of 16 bits is no error of the system.
+    # A port that exceeds 16 bits raises an OverflowError instead of an OSError.
     except (OSError, OverflowError) as error:
         found.close()
         reason = getattr(error, "strerror", None) or error

@@ -1,4 +1,4 @@
-"""settings: how much the page may take, and how finely it draws."""
+"""settings: limits of the page, and the resolution of its figures."""
 
 from dataclasses import dataclass
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass
 class Settings:
     """One number for each limit and each choice, with its reason.
 
-    Limits of what comes in
-    -----------------------
-    sessions: open at once. reserve: places that only those get who have fewer than these places
-    open, so that one address on the network, which may be a whole class behind one router, fills
-    the lab up to there and never all of it. body: bytes of one request; a whole tetrad is a
-    hundredth of that.
-    upload: bytes of one file that is given to the page, a map of some 70,000 pixels as text: all
+    Limits of input
+    ---------------
+    sessions: open at once. reserve: sessions that are kept for clients with fewer than this number
+    of open sessions, so that one address on the network, which may be a whole class behind one
+    router, never takes all sessions. body: bytes of one request; a whole tetrad needs a
+    hundredth of this size.
+    upload: bytes of one uploaded file, a map of some 70,000 pixels as text: all
     sessions together then keep a few hundred megabytes. unpacked: bytes in a packed one.
-    nodes: of a map, so that a circuit is computed while one waits; pixels: of a lattice image, as
-    many as a camera of 1024 x 1024 has. title: letters of its name.
+    nodes: of a map, so that a circuit is computed while the user waits; pixels: of a lattice image,
+    as many as a camera of 1024 x 1024 has. title: letters of its name.
     request: characters of one request; the largest tetrad of the page has 36 entries.
     code: letters of the code that other machines need; a thousand guesses a second need years.
     address: characters of one text that is kept in the address of the page.
     answer: characters of one answer to an exercise. dimensions: coordinates of a typed tetrad;
-    name: characters of the name of one.
-    kept: characters of all answers that are kept, some hundred pictures.
+    name: characters of the name of a coordinate.
+    kept: characters of all cached answers, some hundred pictures.
     apart: cases of a list, one after the other, whose fields have numbers of their own; more than
-    are drawn at once where somebody goes through the list by keys.
+    are drawn at once when the user scrolls through the list with the arrow keys.
 
     Times
     -----
@@ -33,20 +33,19 @@ class Settings:
     reopening: seconds for which a page that was closed can be opened again where it was.
     pause: milliseconds without a key pressed after which a typed text is read.
 
-    How finely
+    Resolution
     ----------
-    accuracy: of motions, relative. samples: of two curves. points: of a curve that are sent;
-    digits: of each. film: seconds that a film lasts. film_points: of its curves.
-    least_times, most_times, each_turn: times at which a top is computed, and for each turn.
-    reach: steps that a slider goes to either side of the start; step: the usual size of one.
-    across: pixels of a picture that is sent. radius: of the first loop. course:
-    of the first ship, degrees from north to east; sail: length of its way in radii of the globe, on
-    which it reaches no pole. parts: of the shorter side
-    of a map, of which the side of the first circuit is one: more noise if it is smaller, more
-    grains if it is larger.
+    accuracy: relative error of motions. samples: of two curves. points: of a curve that are sent;
+    digits: of each. film: seconds that an animation lasts. film_points: of its curves.
+    least_times, most_times, each_turn: number of times at which a top is computed, and their
+    number for each turn. reach: steps of a slider on either side of the start; step: usual size.
+    across: pixels of a displayed picture. radius: of the first loop. course: of the first ship,
+    degrees from north to east; sail: length of its path in radii of the globe, on which it reaches
+    no pole. parts: ratio of the shorter side of a map to the side of the first circuit: a smaller
+    circuit has more noise, a larger one more grains.
     fastest: speed along a frame vector, and its step. zero: a value within so many errors of zero
-    is shown as zero. width, height: of a figure, inches; its letters of ten points are then as
-    large as those of the page.
+    is shown as zero. width, height: of a figure, inches; its letters of ten points then match
+    the letters of the page.
     """
 
     sessions: int = 64

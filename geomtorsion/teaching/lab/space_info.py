@@ -1,4 +1,4 @@
-"""space info: what controls need to know of a space: names, a start, and how far sliders may go."""
+"""space info: facts of a space that controls need: names, a start, and the ranges of sliders."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 FIRST = ("so3", "s2", "flat_polar", "heisenberg", "screw_dislocation", "r3xso3", "schwarzschild")
 # Complex, or with unknown functions: there is nothing to draw.
 _UNDRAWN = ("kerr_kinnersley", "frw", "frw_flat", "frw_closed", "frw_open", "pp_wave", "s7")
-# Too many coordinates, or complex: these are not typed either.
+# Too many coordinates, or complex: these have no typed form either.
 _UNTYPED = ("kerr_kinnersley", "s7")
-# Where loops begin in spaces with a line: on it, so that the first circle goes round it.
+# Centre of the first loop in spaces with a line: on it, so that the circle encloses it.
 _LINES: Mapping[str, tuple[float, ...]] = dict.fromkeys(
     (
         *("screw_dislocation", "screw_core", "edge_dislocation", "edge_dislocation_elastic"),
@@ -35,18 +35,18 @@ _LINES: Mapping[str, tuple[float, ...]] = dict.fromkeys(
     ),
     (0.0, 0.0, 0.0),
 )
-# Of these the coordinates are polar ones about the line: radius and angle come first.
+# These spaces have polar coordinates about the line: radius and angle come first.
 POLAR = ("wedge_disclination", "wedge_disclination_periodic")
 
 
 @cache
 def space_of(name: str) -> Space:
-    """A shipped space, kept: what was derived for one request serves the next."""
+    """A shipped space from the cache: results derived for one request serve the next."""
     return load(name)
 
 
 def drawable() -> dict[str, str]:
-    """Title of each space whose loops and motions can be drawn -> name, the usual ones first.
+    """Title of each space with drawable loops and motions -> name, the usual ones first.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def drawable() -> dict[str, str]:
 
 
 def typable() -> dict[str, str]:
-    """Title of each space whose tetrad can be typed -> name, those that can be drawn first.
+    """Title of each space with a tetrad that can be typed -> name, the drawable ones first.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def typable() -> dict[str, str]:
 
 
 def space_form(space: str) -> Json:
-    """What is exact about a shipped space: its names and its tetrad as text.
+    """The exact facts of a shipped space: its names and its tetrad as text.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def space_form(space: str) -> Json:
 
 
 def space_info(space: str) -> Json:
-    """Everything about a shipped space that a control is made of.
+    """All facts of a shipped space that its controls need.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def space_info(space: str) -> Json:
         "start": list(first.start),
         "ranges": ranges,
         "loop_centre": list(centre or first.start),
-        # Round a line a loop may go anywhere: the domain keeps to one side of it.
+        # The domain covers one side of a line only, but a loop may surround the line.
         "loop_ranges": _loop_ranges(chosen.name, len(centre)) if centre else ranges,
         "velocity": list(first.frame_velocity),
         "t": first.t,
@@ -129,12 +129,12 @@ def space_info(space: str) -> Json:
 
 
 def radius_name(frame: Frame) -> str:
-    """What the radius of a circle is called where nothing of the space is called so."""
+    """Name of the radius of a circle that no symbol of the space has."""
     return "rho" if any(symbol.name == "R" for symbol in frame.field.symbols) else "R"
 
 
 def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
-    """Whether a circle is meant about the axis of polar coordinates, where it is none in them.
+    """Whether a circle is centred on the axis of polar coordinates: it is not a circle in them.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]
 
 
 def _loop_ranges(name: str, count: int) -> list[list[float]]:
-    """How far the centre of a loop may go from a line; a radius goes one way only."""
+    """Ranges for the centre of a loop, relative to a line; a radius has positive values only."""
     found = [[-1.0, 1.0, PAGE.step] for _ in range(count)]
     if name in POLAR:
         found[0][0] = 0.0
@@ -160,7 +160,7 @@ def _functions(frame: Frame) -> list[str]:
 
 
 def _signature(frame: Frame) -> str:
-    """The frame metric as signs, or as nothing where it is not diagonal with ones."""
+    """The frame metric as signs, or empty if it is not diagonal with plus or minus ones."""
     n = frame.dimension
     if any(frame.eta[i, k] != 0 for i in range(n) for k in range(i)):
         return ""
@@ -169,12 +169,12 @@ def _signature(frame: Frame) -> str:
 
 
 def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[list[float]]:
-    """For each coordinate how far a slider may go, both ways, within the domain."""
+    """The range of a slider for each coordinate, both ways, within the domain."""
     point = dict(zip(frame.coordinates, start, strict=True))
     point |= {symbol: values[symbol.name] for symbol in frame.parameters if symbol.name in values}
     found = []
     for symbol, value in zip(frame.coordinates, start, strict=True):
-        # The start may lie on the edge of what another coordinate is bound to.
+        # The start may be on the boundary of a relation for another coordinate.
         own = [relation for relation in frame.domain if symbol in relation.free_symbols]
         step = PAGE.step * max(1.0, round(abs(value) / 2))
         ends = []
@@ -192,5 +192,5 @@ def _ranges(frame: Frame, start: list[float], values: dict[str, float]) -> list[
 def _inside(
     own: list[Relational], point: dict[sp.Symbol, float], symbol: sp.Symbol, value: float
 ) -> bool:
-    """Whether the relations of one coordinate hold where it has this value."""
+    """Whether the relations of one coordinate hold at this value."""
     return all(relation.subs(point | {symbol: value}) != sp.false for relation in own)

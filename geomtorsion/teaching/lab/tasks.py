@@ -1,4 +1,4 @@
-"""tasks: what the page may ask for, each with its limit of time; nothing else is ever run."""
+"""tasks: the requests that the page may send, each with its time limit; no other code is run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ BROKEN = (
 
 
 def too_long(seconds: str) -> str:
-    """What is said about a request that was stopped."""
+    """Message about a request that was stopped."""
     return (
         f"this takes longer than the {seconds} s that a request on this page may take, so it was "
         "stopped. Ask for something smaller, or use the command line, which waits as long as you "
@@ -35,7 +35,7 @@ def too_long(seconds: str) -> str:
 
 
 def too_much(reply: Json) -> str:
-    """What is said about a request that needed more memory or depth than there is.
+    """Message about a request that needed more memory or depth than is available.
 
     Examples
     --------
@@ -47,14 +47,14 @@ def too_much(reply: Json) -> str:
 
 @dataclass(frozen=True)
 class Task:
-    """Something a worker can do: module and function, and the seconds it may take."""
+    """A task of a worker: module and function, and its time limit in seconds."""
 
     module: str
     function: str
     seconds: float
 
     def __call__(self, **arguments: Any) -> Json:
-        """Do it here and now, without a limit of time."""
+        """Run the task in this process, without a time limit."""
         done: Callable[..., Json] = getattr(import_module(self.module), self.function)
         return done(**arguments)
 
@@ -88,7 +88,7 @@ def task(name: str) -> Task:
     Raises
     ------
     UnknownNameError
-        There is none.
+        There is no such task.
 
     Examples
     --------
@@ -101,7 +101,7 @@ def task(name: str) -> Task:
 
 
 def checked_length(text: str) -> str:
-    """A request as text, unless it is too long.
+    """A request as text, if its length is within the limit.
 
     Raises
     ------
@@ -117,12 +117,12 @@ def checked_length(text: str) -> str:
 
 
 def checked_file(content: bytes) -> bytes:
-    """The bytes of a file, unless there are too many.
+    """The bytes of a file, if their number is within the limit.
 
     Raises
     ------
     LimitError
-        There are more than the page takes.
+        There are more bytes than the page accepts.
     """
     if len(content) > PAGE.upload:
         raise LimitError(
@@ -133,7 +133,7 @@ def checked_file(content: bytes) -> bytes:
 
 
 def answer(request: Json) -> Json:
-    """What a task gives, or ``{"problem": message}``: what a worker calls.
+    """The result of a task, or ``{"problem": message}``: the function that a worker calls.
 
     Examples
     --------
@@ -152,18 +152,18 @@ def answer(request: Json) -> Json:
 
 
 class Runner(Protocol):
-    """Who carries tasks out."""
+    """Interface of an object that runs tasks."""
 
     def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
-        """What a task gives, or ``{"problem": message}``."""
+        """The result of a task, or ``{"problem": message}``."""
         ...
 
 
 class TaskRunner:
-    """Hands the requests of all sessions to a pool of workers, and keeps what was answered.
+    """Sends the requests of all sessions to a pool of workers, and caches the replies.
 
-    limits: seconds by task, where they shall differ from those of the list of tasks.
-    Equal requests are carried out once: whoever asks second gets what is kept.
+    limits: seconds by task, where they differ from the list of tasks.
+    Equal requests are carried out once: the second gets the cached reply.
     """
 
     def __init__(
@@ -176,20 +176,20 @@ class TaskRunner:
         self._lock = threading.Lock()
 
     def ask(self, name: str, attached: bytes | None = None, /, **arguments: Any) -> Json:
-        """What a task gives, or ``{"problem": message}``; never an error of this package.
+        """The result of a task, or ``{"problem": message}``; never an error of this package.
 
-        A task that takes longer than it may is ended, with its process. attached: the bytes of a
-        file, which nobody but the task looks into; it gets them as `content`.
+        A task that exceeds its time limit is ended, with its process. attached: the bytes of a
+        file, which only the task reads; it gets them as `content`.
         """
         request: dict[str, Any] = {"task": name, "arguments": arguments}
         sent: Json = request
         seconds = 0.0
         try:
             if attached is not None:
-                # What is kept knows the file by its digest alone.
+                # The cached reply identifies the file by its digest only.
                 request["digest"] = hashlib.sha256(checked_file(attached)).hexdigest()
                 sent = request | {"attached": base64.b64encode(attached).decode()}
-            # The request as text is its own key: equal sliders, equal answer.
+            # The text of a request is its key: equal sliders, equal reply.
             key = checked_length(json.dumps(request))
             seconds = self.limits.get(name, task(name).seconds)
             with self._lock:
@@ -209,7 +209,7 @@ class TaskRunner:
         return found
 
     def _keep(self, request: Json, reply: Json) -> None:
-        """Keep an answer; the oldest go when there is too much."""
+        """Cache a reply; the oldest replies are dropped when the cache is full."""
         if "problem" in reply or EXCEEDED in reply:
             return
         key = json.dumps(request)
@@ -220,7 +220,7 @@ class TaskRunner:
                 self._characters -= _length(*self.kept.popitem(last=False))
 
     def warm(self, requests: Sequence[tuple[str, Json]] = ()) -> None:
-        """Start all workers and let each do these tasks, in the background."""
+        """Start all workers and let each run these tasks, in the background."""
         self.pool.warm(({"task": n, "arguments": a} for n, a in requests), self._keep)
 
     def close(self) -> None:
@@ -229,7 +229,7 @@ class TaskRunner:
 
 
 def _length(key: str, reply: Json) -> int:
-    """About how many characters a kept answer has."""
+    """Approximate number of characters of a cached reply."""
     return len(key) + sum(len(str(value)) for value in reply.values())
 
 

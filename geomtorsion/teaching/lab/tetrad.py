@@ -23,7 +23,7 @@ from geomtorsion.teaching.lab.settings import PAGE
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
 
-# Quantity -> how the page calls it; the first ones are shown unless others are asked for.
+# Quantity -> its name on the page; the first ones are shown unless others are requested.
 OFFERED = {
     "metric": "metric",
     "cartan_connection": "Cartan connection",
@@ -59,12 +59,12 @@ def tetrad(
     show: Sequence[str] = USUAL,
     functions: str = "",
 ) -> Json:
-    """The geometry of a typed coframe as HTML, or what is wrong with which entry.
+    """The geometry of a typed coframe as HTML, or the errors of its entries.
 
     Parameters
     ----------
     coordinates, parameters
-        Names with commas or blanks between them; parameters are taken to be positive.
+        Names separated by commas or blanks; parameters are assumed to be positive.
     entries
         e[i][mu] as text; rows are one-forms.
     signature
@@ -76,9 +76,9 @@ def tetrad(
 
     Returns
     -------
-    html: cards, empty if something is wrong. errors: "i,mu" -> what is wrong with that entry,
+    html: cards, empty after an error. errors: "i,mu" -> the error of this entry,
     where i and mu count from 0; messages count rows from 1, as the page does.
-    problem: what is wrong with the whole, if it is no single entry's fault.
+    problem: the error of the whole input, if no single entry causes it.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def tetrad(
 
 
 def from_one(message: str) -> str:
-    """A message of the library, which counts from 0 as Python does, as the page counts: from 1.
+    """A message of the library, with indices counted from 1 instead of 0.
 
     Examples
     --------
@@ -130,7 +130,7 @@ def from_one(message: str) -> str:
         lambda m: f"row {int(m[1]) + 1}, column {int(m[2]) + 1}{m[0][m[0].index(']') + 1 :]}",
         counted,
     )
-    # Here nobody can declare anything.
+    # The page has no such option.
     counted = counted.replace("declare it with complex=True", _REAL)
     return counted.replace(" (rows counted from 0)", "")
 
@@ -141,7 +141,7 @@ def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Ex
     Raises
     ------
     CoordinateError
-        Something in it is no function of coordinates and parameters, or a name is taken.
+        A part of it is not a function of coordinates and parameters, or a name is taken.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def names_of(text: str, what: str = "names") -> list[str]:
     Raises
     ------
     CoordinateError
-        Something in it is no name.
+        A part of it is not a name.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def names_of(text: str, what: str = "names") -> list[str]:
 
 
 def names_like(text: str, most: int) -> list[str]:
-    """A name for each word of a text; x1, x2, ... where a word is none, one where there is none.
+    """A name for each word, x1, x2, ... if it is not a name; one name for an empty text.
 
     Examples
     --------
@@ -219,7 +219,7 @@ def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
     Raises
     ------
     SignatureError
-        There are other letters than + and -, or not as many as frame vectors.
+        A character is neither + nor -, or there is not one sign for each frame vector.
 
     Examples
     --------
@@ -260,7 +260,7 @@ def _read(
     functions: Mapping[str, sp.Expr],
     errors: dict[str, str],
 ) -> list[list[sp.Expr]]:
-    """All entries as expressions; what cannot be read is noted under its place."""
+    """All entries as expressions; the error of an unreadable entry is stored under its index."""
     rows = []
     for i, row in enumerate(entries):
         rows.append([])
@@ -276,8 +276,8 @@ def _read(
 
 
 def _cards(frame: Frame, show: Sequence[str]) -> str:
-    """Everything asked for, by section."""
-    # Sections are made of spaces; a typed frame becomes one without story or source.
+    """All requested quantities, by section."""
+    # Sections take a space; a typed frame becomes a space without story or source.
     space = Space("your tetrad", "your tetrad", "", "", frame)
     chosen = chosen_quantities(space, [name for name in OFFERED if name in show] or USUAL)
     parts = []

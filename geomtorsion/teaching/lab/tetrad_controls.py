@@ -1,4 +1,4 @@
-"""tetrad controls: fields for one-forms, made anew when coordinates get other names."""
+"""tetrad controls: fields for one-forms, created again when coordinates are renamed."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from geomtorsion.teaching.lab.tasks import Runner
 
 BLANK = {f"blank, {n} coordinates": n for n in (2, 3, 4)}
-# Fields for entries at most.
+# Largest number of fields for entries.
 MOST = PAGE.dimensions**2
 _LETTERS = ("x", "y", "z", "w")
 
 
 def first_start() -> str:
-    """The space that is there when the page is opened."""
+    """The space that is selected when the page is opened."""
     return next(iter(typable().values()))
 
 
 def starts(mo: ModuleType, kept: Kept) -> ui.dropdown:
-    """Where to begin typing: an empty tetrad or that of a space."""
+    """The list of starting points: an empty tetrad or the tetrad of a space."""
     options: Json = {**typable(), **BLANK}
     wanted = kept.one_of("start", list(options.values()), next(iter(options.values())))
     [first] = [title for title, value in options.items() if value == wanted]
@@ -57,7 +57,7 @@ def tetrad_case(
 
 
 def blank(n: int) -> Json:
-    """The facts of a space about which nothing is known: the identity."""
+    """The facts of an unknown space: the identity."""
     names = list(_LETTERS[:n])
     return {"coordinates": names, "parameters": [], "functions": [], "signature": "", "coframe": []}
 
@@ -82,7 +82,7 @@ def names(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
 
 
 def _usual_names(info: Json) -> dict[str, str]:
-    """What the fields for names hold where nothing was changed."""
+    """Default contents of the fields for names."""
     signs = info["signature"]
     return {
         "coordinates": ", ".join(info["coordinates"]),
@@ -93,7 +93,7 @@ def _usual_names(info: Json) -> dict[str, str]:
 
 
 def entries(mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str]) -> ui.dictionary:
-    """A field for each entry of the coframe, by "i,k", with what is typed there already."""
+    """A field for each entry of the coframe, by "i,k", with its current text."""
     n = len(coordinates)
     return mo.ui.dictionary(
         {
@@ -110,7 +110,7 @@ def entries(mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str]
 
 
 def typed(info: Json, kept: Kept) -> dict[str, str]:
-    """Entries of a coframe by "i,k": those of a space, or what the address of the page holds.
+    """Entries of a coframe by "i,k", from a space or from the address of the page.
 
     Examples
     --------
@@ -125,7 +125,7 @@ def typed(info: Json, kept: Kept) -> dict[str, str]:
 
 
 def coordinates(values: Mapping[str, str]) -> list[str]:
-    """Names of the columns, as far as they can be read: as many fields as there are.
+    """Names of the columns, as far as they can be read, one for each field.
 
     Examples
     --------
@@ -142,7 +142,7 @@ def kept_tetrad(
     coframe: Sequence[Sequence[str]],
     show: Sequence[str],
 ) -> dict[str, tuple[str, str]]:
-    """What the address keeps of a tetrad, each with what it is where nothing was changed."""
+    """The values of a tetrad that the address stores, each with its default."""
 
     def joined(rows: Sequence[Sequence[str]]) -> str:
         return ";".join("|".join(row) for row in rows)

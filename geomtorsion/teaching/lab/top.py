@@ -1,4 +1,4 @@
-"""top: a body that turns, as a film of its two cones; its plan; and the naive law next to it."""
+"""top: a rotating body, as an animation of its two cones; its plan; and the naive law."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
     from geomtorsion.scenes.effects import Effect
 
-# Watched for the film and the table, whatever is chosen for the graph and the plan.
+# Watched for the animation and the table, whatever is chosen for the graph and the plan.
 _WATCH = ("omega", "omega_space", "matrix", "angular_momentum_space", "energy")
-# key -> what it is called on its switch.
+# key -> label of its switch.
 SWITCHES = {
     "gravity": "gravity, 9.81 m/s²",
     "pivot": "fixed point, 0.5 m below the centre",
@@ -34,7 +34,7 @@ SWITCHES = {
     "magnet": "magnet along axis 3 in a field",
     "torsion": "torsion force",
 }
-# Quantity -> what it is called in the list of what is watched.
+# Quantity -> its label in the list of watched quantities.
 WATCHED = {
     "omega": "angular velocity, body axes",
     "omega_space": "angular velocity, space axes",
@@ -43,7 +43,7 @@ WATCHED = {
     "energy": "energy",
     "position": "place",
 }
-# Quantity -> what its components are called, and its unit.
+# Quantity -> labels of its components, and its unit.
 _SHOWN = {
     "omega": (("Ω₁", "Ω₂", "Ω₃"), "rad/s"),
     "omega_space": (("ω_x", "ω_y", "ω_z"), "rad/s"),
@@ -52,7 +52,7 @@ _SHOWN = {
     "energy": (("energy",), "J"),
     "position": (("x", "y", "z"), "m"),
 }
-# On a page a colour has one meaning: those of the chart do not occur in the film.
+# On a page a colour has one meaning: the colours of the chart do not occur in the animation.
 _SPACE, _BODY, _AXIS, _MOMENTUM, _RIGHT, _NAIVE = SERIES
 
 
@@ -64,7 +64,7 @@ def top(
     effects: Sequence[str] = (),
     watch: Sequence[str] = ("nutation",),
 ) -> Json:
-    """A body with some effects, right and by the naive law.
+    """A body with some effects, by the correct law and by the naive law.
 
     Parameters
     ----------
@@ -77,13 +77,13 @@ def top(
     effects
         keys of SWITCHES.
     watch
-        keys of WATCHED: what the graph shows, and what the plan is made for.
+        keys of WATCHED: the quantity in the graph, for which the plan is made.
 
     Returns
     -------
-    space: an HTML document, the film; title: its name. plan: HTML. compared: svg.
+    space: an HTML document, the animation; title: its name. plan: HTML. compared: svg.
     table, sentence: HTML and text.
-    omega: the last angular velocity, body axes; naive: the same by the naive law, or None.
+    omega: the last angular velocity, body axes; naive: the naive law's value, or None.
 
     Examples
     --------
@@ -156,7 +156,7 @@ def scene_of(
 
 
 def _film(result: SceneResult) -> Film:
-    """Body cone and space cone: the one rolls on the other."""
+    """Body cone and space cone: one rolls on the other."""
     omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
     momentum = result["angular_momentum_space"]
@@ -199,7 +199,7 @@ def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[flo
 
 
 def _plan(scene: Scene) -> str:
-    """What is simulated and what is left out, as a table."""
+    """A table of the simulated and the omitted parts."""
     plan = scene.selection
     rows = [
         ["in" if row.inside else "left out", row.kind, row.name, row.reason] for row in plan.rows
@@ -211,7 +211,7 @@ def _plan(scene: Scene) -> str:
 
 
 def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str:
-    """What is watched over time; of several components the one in which the naive law errs most."""
+    """The watched quantity over time; its component with the largest error of the naive law."""
     names, unit = _SHOWN[watch]
     right = result[watch].reshape(len(result.times), -1)
     other = right if wrong is None else wrong[watch].reshape(right.shape)
@@ -234,7 +234,7 @@ def _change(values: np.ndarray) -> float:
 
 
 def _table(result: SceneResult, wrong: SceneResult | None) -> str:
-    """How each was computed, and what it conserves."""
+    """Engine, cost and conserved quantities of each solution."""
     rows = []
     for name, found in (("right", result), ("naive", wrong)):
         if found is None:
@@ -255,7 +255,7 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
 
 
 def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
-    """What is seen, in words."""
+    """Description of the result in words."""
     change = _change(result["angular_momentum_space"])
     kept = (
         "The angular momentum stays where it is in space"

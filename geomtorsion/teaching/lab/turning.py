@@ -1,6 +1,6 @@
-"""turning: pictures in space that can be turned, as documents of their own with all they need.
+"""turning: turnable pictures in space, as complete documents.
 
-matplotlib draws no picture that a reader turns, and plotly brings 4 MB of script into each page.
+matplotlib has no pictures that a reader can turn, and plotly adds 4 MB of script to each page.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ p { margin: 2px 8px 4px; color: #5c6475; font-size: 13px; }
 class Curve:
     """A line in space.
 
-    points: places. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
-    label: in the legend. tip: written at its moving end. thin: drawn with less weight.
+    points: positions. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
+    label: in the legend. tip: text at its moving end. thin: drawn as a thin line.
     """
 
     points: Sequence[Sequence[float]]
@@ -59,11 +59,11 @@ class Curve:
 class Film:
     """A picture in space.
 
-    name: under which the browser remembers how it was turned. title, axes: words.
+    name: key under which the browser stores the view. title, axes: words.
     curves: fixed in space. moving: lines fixed in the body. attitudes: rotation matrices.
-    times: of attitudes and of the points of curves; a film if there are any.
-    globe: radius of a sphere that hides what is behind it; equal: lengths are true.
-    turn: of the eye about the third axis at first, rad.
+    times: of attitudes and of the points of curves; an animation if there are any.
+    globe: radius of an opaque sphere; equal: lengths are true.
+    turn: initial angle of the eye about the third axis, rad.
     """
 
     name: str
@@ -80,7 +80,7 @@ class Film:
 
 
 def turnable(scene: Film) -> str:
-    """The picture as an HTML document without any reference to another.
+    """The picture as an HTML document without references to other files.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def turnable(scene: Film) -> str:
         "seconds": PAGE.film,
         "turn": scene.turn,
     }
-    # In a script element only the end of that element ends the text.
+    # In a script element only the end tag of the element ends the text.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
     film = ""
     if len(scene.times) > 1:
@@ -155,7 +155,7 @@ def _rounded(values: Sequence[float]) -> list[float]:
 
 
 def thinned(points: Sequence[T], most: int = PAGE.points) -> list[T]:
-    """Evenly chosen points of a long curve, the last one among them.
+    """Evenly spaced points of a long curve, including the last one.
 
     Examples
     --------

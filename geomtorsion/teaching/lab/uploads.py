@@ -1,4 +1,4 @@
-"""uploads: bytes of a file that somebody gives, recognised by what is in them, read."""
+"""uploads: bytes of an uploaded file, recognised by their content, and read."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from geomtorsion.materials.readers import IMAGE, MAP, READERS, suffixes_of
 from geomtorsion.materials.readers import kind_of as content_of
 from geomtorsion.teaching.lab.settings import PAGE
 
-# First bytes of formats that are something else -> what they are.
+# First bytes of other formats -> names of the formats.
 _OTHERS: dict[bytes, str] = {
     b"\xff\xd8\xff": "a picture whose details were thrown away (JPEG)",
     b"\x89HDF": "HDF5 or NetCDF",
@@ -32,17 +32,17 @@ NEEDED = (
     "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map "
     f"({' or '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY) was needed"
 )
-# What a file is called while it is read: messages name it as its owner does.
+# Name of the file while it is read; messages replace it by the name that its owner gave.
 _STEM = "given-map"
 
 
 def kind_of(content: bytes) -> str:
-    """How a file of such a content would end; its own name decides nothing.
+    """The suffix for a file of this content; the name of the file has no effect.
 
     Raises
     ------
     FileFormatError
-        It is nothing that the page reads; the message says what it seems to be.
+        The page does not read this format; the message names the format if it is known.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def kind_of(content: bytes) -> str:
 
 
 def title_of(name: str) -> str:
-    """The name of a file as it may stand in a sentence: no folders, no odd letters, not long.
+    """The name of a file in a form for messages: no folders, no odd letters, not long.
 
     Examples
     --------
@@ -91,10 +91,10 @@ def title_of(name: str) -> str:
 def read_map(
     content: bytes, title: str, threshold: float | None = None, laue: tuple[str, int] | None = None
 ) -> SampledFrame | OrientationMap | LatticePhases:
-    """The map in a file; the last two stay, since a slider asks for the same one again.
+    """The map in a file; the last two are cached, since a slider requests the same map again.
 
-    threshold: of grains, degrees. laue: a Laue group instead of what the file says, and the number
-    of the phase that has it, 0 for all. Both are about orientation maps alone.
+    threshold: of grains, degrees. laue: a Laue group that replaces the one in the file, and the
+    number of its phase, 0 for all. Both apply to orientation maps only.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def read_map(
             found = _orientations(path, threshold, laue) if is_map else _frame(path)
         except GeomtorsionError as error:
             said = str(error).replace(str(path), title).replace(path.name, title)
-            # Of the same class: a limit stays a limit.
+            # The error keeps its class: a LimitError stays a LimitError.
             raise type(error)(said) from None
     shape = found.shape if isinstance(found, OrientationMap) else tuple(map(len, found.axes))
     count = 1
@@ -140,7 +140,7 @@ def _orientations(
     path: Path, threshold: float | None, laue: tuple[str, int] | None
 ) -> OrientationMap:
     """An orientation map."""
-    # 0 stands for all phases, on the page and for who reads maps.
+    # 0 means all phases, both on the page and in OrientationMap.read.
     groups = {} if laue is None else {laue[1]: laue[0]}
     if threshold is None:
         return OrientationMap.read(path, laue=groups)
@@ -148,7 +148,7 @@ def _orientations(
 
 
 def _frame(path: Path) -> SampledFrame:
-    """A sampled frame, with its noise, estimated from the data where the file does not tell it."""
+    """A sampled frame, with its noise, estimated from the data if the file does not state it."""
     found = SampledFrame.read(path)
     if found.sigma is not None:
         return found
@@ -159,12 +159,12 @@ def _frame(path: Path) -> SampledFrame:
             source=found.source,
         )  # fmt: skip
     except GridError:
-        # A small map has too few differences; then nothing is known of its noise.
+        # A small map has too few differences; its noise is then unknown.
         return found
 
 
 def _check_unpacked(content: bytes) -> None:
-    """Refuse an archive that says it holds more than the page unpacks.
+    """Refuse an archive whose stated size exceeds the limit of the page.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from geomtorsion.teaching.lab.uploads import TEXT_MAPS
 class Guide:
     """Sentences for one tab.
 
-    seen: what is shown. tried: what to do first. words: term -> what it means.
+    seen: the displayed objects. tried: the first action to try. words: term -> its meaning.
     """
 
     seen: str
@@ -25,7 +25,7 @@ class Guide:
     words: Mapping[str, str] = field(default_factory=dict)
 
 
-# Name of a tab -> what one sees, and what to try: one sentence each.
+# Name of a tab -> the displayed objects, and an action to try: one sentence each.
 GUIDES: Mapping[str, Guide] = {
     "The compass": Guide(
         "One ship keeps its compass course (solid blue), another sails the shortest way, a great "
@@ -191,7 +191,7 @@ def copying() -> str:
 
 @cache
 def saving() -> str:
-    """The script that saves pictures; pictures in space have it, too."""
+    """The script that saves pictures; turnable pictures also contain it."""
     return Path(__file__).with_name("save.js").read_text("utf-8")
 
 
@@ -201,12 +201,12 @@ def wrapped(html: str) -> str:
 
 
 def header() -> str:
-    """The title, which stands above all tabs."""
+    """The title above all tabs."""
     return wrapped("<h1>Torsion lab</h1>")
 
 
 def intro(tab: str, *, still: bool = False) -> str:
-    """What one sees on a tab; and what to try, unless nothing on the page can be changed."""
+    """The displayed objects of a tab, and an action to try if the page has controls."""
     guide = GUIDES[tab]
     tried = f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
     return wrapped(f'<p class="guide">{escape(guide.seen)}</p>{"" if still else tried}')
@@ -225,7 +225,7 @@ def _terms(guide: Guide) -> str:
 
 
 def copy_button(latex: str, what: str) -> str:
-    """A button that copies LaTeX; the page's own script listens to it.
+    """A button that copies LaTeX; the page's own script handles it.
 
     Examples
     --------
@@ -239,7 +239,7 @@ def copy_button(latex: str, what: str) -> str:
 
 
 def notice(text: str) -> str:
-    """A message about something that cannot be done.
+    """A message about a request that failed.
 
     Examples
     --------
@@ -250,18 +250,18 @@ def notice(text: str) -> str:
 
 
 def problem(reply: Json) -> str:
-    """The message of a reply that is no answer, or nothing."""
+    """The message of a reply without a result, or an empty text."""
     return notice(reply["problem"]) if reply.get("problem") else ""
 
 
 def fault(reply: Json, i: int, k: int) -> str:
-    """What is wrong with one entry of a tetrad, to stand next to it."""
+    """The error of one entry of a tetrad, for display next to it."""
     text = reply.get("errors", {}).get(f"{i},{k}", "")
     return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
 
 
 def tetrad(reply: Json) -> str:
-    """Cards of a tetrad, or what is wrong."""
+    """Cards of a tetrad, or its error."""
     faults = len(reply.get("errors", {}))
     message = ""
     if faults:
@@ -272,7 +272,7 @@ def tetrad(reply: Json) -> str:
 
 
 def loop(reply: Json) -> str:
-    """A loop, its image, and what is seen of its Burgers vector."""
+    """A loop, its image, and a description of its Burgers vector."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
@@ -286,7 +286,7 @@ def loop_below(reply: Json) -> str:
 
 
 def atoms(reply: Json) -> str:
-    """A crystal in which circuits are clicked, and what to try there."""
+    """A crystal with clickable circuits, and an action to try."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     text = (
@@ -297,7 +297,7 @@ def atoms(reply: Json) -> str:
 
 
 def map_field(field: object) -> str:
-    """What a map or image of one's own is for, and the field that takes it."""
+    """The purpose of an uploaded map or image, and the field for the file."""
     text = (
         f'<h2>A map or an image of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
         f'<p class="guide"><strong>Try:</strong> {escape(MEASURED.tried)}</p>'
@@ -306,14 +306,14 @@ def map_field(field: object) -> str:
 
 
 def map_told(facts: Json) -> str:
-    """What a map is, or why it is none."""
+    """Description of a map, or the reason why the file is not one."""
     if facts.get("problem"):
         return wrapped(f'<div class="measured" id="map-problem">{problem(facts)}</div>')
     return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
 
 
 def measured(reply: Json) -> str:
-    """The picture of a map with a circuit, and its Burgers vector or why it has none."""
+    """The picture of a map with a circuit, and its Burgers vector or the reason why it has none."""
     if reply.get("problem"):
         return wrapped(f'<div class="measured" id="map-problem">{problem(reply)}</div>')
     if reply.get("refused"):
@@ -326,14 +326,14 @@ def measured(reply: Json) -> str:
 
 
 def compass(reply: Json) -> str:
-    """The globe with both ways."""
+    """The globe with both paths."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     return wrapped(f'<div class="globe" id="compass">{framed(reply)}</div>')
 
 
 def paths(reply: Json) -> str:
-    """Two curves and how far they are apart."""
+    """Two curves and the distance between them."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
@@ -343,7 +343,7 @@ def paths(reply: Json) -> str:
 
 
 def paths_below(reply: Json) -> str:
-    """How two curves were computed, and the words."""
+    """Methods and errors of two curves, and the terms."""
     return wrapped(f'<div class="later">{reply.get("table", "")}{words(PATHS)}</div>')
 
 
@@ -358,7 +358,7 @@ def costs(reply: Json) -> str:
 
 
 def top(reply: Json) -> str:
-    """A film of the top, and what is watched, by the naive law too."""
+    """An animation of the top, and the watched quantities, also by the naive law."""
     if reply.get("problem"):
         return wrapped(problem(reply))
     said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
@@ -367,7 +367,7 @@ def top(reply: Json) -> str:
 
 
 def top_below(reply: Json) -> str:
-    """How the top was computed, its plan, and the words."""
+    """Method and errors of the top, its plan, and the terms."""
     plan = f'<div id="top-plan">{reply["plan"]}</div>' if "plan" in reply else ""
     return wrapped(f'<div class="later">{reply.get("table", "")}{plan}{words(TOP)}</div>')
 
@@ -386,7 +386,7 @@ _LOOKS = {"right": ("right", "✓"), "wrong": ("wrong", "✗")}
 
 
 def verdict(reply: Json | None) -> str:
-    """What is said about answers; nothing if none were given."""
+    """The verdict on answers; empty without answers."""
     if reply is None:
         return ""
     if reply.get("problem"):
@@ -419,7 +419,7 @@ def steps(reply: Json) -> str:
 
 
 def framed(reply: Json) -> str:
-    """The turnable picture of a reply in a frame of its own, with all it needs; or nothing."""
+    """The turnable picture of a reply in a frame of its own, with all its resources; or empty."""
     if not reply.get("space"):
         return ""
     title = escape(reply.get("title", "picture in space"))
@@ -436,7 +436,7 @@ def grid(cells: Sequence[str], columns: int) -> str:
 def controls(pieces: Sequence[object], kind: str = "") -> str:
     """Controls side by side, in as many rows as they need.
 
-    kind "after": on a narrow window they stand below the picture that they change.
+    kind "after": on a narrow window they are below the picture that they change.
     """
     inner = "".join(f"<div>{piece}</div>" for piece in pieces)
     return wrapped(f'<div class="controls {kind}">{inner}</div>')

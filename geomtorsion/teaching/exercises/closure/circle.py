@@ -22,7 +22,7 @@ from geomtorsion.teaching.exercises.authoring import (
 
 
 def make(draw: Draw) -> Variant:
-    """Heisenberg's frame for seed 0; other seeds: torsion that varies from place to place."""
+    """Heisenberg's frame for seed 0; other seeds: torsion that varies with position."""
     x, y, z = q = sp.symbols("x y z", real=True)
     radius = sp.Symbol("R", positive=True)
     varying = product((-2, -1, 1, 2), (0, 1, -1), (1, 2, 3, -1), (2, 3))

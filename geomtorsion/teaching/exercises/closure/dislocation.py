@@ -1,4 +1,4 @@
-"""5.4: round a dislocation, once and several times."""
+"""5.4: loops around a dislocation, once and several times."""
 
 from functools import cache
 
@@ -20,7 +20,7 @@ from geomtorsion.teaching.exercises.authoring import (
 
 
 def make(draw: Draw) -> Variant:
-    """A screw along z; the seed chooses how often the loop goes round, and which way."""
+    """A screw along z; the seed chooses how often the loop winds around it, and in which sense."""
     frame = load("screw_dislocation").frame
     b = frame.parameters[0]
     turns = draw.choice((2, -3, 3, -1, 1, -2, 4, -4))

@@ -1,4 +1,4 @@
-"""5.5: a vector carried round on the sphere comes back turned."""
+"""5.5: a vector that is transported around a loop on the sphere comes back rotated."""
 
 from functools import cache
 from math import cos, pi
@@ -10,7 +10,7 @@ from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, St
 
 
 def make(draw: Draw) -> Variant:
-    """A patch between two circles of latitude and two meridians; the seed chooses which."""
+    """A patch between two circles of latitude and two meridians; the seed chooses them."""
     frame = load("s2").frame
     low, high = draw.choice((0.6, 0.4, 0.5, 0.7)), draw.choice((1.1, 1.2, 1.3, 1.4))
     width = draw.choice((0.4, 0.3, 0.5, 0.8, 1.0))

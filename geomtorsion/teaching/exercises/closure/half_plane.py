@@ -31,7 +31,7 @@ def make(draw: Draw) -> Variant:
     planes = draw.choice((1, 2, 3))
     wide, tall = draw.choice((7, 6, 9, 12)), draw.choice((5, 8, 10, 11))
     counts = _counts(place, planes, wide, tall)
-    # The two sides that differ, the one that is given in the larger circuit first.
+    # The two sides that differ; first the side that is given in the larger circuit.
     flat = place in ("above", "below")
     given, asked = (0, 2) if flat else (1, 3)
     larger = 10 * counts[given]
@@ -42,7 +42,7 @@ def make(draw: Draw) -> Variant:
         return tuple(_around(counts))
 
     def needed() -> int:
-        # b is what the first side has more than the one that leads back.
+        # b is the excess of the first side over the side that leads back.
         return larger - closure()[0 if flat else 1]
 
     return Variant(

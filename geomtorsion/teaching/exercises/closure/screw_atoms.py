@@ -1,4 +1,4 @@
-"""5.6: round a screw dislocation from atom to atom."""
+"""5.6: a circuit around a screw dislocation from atom to atom."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -139,7 +139,7 @@ def _along(vector: Sequence[sp.Expr], line: sp.Matrix) -> sp.Expr:
 
 
 def _worked(sides: Sequence[Side], along: sp.Matrix) -> tuple[Step, ...]:
-    """Sides there and back cancel; the last step is left."""
+    """Opposite sides cancel; the last step remains."""
     (_, up), (_, last) = sides[1], sides[-1]
     b = up + last
     climbs = _along(list(b), along) > 0

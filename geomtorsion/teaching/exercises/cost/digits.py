@@ -20,7 +20,7 @@ def make(draw: Draw) -> Variant:
     decades = draw.choice((8, 5, 6, 7, 9, 10))
     middle, plane = draw.choice((1.0, 0.6, 0.8, 1.2, 1.4)), draw.choice(((0, 1), (1, 2)))
     one, two = (k + 1 for k in plane)
-    # Rounding is an accident: the median over some places tells more than one.
+    # Rounding errors scatter: the median over several positions is more reliable than one value.
     loops = [
         Loop.circle([0.3, middle + 0.1 * k, 0.2], 10.0**-decades, plane=plane)
         for k in range(PLACES)

@@ -1,4 +1,4 @@
-"""7.4: how many numbers a motion is made of."""
+"""7.4: how many numbers describe a motion."""
 
 from itertools import permutations
 

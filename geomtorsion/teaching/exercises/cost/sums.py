@@ -21,7 +21,7 @@ from geomtorsion.teaching.exercises.authoring import (
     tex,
 )
 
-# Relative error that the exercise asks for, and the points of its coarse sums.
+# Relative error that the exercise requires, and the points of its coarse sums.
 WANTED = 1e-10
 COARSE = 64
 
@@ -130,7 +130,7 @@ def coframe_at(frame: Frame, place: tuple[float, ...]) -> np.ndarray:
 
 
 def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> tuple[Step, ...]:
-    """The errors of both sums, and what they say."""
+    """The errors of both sums, and the orders that follow from them."""
     chords = {count: error(count, True) for count in (COARSE, 2 * COARSE)}
     shown = "; ".join(f"$N = {count}$: {value:.3g}" for count, value in chords.items())
     count = needed()

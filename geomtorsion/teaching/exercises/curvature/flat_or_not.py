@@ -69,7 +69,7 @@ def make(draw: Draw) -> Variant:
 
 
 def _question(name, prompt, answer, other, code) -> Question:
-    """Zero or not, with what the other connection says as the mistake."""
+    """Zero or not, with the answer for the other connection as the mistake."""
     key = {True: "zero", False: "not zero"}
     return Question(
         name=name,

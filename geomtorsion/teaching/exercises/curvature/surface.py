@@ -82,7 +82,7 @@ def _sphere() -> Frame:
 
 
 def _worked(frame: Frame) -> tuple[Step, ...]:
-    """Gauss's curvature, and what follows from it in two dimensions."""
+    """Gauss's curvature, and the Ricci tensor that follows from it in two dimensions."""
     f, r = frame.coframe[1, 1], frame.coordinates[0]
     gauss, ricci, scalar = by_hand.surface_ricci(frame)
     return (

@@ -1,4 +1,4 @@
-"""exports: exercises in the formats that teachers' systems take."""
+"""exports: exercises in the formats that teachers' systems import."""
 
 from geomtorsion.teaching.exercises.exports.writing import FORMATS, Export, export
 

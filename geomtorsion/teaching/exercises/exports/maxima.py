@@ -16,7 +16,7 @@ _CONSTANTS = {sympy.pi: "%pi", sympy.E: "%e", sympy.I: "%i"}
 
 
 def maxima_name(name: str) -> str:
-    """The name of a symbol: digits last, as STACK asks; rates with a d for each prime in front.
+    """The name of a symbol: digits last, as STACK requires; rates with a d for each prime in front.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def maxima_list(value: Value, size: int) -> str:
 
 
 def maxima_matrix(value: Value, shape: Sequence[int]) -> str:
-    """Components as a matrix: one row for one index; for three those of the first two below it.
+    """Components as a matrix: one row for one index; for three, the matrices stacked.
 
     Examples
     --------

@@ -24,7 +24,7 @@ from geomtorsion.teaching.exercises.exports.maxima import (
 from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedback, largest
 from geomtorsion.teaching.exercises.question import Mistake, Question, deviation, how_to_answer
 
-# Stands for a mistake that another variant has; no answer is equal to it.
+# Replaces a mistake that only other variants have; no answer is equal to it.
 MISSING = "nomistake"
 
 
@@ -32,8 +32,8 @@ MISSING = "nomistake"
 class Slot:
     """A mistake in all variants.
 
-    note: its code, numbered where a question has several with one code. variable: its value.
-    mistakes: one for each variant, None where that has it not. messages: what is said.
+    note: its code, numbered if a question has several mistakes of one code. variable: its value.
+    mistakes: one for each variant, None if the variant does not have it. messages: the feedback.
     tested: whether every variant has it and nothing before it in the tree is equal to it.
     """
 
@@ -68,7 +68,7 @@ class Part:
 
     @property
     def points(self) -> int:
-        """What a right answer is worth."""
+        """Points of a right answer."""
         return self.questions[0].points
 
     @property
@@ -100,7 +100,7 @@ class Part:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What stands before each field, HTML."""
+        """The label before each field, HTML."""
         question = self.questions[0]
         if question.unknowns:
             return tuple(f"<code>{escape(maxima_name(x))}</code> =" for x in question.unknowns)
@@ -116,13 +116,13 @@ class Part:
 
     @property
     def relations(self) -> tuple[str, ...]:
-        """What holds between symbols in every variant."""
+        """Relations between symbols in every variant."""
         found = [[_relation(x) for x in question.domain.relations] for question in self.questions]
         return tuple(x for x in found[0] if all(x in other for other in found))
 
     @property
     def zeros(self) -> str:
-        """What stands in the boxes of a field before anything is typed."""
+        """The initial content of the boxes of a field."""
         return maxima_matrix({}, self.shape[-2:])
 
     def how(self) -> list[str]:
@@ -189,15 +189,15 @@ class Part:
 
     @property
     def rounding(self) -> str:
-        """Name of the variable that holds what rounding can do; empty where that is no mistake."""
+        """Name of the variable with the effect of rounding; empty if rounding is not a mistake."""
         return f"near{self.place}" if all(map(can_be_rounded, self.questions)) else ""
 
     def shown(self, variable: str, place: int) -> str:
-        """What a field takes as the teacher's answer."""
+        """The teacher's answer in the syntax of a field."""
         return f"options{self.place}" if self.kind == "choice" else self.typed(variable, place)
 
     def typed(self, variable: str, place: int) -> str:
-        """What is to be typed into a field for the value of a variable."""
+        """The text to type into a field for the value of a variable."""
         if self.questions[0].unknowns:
             return f"{variable}[{place + 1}]"
         if self._stacked:
@@ -211,7 +211,7 @@ class Part:
     # -- answers --------------------------------------------------------------------------------
 
     def feedback_variables(self) -> Iterator[str]:
-        """What is made of the fields before it is compared."""
+        """Variables that are computed from the fields before the comparison."""
         if self.questions[0].unknowns:
             yield f"given{self.place}: [{','.join(self.inputs)}];"
         elif self.shape and self.kind == "number":
@@ -231,9 +231,9 @@ class Part:
         return found.pop() + " " if len(found) == 1 and "none" not in found else ""
 
     def _completed(self) -> str:
-        """With what follows from a component by exchanging its first two indices, if it is zero."""
-        # Zeros stand in all boxes from the beginning: one that was typed cannot be told from them.
-        # Of names of one letter, i is the imaginary unit in STACK.
+        """The matrix whose zero components are filled by exchanging the first two indices."""
+        # All boxes contain zeros at the start, so a typed zero cannot be distinguished from them.
+        # Index names have two letters, since i is the imaginary unit in STACK.
         n, given, sign = self.shape[0], f"given{self.place}", self._sign.strip()
         if not self._stacked:
             entry, other = f"{given}[ma,mb]", f"{sign}{given}[mb,ma]"
@@ -247,13 +247,13 @@ class Part:
 
     @property
     def given(self) -> str:
-        """What is compared with the solution."""
+        """The value that is compared with the solution."""
         if self._sign:
             return f"full{self.place}"
         return f"given{self.place}" if self.shape or self.questions[0].unknowns else self.inputs[0]
 
     def compared(self, slot: Slot) -> str:
-        """What is compared with a mistake: as it was typed where that lacks the symmetry."""
+        """The value that is compared with a mistake: as typed if the mistake lacks the symmetry."""
         if self._sign and not all(
             mistake is None or _has_symmetry(mistake.value, -1 if self._sign == "- " else 1)
             for mistake in slot.mistakes
@@ -263,7 +263,7 @@ class Part:
 
     @cached_property
     def slots(self) -> tuple[Slot, ...]:
-        """Mistakes in the order in which they are looked for, variants side by side."""
+        """Mistakes in the order of their tests, variants side by side."""
         tables = [_numbered(question) for question in self.questions]
         keys = dict.fromkeys(key for table in tables for key in table)
         found: list[Slot] = []
@@ -293,13 +293,13 @@ class Part:
 
 
 def _letters() -> Iterator[str]:
-    """a, b, ..., z, aa, ab, ...: digits stand last in names of STACK."""
+    """a, b, ..., z, aa, ab, ...: names of STACK may have digits only at their end."""
     yield from ascii_lowercase
     yield from (one + two for one in ascii_lowercase for two in ascii_lowercase)
 
 
 def _numbered(question: Question) -> dict[tuple[str, int], Mistake]:
-    """(code, which of those with this code) -> mistake."""
+    """(code, number among the mistakes with this code) -> mistake."""
     seen: Counter[str] = Counter()
     found: dict[tuple[str, int], Mistake] = {}
     for mistake in question.mistakes:
@@ -309,13 +309,13 @@ def _numbered(question: Question) -> dict[tuple[str, int], Mistake]:
 
 
 def _has_symmetry(value: Value, sign: int) -> bool:
-    """Whether exchanging the first two indices gives a value back, times the sign."""
+    """Whether exchanging the first two indices reproduces a value, times the sign."""
     exchanged = {(key[1], key[0], *key[2:]): x for key, x in value.items()}
     return all(value.get(key, 0) - sign * x == 0 for key, x in exchanged.items())
 
 
 def _options(question: Question, right: int) -> str:
-    """What can be chosen, as STACK has it: value, whether it is right, what is shown."""
+    """The options, in STACK's form: value, whether it is right, displayed text."""
     rows = []
     for place, text in enumerate(question.options.values(), 1):
         shown = text.replace("\\", "\\\\").replace('"', '\\"')

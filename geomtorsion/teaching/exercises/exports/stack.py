@@ -14,7 +14,7 @@ from geomtorsion.teaching.exercises.exports.tasks import Task
 from geomtorsion.teaching.exercises.prose import html_of
 from geomtorsion.teaching.exercises.verdict import MESSAGES
 
-# What a question of STACK has besides what is asked; an import takes what is missing from the site.
+# Fixed settings of a STACK question; an import takes missing ones from the site.
 _OPTIONS: Mapping[str, str] = MappingProxyType(
     {
         "questionsimplify": "1", "assumepositive": "0", "assumereal": "1", "decimals": ".",
@@ -36,8 +36,8 @@ def stack_quiz(tasks: Sequence[Task]) -> str:
     """Moodle XML: a category for each chapter, a question for each exercise.
 
     Variants are the deployed seeds 1, 2, ... of a question, as STACK deploys systematically. A
-    recognised mistake is a node of the potential response tree with what is said about it. Variants
-    that ask for different numbers of components are questions of their own.
+    recognised mistake is a node of the potential response tree with its feedback. Variants
+    that require different numbers of components are separate questions.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def stack_quiz(tasks: Sequence[Task]) -> str:
 
 
 def _form(exercise: Exercise) -> tuple[object, ...]:
-    """What variants of one question have in common."""
+    """The elements that the variants of one question share."""
     return tuple((q.name, q.kind, q.shape, len(q.unknowns)) for q in exercise.questions)
 
 
@@ -101,7 +101,7 @@ def _question(quiz: ET.Element, name: str, group: Sequence[Exercise]) -> None:
 
 
 def _variables(group: Sequence[Exercise], parts: Sequence[Part]) -> Iterator[str]:
-    """Question variables: the variant, what holds between symbols, solutions and mistakes."""
+    """Question variables: the variant, relations between symbols, solutions and mistakes."""
     if len(group) > 1:
         yield f"variant: mod(stack_seed-1,{len(group)})+1;"
     relations = list(dict.fromkeys(x for part in parts for x in part.relations))
@@ -118,7 +118,7 @@ def _chosen(texts: Sequence[str]) -> str:
 
 
 def _by_variant(texts: Sequence[str]) -> str:
-    """One of several texts that are shown, by the variant."""
+    """One of several displayed texts, by the variant."""
     if len(set(texts)) == 1:
         return texts[0]
     pieces = []
@@ -129,7 +129,7 @@ def _by_variant(texts: Sequence[str]) -> str:
 
 
 def _asked(part: Part) -> str:
-    """Prompt, how to answer, fields, and where what is said about the answer stands."""
+    """Prompt, instructions for the answer, fields, and the position of the feedback."""
     prompts = _by_variant([html_of(question.prompt, tex=True) for question in part.questions])
     how = _by_variant([f"<p><em>{escape(text)}</em></p>" for text in part.how()])
     fields = []
@@ -163,7 +163,7 @@ def _inputs(question: ET.Element, part: Part) -> None:
 
 
 def _tree(question: ET.Element, part: Part) -> None:
-    """The potential response tree: right, then each mistake, then rounding where that can be."""
+    """The potential response tree: right, then each mistake, then rounding where it can occur."""
     tree = ET.SubElement(question, "prt")
     ET.SubElement(tree, "name").text = part.tree
     ET.SubElement(tree, "value").text = str(part.points)
@@ -195,7 +195,7 @@ def _tree(question: ET.Element, part: Part) -> None:
 
 
 def _branch(node: ET.Element, which: str, score: str, to: str, note: str, said: str) -> None:
-    """What follows where the test of a node is true, or false."""
+    """The branch of a node whose test is true, or false."""
     for tag, value in {
         "scoremode": "=", "score": score, "penalty": "", "nextnode": to, "answernote": note,
     }.items():  # fmt: skip
@@ -215,7 +215,7 @@ def _cases(parts: Sequence[Part]) -> Iterator[tuple[str, str, Mapping[Part, str]
 def _test(
     question: ET.Element, case: int, description: str, note: str, values: Mapping[Part, str]
 ) -> None:
-    """One test: what is put in, and where each tree is to end."""
+    """One test: the inputs, and the expected end of each tree."""
     test = ET.SubElement(question, "qtest")
     ET.SubElement(test, "testcase").text = str(case)
     ET.SubElement(test, "description").text = description
@@ -238,5 +238,5 @@ def _text(parent: ET.Element, tag: str, text: str) -> None:
 
 
 def _html(parent: ET.Element, tag: str, text: str) -> None:
-    """The same, said to be HTML."""
+    """A text inside its own element, marked as HTML."""
     ET.SubElement(ET.SubElement(parent, tag, format="html"), "text").text = text

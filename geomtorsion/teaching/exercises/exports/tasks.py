@@ -16,7 +16,7 @@ from geomtorsion.teaching.exercises.verdict import message_of
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """An exercise in the variants in which it is exported.
+    """An exercise in the variants to export.
 
     variants: one exercise for each seed, in the order of the seeds.
 
@@ -31,12 +31,12 @@ class Task:
 
     @property
     def number(self) -> str:
-        """Such as "3.2"."""
+        """Number, such as "3.2"."""
         return self.variants[0].number
 
     @property
     def title(self) -> str:
-        """What it is called."""
+        """Title of the exercise."""
         return self.variants[0].title
 
     @property
@@ -58,14 +58,14 @@ class Task:
 
 
 def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ...]:
-    """Exercises in their variants; all that there are where no numbers are given.
+    """Exercises in their variants; all exercises by default.
 
     Raises
     ------
     UnknownNameError
         There is no such exercise, or no such seed.
     ArgumentError
-        One is given twice, or there is none.
+        An exercise or a seed is given twice, or none is given.
     """
     wanted = names() if numbers is None else numbers
     for subject, given in (("numbers", wanted), ("seeds", seeds)):
@@ -79,7 +79,7 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
 
 
 def feedback(question: Question, mistake: Mistake) -> str:
-    """What is said about a mistake: Markdown with LaTeX.
+    """The feedback on a mistake: Markdown with LaTeX.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def feedback(question: Question, mistake: Mistake) -> str:
 
 
 def largest(question: Question) -> float:
-    """What the tolerance of a number is relative to: the largest component of the solution, or 1.
+    """The number that sets the scale of a tolerance: the largest component of the solution, or 1.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def largest(question: Question) -> float:
 
 
 def can_be_rounded(question: Question) -> bool:
-    """Whether a number can be rounded so early that it is outside of its tolerance.
+    """Whether early rounding can move a number out of its tolerance.
 
     Examples
     --------

@@ -21,9 +21,9 @@ Progress = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Export:
-    """What was exported.
+    """The result of an export.
 
-    files: those written. notes: what to do with them, and what the system cannot grade.
+    files: the written files. notes: what to do with them, and what the system cannot grade.
     """
 
     files: tuple[Path, ...]
@@ -49,10 +49,10 @@ def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
 
 @dataclass(frozen=True)
 class Format:
-    """A format: what makes the files, and what they need.
+    """A format: the function that writes its files, and their requirements.
 
-    seeds: the variants if none are asked for; several where the system gives each student one.
-    worked: whether the files hold the solutions step by step, which take their time.
+    seeds: default variants; several if the system gives each student one.
+    worked: whether the files contain worked solutions, which take time to compute.
     """
 
     make: Callable[[Sequence[Task]], tuple[Files, str]]
@@ -75,14 +75,14 @@ def export(
     seeds: Sequence[int] | None = None,
     progress: Progress = lambda _: None,
 ) -> Export:
-    """Write exercises in a format that teachers' systems take.
+    """Write exercises in a format that teachers' systems import.
 
     Parameters
     ----------
     to
         "stack" (Moodle XML) or "nbgrader" (a course with notebooks).
     directory
-        made if it is missing; files in it that have the same names are replaced.
+        created if it is missing; files in it with the same names are replaced.
     numbers
         of the exercises, such as ["3.1", "3.2"]; all if None.
     seeds
@@ -92,7 +92,7 @@ def export(
 
     Returns
     -------
-    The files that were written, and what to do with them.
+    The written files, and what to do with them.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def export(
     found = tasks(numbers, chosen.seeds if seeds is None else seeds)
     for task in found:
         progress(task.number)
-        # Kept by the exercise: the files are written at once afterwards.
+        # The exercise caches them; the files are written immediately afterwards.
         for exercise in task.variants:
             _ = exercise.solution(), exercise.worked if chosen.worked else ()
     files, note = chosen.make(found)

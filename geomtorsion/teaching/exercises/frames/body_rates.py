@@ -18,7 +18,7 @@ from geomtorsion.teaching.exercises.families import SHIPPED, Body
 
 
 def make(draw: Draw) -> Variant:
-    """z-y-z as in the paper; the seed chooses the angles and which axes."""
+    """z-y-z as in the paper; the seed chooses the angles and the axes."""
     times = draw.choice(((1, 1, 1), (2, 1, 1), (1, 2, 1), (1, 1, 2)))
     body = Body(draw.choice(tuple(SHIPPED)), times)
     in_space = draw.choice((False, True))
@@ -86,7 +86,7 @@ def make(draw: Draw) -> Variant:
 
 
 def applied(frame: Frame, rates: list[sp.Symbol], legs: bool = False) -> list[sp.Expr]:
-    """e^i_mu q'^mu, or the same with the legs in place of the coframe."""
+    """e^i_mu q'^mu, or the same sum with the legs instead of the coframe."""
     table = frame.legs if legs else frame.coframe
     return [sp.Add(*(table[i, mu] * rate for mu, rate in enumerate(rates))) for i in range(3)]
 

@@ -93,7 +93,7 @@ def make(draw: Draw) -> Variant:
 
 
 def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
-    """A vector that stands still in space, seen from the body."""
+    """A vector at rest in space, seen from the body."""
     speeds = sp.symbols("V1 V2 V3", real=True)
     turning = [-x for x in by_hand.cross(omegas(), speeds)]
     rates = [x + f / mass for x, f in zip(turning, push, strict=True)]

@@ -185,7 +185,7 @@ def make(draw: Draw) -> Variant:
 
 
 def force(frame: Frame) -> list[sp.Expr]:
-    """The torsion force in the frame: what autoparallels have and geodesics have not."""
+    """The torsion force in the frame, which acts on autoparallels but not on geodesics."""
     energy = sp.Add(*(x**2 / 2 for x in sp.symbols("u1:7")))
     table = dict(zip(sp.symbols("u1:7"), U, strict=True))
     found = equations_of_motion(frame, energy).torsion_force

@@ -1,4 +1,4 @@
-"""6.2: the moment of the weight of a top, in the frame of the body."""
+"""6.2: the torque of the weight of a top, in the frame of the body."""
 
 import sympy as sp
 

@@ -11,7 +11,7 @@ from geomtorsion.teaching.exercises.authoring import Draw, Mistake, Question, St
 
 
 def make(draw: Draw) -> Variant:
-    """A ship on the unit sphere; the seed chooses where, whither and how far."""
+    """A ship on the unit sphere; the seed chooses start, course and distance."""
     frame = load("s2").frame
     colatitude = draw.choice((1.0, 0.8, 0.9, 1.1))
     course = draw.choice((60, 50, 70, 75, 105, 110))

@@ -1,4 +1,4 @@
-"""4.1: where the straightest line of the polar frame leads."""
+"""4.1: the end point of the straightest line of the polar frame."""
 
 from functools import cache
 from math import log
@@ -46,7 +46,7 @@ def _number(
     name: str, prompt: str, unit: str, k: int, last: float,
     straight: CurveProblem, short: CurveProblem, mistaken: CurveProblem,
 ) -> Question:  # fmt: skip
-    """One coordinate at the end, on the line asked for and on those that it is taken for."""
+    """One coordinate at the end, on the requested line and on the lines it is confused with."""
 
     @cache
     def at_end(problem: CurveProblem) -> float:

@@ -1,4 +1,4 @@
-"""2.4: torsion in the frame; for seed 0, that of a body, eq. (12) of the paper."""
+"""2.4: torsion in the frame; for seed 0, the body-fixed frame, eq. (12) of the paper."""
 
 from geomtorsion.geometry import Frame, cartan, levi_civita
 from geomtorsion.teaching.exercises.authoring import (
