@@ -209,7 +209,7 @@ def test_numbers_of_saved_solutions(number: str, tmp_path: Path):
     metadata["problem"]["start"][0] = number
     arrays["metadata"] = np.array(json.dumps(metadata))
     np.savez(path, **arrays)
-    with pytest.raises(FileFormatError, match="no solution saved"):
+    with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(path)
 
 

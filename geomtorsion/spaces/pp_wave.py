@@ -3,7 +3,7 @@
 from sympy import Function, Rational, symbols
 
 from geomtorsion.geometry import Frame
-from geomtorsion.spaces.space import KnownAnswer, Space, antisymmetric, matrix
+from geomtorsion.spaces.space import FirstMotion, KnownAnswer, Space, antisymmetric, matrix
 
 
 def space(name: str, title: str) -> Space:
@@ -38,6 +38,8 @@ def space(name: str, title: str) -> Space:
             KnownAnswer("scalar_curvature", 0),
             KnownAnswer("kretschmann", 0),
         ),
+        # Timelike: 2 u^0 u^1 + (u^2)^2 + (u^3)^2 = -1.
+        motion=FirstMotion((0.0, 0.0, 0.5, 0.3), (1.0, -0.545, 0.3, 0.0)),
         group="gravity",
         notes="Signature (-, +, +, +); null legs, eta has 1 at [0, 1] and [1, 0].",
     )

@@ -99,7 +99,7 @@ def test_texts_are_read_back(frame):
 def test_names_are_in_the_text_of_the_frame(frame):
     """The reader of a text sees what names stand for."""
     assert f"\n  Sigma = {SIGMA}\n" in repr(frame)
-    assert "e^1 = sqrt(Delta_r*Sigma)/Delta_r dr" in repr(frame)
+    assert "e^2 = sqrt(Delta_r*Sigma)/Delta_r dr" in repr(frame)
     assert frame.names[sp.Symbol("Xi")] == XI
 
 

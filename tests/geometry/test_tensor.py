@@ -235,7 +235,7 @@ def test_notation(frame: Frame) -> None:
     assert frame.metric._repr_latex_().startswith(r"$\displaystyle g_{ab} = \begin{pmatrix}")
     assert frame.determinant._repr_latex_() == r"$\displaystyle e = r$"
     assert r"\mathrm{d}\phi" in frame._repr_latex_()
-    assert "e^1 = r dphi" in repr(frame)
+    assert "e^2 = r dphi" in repr(frame)
     assert "0" in cartan(frame).curvature._repr_latex_()
 
 

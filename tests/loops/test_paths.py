@@ -104,7 +104,7 @@ def test_motions_of_other_kinds_are_refused():
     plane = AffineMap.of(np.array([[0.0, 1.0], [-1.0, 0.0]]), [0.0, 0.0])
     with pytest.raises(ValueError, match="3 dimensions, but there are 2"):
         _ = plane.axis
-    with pytest.raises(LoopError, match="no rotation"):
+    with pytest.raises(LoopError, match="not a rotation"):
         _ = plane.angle
     with pytest.raises(ValueError, match="square matrix"):
         AffineMap.of(np.zeros((2, 2)), [0.0, 0.0, 0.0])

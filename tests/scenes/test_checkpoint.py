@@ -65,5 +65,5 @@ def test_what_is_refused(tmp_path):
     with pytest.raises(CheckpointError, match="another run"):
         partial_result(scene.with_values({"gravity.g": 1.0}), path)
     path.write_bytes(b"something else")
-    with pytest.raises(CheckpointError, match="no checkpoint"):
+    with pytest.raises(CheckpointError, match="not a checkpoint"):
         partial_result(scene, path)

@@ -81,5 +81,5 @@ def test_wrong_scalar_is_detected() -> None:
 
 def test_a_connection_is_needed() -> None:
     """An answer about a connection that the space does not have is refused with a reason."""
-    with pytest.raises(UnknownNameError, match="so3 has none"):
+    with pytest.raises(UnknownNameError, match="so3 has only the connections of its frame"):
         disagreements(shared("so3"), KnownAnswer("connection_torsion", {}))

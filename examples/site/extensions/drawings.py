@@ -72,6 +72,12 @@ def orbit() -> Any:
     return gt.pictures.draw_solution(gt.solve(kerr, 200.0))
 
 
+def bound() -> Any:
+    """A bound orbit around a rotating black hole, from its shape."""
+    shape = gt.kerr_orbit(0.9, 6, 0.3, 0.5)
+    return gt.pictures.draw_solution(gt.solve(shape.geodesic(), 300.0))
+
+
 def fall() -> Any:
     """A body that falls towards a black hole on a geodesic."""
     hole = gt.spaces.load("schwarzschild").frame
@@ -92,6 +98,7 @@ DRAWINGS: dict[str, Callable[[], Any]] = {
     "20_field_equations_of_a_tetrad": cosmology,
     "21_kerr_de_sitter_with_torsion": orbit,
     "22_which_path_does_a_body_take": fall,
+    "23_orbits_of_kerr": bound,
 }
 
 if __name__ == "__main__":
