@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
-    """first + sign * second; slots and frame must agree, numbers are added to scalars alone."""
+    """first + sign * second; slots and frame must agree, numbers add only to scalars."""
     if not isinstance(second, type(first)):
         if first.slots or not _is_scalar(second):
             raise TensorIndexError(

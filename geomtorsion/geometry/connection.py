@@ -1,4 +1,4 @@
-"""Connection: coefficients of any affine connection and what follows from them."""
+"""Connection: coefficients of any affine connection and the quantities derived from them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Connection:
     name: what it is called.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
-    maker: function that makes it from the frame alone, if there is one: copies are made so.
+    maker: function that makes it from only the frame, or None; copies and pickles use it.
 
     Examples
     --------
@@ -193,7 +193,7 @@ class Connection:
 
     @cached_property
     def spin_connection(self) -> Tensor:
-        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; the first index alone may change its basis."""
+        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; only the first index may change its basis."""
         deviation = self.coframe_deviation
         free = Tensor(self.frame, "ddU", deviation.components, (), "\\omega", "spin connection")
         turned = free._with_slot(1, "D")
@@ -318,7 +318,7 @@ class Connection:
     # -- forms -----------------------------------------------------------------------------------
 
     def torsion_form(self, *index: int) -> Form:
-        """T^k = d e^k + omega_i^k ^ e^i; all of them, or that of one leg.
+        """T^k = d e^k + omega_i^k ^ e^i; for all legs, or for one leg k.
 
         Examples
         --------
@@ -334,7 +334,7 @@ class Connection:
         return torsion_form(self).part(*index) if index else torsion_form(self)
 
     def curvature_form(self, *index: int) -> Form:
-        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k; all of them, or that of two legs i, j.
+        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k, for all legs or for two legs i, j.
 
         Examples
         --------
@@ -351,7 +351,7 @@ class Connection:
         return curvature_form(self).part(*index) if index else curvature_form(self)
 
     def connection_form(self, *index: int) -> Form:
-        """omega_i^j = omega_ai^j dq^a; all of them, or that of two legs i, j.
+        """omega_i^j = omega_ai^j dq^a, for all legs or for two legs i, j.
 
         Examples
         --------
@@ -420,7 +420,7 @@ class Connection:
         return self.torsion.S.is_zero
 
     def __reduce__(self) -> tuple[object, ...]:
-        # The frame gives its own connections anew, which is shorter, and the same to the bit.
+        # The frame can make its own connections again, bit for bit; that pickle is shorter.
         if self.maker is not None:
             return self.maker, (self.frame,)
         return type(self), (self.frame, self.coefficients, self.name, self.kind)

@@ -191,7 +191,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     Raises
     ------
     TensorIndexError
-        K_abc is not antisymmetric in b and c, so that it is no contortion.
+        K_abc is not antisymmetric in b and c, as a contortion must be.
 
     Examples
     --------
@@ -235,7 +235,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
     Raises
     ------
     TensorIndexError
-        S_ab^c is not antisymmetric in a and b, so that it is no torsion.
+        S_ab^c is not antisymmetric in a and b, as a torsion must be.
 
     Examples
     --------

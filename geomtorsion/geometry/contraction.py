@@ -16,7 +16,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     """Contract tensors by index letters, as numpy.einsum does, with the index positions checked.
 
     A letter that occurs twice is summed over; one of the two must be up and the other down,
-    both coordinate or both frame indices. A letter that occurs once stands in the result.
+    both coordinate or both frame indices. A letter that occurs once is an index of the result.
 
     Equation
     --------

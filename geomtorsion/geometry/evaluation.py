@@ -49,7 +49,7 @@ def at_points(
     # See at_point.
     import numpy as np
 
-    # By rows, since an array would lose its mask, and what is masked is not known.
+    # By rows: a plain array would lose the mask, and masked values are unknown.
     columns = [np.array(checks.rows(value), dtype=object) for value in several.values()]
     try:
         columns = np.broadcast_arrays(*columns)
@@ -200,7 +200,7 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
 
 
 def _single(number: Number) -> Number:
-    """A number, also where it stands in an array without axes; what is masked is not known."""
+    """A number, also from an array without axes; a masked one becomes nan."""
     return checks.plain(number) if getattr(number, "shape", None) == () else number
 
 

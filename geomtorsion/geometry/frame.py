@@ -1,4 +1,4 @@
-"""Frame: a field of frames and its coframe, with everything that follows from them alone."""
+"""Frame: a field of frames and its coframe, with everything that follows from them."""
 
 from __future__ import annotations
 
@@ -172,9 +172,9 @@ class Frame:
     ) -> Frame:
         """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
 
-        The metric is kept as given, so that Levi-Civita quantities never see the square roots; they
-        are taken when the coframe itself is asked for.
-        Without a signature the rows have the signs that the metric has in the domain.
+        The metric is kept as given, so that Levi-Civita quantities never see the square roots; the
+        roots are taken when the coframe itself is first read. Without a signature the rows have the
+        signs that the metric has in the domain.
 
         Raises
         ------
@@ -300,7 +300,7 @@ class Frame:
         symbol: str = "f",
         name: str = "scalar",
     ) -> Tensor:
-        """A scalar (rank 0): of an expression, or of a rule that is followed when it is asked for.
+        """A scalar (rank 0), from an expression or from a rule that runs when the scalar is read.
 
         Examples
         --------
@@ -348,7 +348,7 @@ class Frame:
         return tensor_from_array(self, "u", components, "vector", symbol="v")
 
     def coframe_form(self, *index: int) -> Form:
-        """e^i as a one-form: that of one leg, or all of them as a form with values in the frame.
+        """e^i as a one-form, for one leg or, with values in the frame, for all legs.
 
         Examples
         --------
@@ -365,7 +365,7 @@ class Frame:
 
     @property
     def branches(self) -> tuple[Branch, ...]:
-        """The signs with which roots were read, where the domain alone does not settle them."""
+        """Signs chosen for roots whose sign does not follow from the domain."""
         return self.field.branches
 
     @cached_property
@@ -403,7 +403,7 @@ class Frame:
         return known_quantity(name).make(self)
 
     def plan(self, name: str) -> DependencyGraph:
-        """What would be computed for a named quantity, in order, and what is left out."""
+        """Steps that compute a named quantity, in order, and the quantities they omit."""
         # See quantity.
         from geomtorsion.geometry.quantities import DependencyGraph
 
@@ -460,7 +460,7 @@ class Frame:
             {old coordinate: expression of the new ones}, or expressions in the order of the old
             ones; text is read. A coordinate without an expression stays.
         domain
-            Relations of the new coordinates, besides those of the frame, which are translated.
+            Relations of the new coordinates; the frame's own relations are translated and added.
 
         Raises
         ------
@@ -520,7 +520,7 @@ class Frame:
 
     @property
     def names(self) -> dict[sp.Symbol, sp.Expr]:
-        """What the names stand for with which quantities are printed; none without `named`."""
+        """Meaning of each name used to print quantities; empty without `named`."""
         return dict(self.attached.get("names", {}))
 
     def named(self, /, **quantities: sp.Expr | str) -> Frame:

@@ -91,7 +91,7 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
 
 
 def _listed(values: object) -> list[Any]:
-    """The entries of one level of the constants; none for what has none."""
+    """The entries of one level of the constants; an empty list if it is not a list."""
     return list(values) if isinstance(values, list | tuple) else []
 
 

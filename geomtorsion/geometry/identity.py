@@ -24,7 +24,7 @@ class IdentityCheck:
     holds: True, False, or None where it cannot be decided.
     checked: how many components were compared.
     worst: index of the first component that fails, or else is undecided; None if all hold.
-    certainty: how sure it is that what was found to vanish does.
+    certainty: how certain it is that the components found to vanish do vanish.
     """
 
     name: str
@@ -112,7 +112,7 @@ def decomposition(connection: Connection) -> IdentityCheck:
 
 
 def first_bianchi(connection: Connection) -> IdentityCheck:
-    """Cyclic sum of R_abl^k equals that of D_a T_bl^k + T_ab^t T_tl^k."""
+    """Cyclic sum of R_abl^k equals the cyclic sum of D_a T_bl^k + T_ab^t T_tl^k."""
     n = connection.frame.dimension
     riemann = connection.curvature.riemann.components.get
     torsion = connection.torsion.T

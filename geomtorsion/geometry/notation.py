@@ -30,7 +30,7 @@ Where = Mapping[int, int | str]
 # others their number is given.
 SHOWN = 12
 SHOWN_LATEX = 60
-# What is written behind a component of which it is not known whether it vanishes.
+# Mark printed after a component that may or may not vanish.
 OPEN = "(undecided)"
 
 
@@ -96,7 +96,7 @@ def component(
 def named(
     tensor: Tensor, index: tuple[int, ...], value: Element, write: Callable[[Element], sp.Expr]
 ) -> sp.Expr:
-    """A component as an expression; an error tells which component is too long."""
+    """A component as an expression; an error names the component that is too long."""
     try:
         return write(value)
     except AllowanceError:
@@ -107,7 +107,7 @@ def named(
 
 
 def written(tensor: Tensor, *, are_open: bool) -> dict[tuple[int, ...], sp.Expr]:
-    """Components that may vanish or not, or those that do not; with what follows by symmetry."""
+    """Undecided or nonzero components, with those that follow by symmetry."""
     components = tensor.components
     chosen = [i for i in components.independent if (i in components.undecided) == are_open]
     own = {i: named(tensor, i, components.independent[i], plain) for i in chosen}
@@ -148,7 +148,7 @@ def open_count(tensor: Tensor) -> int:
 
 
 def open_mark(tensor: Tensor, index: tuple[int, ...]) -> str:
-    """What is written behind a component that may vanish or not."""
+    """Mark printed after a component that may or may not vanish."""
     _, first = tensor.components.representative(index)
     return f"  {OPEN}" if first in tensor.components.undecided else ""
 
@@ -308,7 +308,7 @@ class ComponentTable:
 
     tensor: whose components.
     names: what its indices are called, one name for each coordinate.
-    chosen: whether these names are others than those of the coordinates.
+    chosen: whether these names differ from the names of the coordinates.
     indices: of the rows, in order.
     hidden: how many more follow from these by symmetry.
 
@@ -418,7 +418,7 @@ def table(tensor: Tensor, names: Names | None, where: Where | None, every: bool)
 
 
 def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
-    """A name for each coordinate: those given, or those of the coordinates."""
+    """A name for each coordinate: the given name, or its own."""
     coordinates = [symbol.name for symbol in tensor.frame.coordinates]
     if names is None:
         return tuple(coordinates)

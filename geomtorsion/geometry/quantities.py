@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Quantity:
     """A node of the derivation graph.
 
-    name, meaning: how it is asked for, and what it is.
+    name, meaning: its name in requests, and its definition.
     needs: names of the quantities it is computed from.
     make: frame -> tensor, nothing computed yet.
     products: n -> at most so many products in one component.
@@ -175,7 +175,7 @@ def known_quantity(name: str) -> Quantity:
     raise UnknownNameError(f"there is no quantity called {shown(name)}. {hint}")
 
 
-# Of a dense coframe these come from the anholonomy, in the frame.
+# For a dense coframe these come from the anholonomy, in the frame.
 _IN_FRAME = {
     "contortion": ("anholonomy", "coframe", "legs"),
     "riemann_frame": ("anholonomy", "legs"),
@@ -229,8 +229,8 @@ class Step:
 class DependencyGraph:
     """What asking for one quantity computes: its ancestors in the derivation graph, no others.
 
-    frame: the frame that is asked.
-    name: the quantity asked for.
+    frame: the frame that computes it.
+    name: the requested quantity.
 
     Examples
     --------
@@ -248,12 +248,12 @@ class DependencyGraph:
     name: str
 
     def __post_init__(self) -> None:
-        """Refuse a name that is no quantity."""
+        """Refuse a name that is not a quantity."""
         known_quantity(self.name)
 
     @cached_property
     def graph(self) -> nx.DiGraph[str]:
-        """Ancestors of the quantity, edges from what is needed to what needs it."""
+        """Ancestors of the quantity, edges from each quantity to those that need it."""
         # networkx is slow to load, and few who import geomtorsion need it.
         import networkx as nx
 

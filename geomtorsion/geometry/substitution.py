@@ -25,7 +25,7 @@ _SIDES: Mapping[object, tuple[int, ...]] = {None: (1, -1), "+": (1,), "-": (-1,)
 
 @dataclass(frozen=True)
 class Substitution:
-    """What is put in the place of what.
+    """Replacements of symbols and functions by expressions.
 
     symbols: parameter -> value.
     functions: unknown function -> what it is of its arguments.
@@ -43,12 +43,12 @@ class Substitution:
                 lambda one: isinstance(one, AppliedUndef) and one.func in self.functions,
                 lambda one: self.functions[one.func](*one.args),
             )
-            # What was the derivative of an unknown function can be taken now.
+            # Derivatives of functions that were unknown before can be taken now.
             found = found.replace(_is_derivative, lambda one: one.doit())
         return with_roots(found)
 
     def value(self, expression: sp.Expr, where: str) -> sp.Expr:
-        """The same of an entry or component.
+        """An entry or component after the replacements.
 
         Raises
         ------
@@ -107,7 +107,7 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
 def _function_named(
     given: object, names: Mapping[str, sp.Symbol], exact: Field
 ) -> AppliedUndef | None:
-    """The unknown function, with its arguments, that is meant by its name alone."""
+    """The unknown function, with its arguments, that its bare name refers to."""
     name = given.strip() if isinstance(given, str) else getattr(given, "__name__", None)
     if not isinstance(given, str | UndefinedFunction) or name in names:
         return None
@@ -210,7 +210,7 @@ def approaches(
 ) -> tuple[Approach, ...]:
     """The ways on which a symbol can go to a point (see Tensor.limit).
 
-    Without a side both, but for those that lie outside of the domain or of what was declared.
+    Without a side both, except those outside of the domain or of the declared signs.
     """
     names = {one.name: one for one in exact.symbols}
     key = _read(symbol, names, "symbol")
@@ -260,7 +260,7 @@ def _target(point: object, names: Mapping[str, sp.Symbol]) -> sp.Expr:
 
 
 def _is_inside(way: Approach, domain: Sequence[sp.Basic]) -> bool:
-    """Whether a place next to the point may lie in the domain and have the declared sign."""
+    """Whether a position next to the point may be in the domain and have the declared sign."""
     place = way.place(NEAR[0])
     inside = all(x.xreplace({way.symbol: place}) != sp.false for x in domain)
     return inside and not checks.against(way.symbol, place)

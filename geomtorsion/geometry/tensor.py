@@ -37,7 +37,7 @@ Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
-    """Tensor field over a frame: exact components, each computed when first asked for.
+    """Tensor field over a frame: exact components, each computed when first read.
 
     frame: the frame whose coordinates and legs the indices refer to.
     slots: one letter per index: d, u coordinate index down, up; D, U frame index down, up.
@@ -127,7 +127,7 @@ class Tensor:
         return notation.written(self, are_open=False)
 
     def undecided(self) -> dict[Index, sp.Expr]:
-        """All components that may vanish or not, as no known relation tells: index -> expression.
+        """All components for which no known relation decides whether they vanish, by index.
 
         Examples
         --------
@@ -184,8 +184,8 @@ class Tensor:
         Raises
         ------
         CoordinateError
-            A name that means nothing here, a value that is no finite number or contradicts what
-            was declared of a parameter, or digits that are no whole number from 1 to 1000.
+            A name is unknown here, a value is not a finite number or contradicts what was declared
+            of a parameter, or digits is not a whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         ShapeError
@@ -359,14 +359,14 @@ class Tensor:
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
-        """What sympy asks for where a tensor of rank 0 stands in the place of an expression."""
+        """Hook by which sympy reads a tensor of rank 0 as an expression."""
         if self.slots:
             raise AttributeError("a tensor with indices is no expression")
         return lambda: self[()]
 
     @property
     def _op_priority(self) -> float:
-        """What sympy asks for where a tensor stands behind an expression: Lambda * g is one."""
+        """Priority that makes sympy leave a product such as Lambda * g to the tensor."""
         if not self.slots:
             raise AttributeError("a tensor of rank 0 is an expression")
         return sp.Expr._op_priority + 1
@@ -406,7 +406,7 @@ class Tensor:
         UndecidedError
             A limit cannot be had.
         CoordinateError, UnknownNameError
-            The symbol means nothing here, or the point lies outside of the domain.
+            The symbol is unknown here, or the point is outside of the domain.
 
         Examples
         --------
@@ -422,15 +422,15 @@ class Tensor:
     def series(self, symbol: sp.Symbol | str, point: Value, order: int) -> Tensor:
         """Every component as a sum of powers of (symbol - point), the order included.
 
-        At infinity the powers are those of 1/symbol. Powers may begin below zero, and be broken
-        where roots vanish. The last power is the one asked for: sympy's `series` ends before it.
+        At infinity the powers are those of 1/symbol. Powers may begin below zero, and be fractional
+        where roots vanish. The requested order is included, while sympy's `series` ends before it.
 
         Raises
         ------
         SingularPointError
             A component has no such series there.
         ArgumentError
-            The order is no whole number from 0 on.
+            The order is not a whole number from 0 up.
 
         Examples
         --------
@@ -472,7 +472,7 @@ class Tensor:
         frame: Frame | None = None,
         written: bool = False,
     ) -> Tensor:
-        """Every component changed, as it is asked for; change: of an expression with its name."""
+        """Every component changed when it is read; change: maps an expression and its name."""
         over = frame or self.frame
 
         def changed(index: Index, value: Element) -> Element:

@@ -94,7 +94,7 @@ class Torsion:
 
     @cached_property
     def tensor(self) -> Tensor:
-        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: what has no trace.
+        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: the traceless part.
 
         Its contractions and its totally antisymmetric part vanish.
         """

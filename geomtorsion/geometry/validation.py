@@ -254,7 +254,7 @@ def read_matrix(field: Field, entries: Matrix, name: str) -> dict[tuple[int, int
 
 
 def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int, name: str) -> None:
-    """Refuse a matrix whose determinant vanishes; the message says which rows depend, and how."""
+    """Refuse a matrix whose determinant vanishes; the message names the dependent rows."""
     det = determinant(field, entries, n)
     if det.is_zero is None:
         raise UndecidedError(
@@ -395,7 +395,7 @@ def candidate_points(
 def broken_relations(
     relations: Iterable[sp.Basic], values: Mapping[sp.Symbol, float]
 ) -> list[sp.Basic]:
-    """Relations that a point does not satisfy, those apart on whose very edge it lies.
+    """Relations that a point does not satisfy, except those on whose very edge it is.
 
     Examples
     --------
