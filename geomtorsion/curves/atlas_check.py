@@ -1,8 +1,8 @@
 """Atlas check: whether maps between charts keep the metric, the frame, and lead there and back.
 
-Everything is worked out from exact elements at generic points, to 400 bits: what agrees there in
-half of them is equal, and what differs is shown with its component. Shipped atlases are checked by
-the tests, those of users where they are given as `atlas=`.
+Everything is worked out from exact elements at generic points, to 400 bits: two sides that agree at
+half of them are equal, and a difference is shown with its component. The tests check shipped
+atlases; `atlas=` checks a user's atlas.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
     Raises
     ------
     CoordinateError
-        the home chart is not that of the frame; a map does not pull the metric (or the frame, where
-        its charts claim to keep it) back, does not lead back, or has no value at any point tried.
+        the home chart is not the chart of the frame; a map does not pull the metric (or the frame,
+        where its charts claim to keep it) back, does not lead back, or has no value at any point
+        tried.
     ShapeError
         a map has not one expression for each coordinate of its target.
 

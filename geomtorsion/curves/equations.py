@@ -256,7 +256,7 @@ def inverted(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """A law in a chart: coordinates first, then velocities (unless constant), then what is carried.
+    """A law in a chart: coordinates first, then velocities (unless constant), then carried states.
 
     chart: the chart, or None if only velocities are followed.
     states, parameters: names, as in a `System`.
@@ -300,7 +300,7 @@ class Equations:
         edges = [edge.element for edge in self.chart.edges]
         margin = Fraction(self.chart.margin)
         inner = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
-        # At the very end only the sign matters: quotients and even powers are left out. But
+        # At the very end only the sign matters: quotients and even powers are omitted. But
         # engines want to watch something that moves.
         shorter = [of_same_sign(edge) for edge in edges]
         ends = [one if one.symbols else edge for one, edge in zip(shorter, edges, strict=True)]
@@ -366,7 +366,7 @@ def velocity_names(frame: Frame) -> tuple[str, ...]:
 
 
 def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
-    """A law in a chart of the space of a frame; chart None: velocities alone."""
+    """A law in a chart of the space of a frame; chart None: only velocities."""
     names = velocity_names(frame)
     base = chart.frame if chart is not None and chart.frame is not None else frame
     home = base is frame
@@ -413,7 +413,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
 def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
     """Coordinates that are measured together: all of them, but time, which grows without bound.
 
-    Time stands in the place of the one leg whose square has the other sign.
+    Time corresponds to the one leg whose square has the other sign.
     """
     places = tuple(range(len(chart.coordinates)))
     if chart.frame is None:
@@ -440,7 +440,7 @@ def _is_constant(products: Products, frame: Frame) -> bool:
 
 
 def _need_constant(rates: Sequence[Products], frame: Frame, chart: Chart | None) -> None:
-    """Refuse to leave out the coordinates where the velocities depend on them."""
+    """Refuse to omit the coordinates where the velocities depend on them."""
     if all(_is_constant(products, frame) for products in rates):
         return
     what = "start=None (velocities alone)" if chart is None else f"chart {chart.name!r}"

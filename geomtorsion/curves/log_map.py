@@ -66,7 +66,7 @@ def log_map(
     points nearest to the end. `guarantee` states among how many motions the answer is the
     shortest. It is the shortest of all where the frame is constant. In general nobody can prove so
     much from finitely many motions, but a geodesic with a conjugate point before its end, which is
-    never the shortest, is refused. Where two motions have the least length, the end lies on the cut
+    never the shortest, is refused. Where two motions have the least length, the end is on the cut
     locus, and an error reports both.
 
     Lengths and misses are measured with eta in the frame, so units of coordinates do not matter.
@@ -173,7 +173,7 @@ class _Choice:
         exhaustive = complete and self.is_geodesic and followed[0].hit is not None
         directions = [] if exhaustive else self.search.directions(found)
         found += self.search.fan(directions, reach_of(followed, lines), found)
-        # Of equal motions the first is kept, which took the fewest differences of coordinates.
+        # Among equal motions the first is kept, which took the fewest differences of coordinates.
         found = sorted(self.search.apart(found), key=lambda hit: hit.length)
         if not found:
             raise EndpointError(

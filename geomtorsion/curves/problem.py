@@ -71,11 +71,11 @@ class CurveProblem:
     name: what the curve is called.
     frame: its coordinates and frame vectors are those in which start and answer are given.
     law: how the frame velocities change.
-    start: coordinates q^mu at t = 0; None where only velocities are asked for.
+    start: coordinates q^mu at t = 0; None where only velocities are requested.
     frame_velocity: u^i = e^i_mu q'^mu at t = 0.
     parameters: name -> number.
     atlas: charts of the space.
-    carried: what is carried along: transported vectors or a deviation.
+    carried: quantities carried along: transported vectors or a deviation.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
     stops: conditions that end the curve where they fall through zero.
 
@@ -112,7 +112,7 @@ class CurveProblem:
     # What files call it.
     kind = "curve"
 
-    # -- what is to be solved --------------------------------------------------------------------
+    # -- equations ---------------------------------------------------------------------------------
 
     def equations(self, chart: str | None = None) -> Equations:
         """The equations in a chart (the home chart if none is named), worked out once."""
@@ -188,7 +188,7 @@ class CurveProblem:
         velocity: Numbers | None = None,
         frame_velocity: Numbers | None = None,
     ) -> CurveProblem:
-        """The same law from another start; nothing is compiled anew.
+        """The same law from another start; nothing is compiled again.
 
         Examples
         --------
@@ -272,7 +272,7 @@ class CurveProblem:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse a start beyond an edge that the frame itself tells, and find the first chart."""
+        """Refuse a start beyond an edge of the frame, and find the first chart."""
         if self.start is None:
             self._check_stops({})
             return
@@ -337,7 +337,7 @@ class CurveProblem:
     def _stage(
         self, label: str, point: MovingPoint, begin: float, precision: int, perturbation: float
     ) -> Stage:
-        """The motion in one chart from a time on, and what comes where the chart ends."""
+        """The motion in one chart from a time on, and the stage after it where the chart ends."""
         equations = self.equations(label)
         moving = point.velocities if equations.moves else []
         states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
@@ -378,7 +378,7 @@ class CurveProblem:
     def _follower(
         self, label: str, velocities: Sequence[Real], precision: int, perturbation: float
     ) -> Callable[[float, State], Stage | None]:
-        """What comes after a chart: the motion in the next one."""
+        """The stage after a chart: the motion in the next one."""
 
         def follow(time: float, state: State) -> Stage | None:
             point = self._taken_apart(label, state, velocities)
@@ -410,7 +410,7 @@ class CurveProblem:
         return ending
 
     def _taken_apart(self, label: str, state: State, velocities: Sequence[Real]) -> MovingPoint:
-        """Coordinates, velocities and what is carried, out of a vector of states."""
+        """Coordinates, velocities and carried quantities, from a vector of states."""
         equations, values = self.equations(label), list(state)
         width, n = equations.width, len(velocities)
         if equations.moves:
@@ -442,8 +442,8 @@ class CurveProblem:
     def _edge_approached(self, trajectory: Trajectory) -> Edge | None:
         """The edge to which a motion only tends: rounding errors have carried it across.
 
-        What is left of such an edge shrinks by a part in each time, so that a rounding error of it
-        lasts as long as the motion did. A motion that reaches an edge uses it up at once.
+        The distance to such an edge shrinks by a fixed fraction per time, so that a rounding error
+        in it lasts as long as the motion did. A motion that reaches an edge crosses it at once.
         """
         segment = trajectory.segments[-1]
         chart = self.atlas.chart(segment.label) if segment.label else None
@@ -499,7 +499,7 @@ class CurveProblem:
             )
         elif len(self.atlas.makers) > 1:
             advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
-        # A coordinate may be called t, too.
+        # A coordinate may also be called t.
         which = " (the curve parameter), in coordinates" if "t" in names else ","
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
@@ -517,7 +517,7 @@ class CurveProblem:
         bits: int,
         names: Collection[str] | None = None,
     ) -> Moment:
-        """Coordinates, velocities and what is carried, in the home chart; or some of these."""
+        """Coordinates, velocities and carried quantities, in the home chart; or some of these."""
         if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)
@@ -528,7 +528,7 @@ class CurveProblem:
         return readout.in_chart(self, trajectory, name)
 
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
-        """Relative change of each invariant at each sample, counted anew in each chart."""
+        """Relative change of each invariant at each sample, counted separately in each chart."""
         return readout.invariant_changes(self, trajectory)
 
     def term(self, term: object) -> Term:
@@ -693,7 +693,7 @@ def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
     try:
         values = atlas.chart(atlas.home).frame_vectors.values(point)
     except (KeyError, GeomtorsionError):
-        # What is missing, exact work says by name.
+        # Exact work names the missing value.
         return False
     branches = branch_check([frame.field], list(point))
     kept = branches is None or not branches.broken(*point.values()).any()
@@ -726,7 +726,7 @@ def frame_velocities(
 
 
 def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> None:
-    """Refuse a velocity that has not the causal character asked for."""
+    """Refuse a velocity without the requested causal character."""
     if causal is None:
         return
     if causal not in CAUSAL:
@@ -737,7 +737,7 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
         raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
     u = np.array([float(x) for x in velocity])
     norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
-    # Null as far as rounding can tell: the norm is nothing against its terms.
+    # Null up to rounding: the norm is negligible against its terms.
     is_null = abs(norm) <= CALCULATED * size
     # Time is the one direction whose square has the other sign; in two dimensions the negative one.
     time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1

@@ -208,7 +208,7 @@ def _placed(problem: CurveProblem, segment: Segment, states: np.ndarray, name: s
 
 
 def invariant_changes(problem: CurveProblem, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """Relative change of each invariant at each sample, counted anew in each chart."""
+    """Relative change of each invariant at each sample, counted separately in each chart."""
     pieces: dict[str, list[np.ndarray]] = {}
     done = 0
     for segment in trajectory.segments:

@@ -104,8 +104,8 @@ def weights_of(frame: Frame) -> np.ndarray:
 class Shooter:
     """Motions from one point, as a function of the weighted initial velocity v = W u.
 
-    The length of v is that of the motion where eta is definite. Lengths of differences are measured
-    in the frame at the target, so that units of coordinates do not matter.
+    The length of v is the length of the motion where eta is definite. Lengths of differences are
+    measured in the frame at the target, so that units of coordinates do not matter.
 
     problem: the law and the start; engine, tolerance: how motions are followed.
     """
@@ -364,7 +364,7 @@ class Shooter:
         """Smallest singular value of d q(t) / (t d v) at parts of the motion, in the frame.
 
         It is 1 at the start, and 0 where neighbouring motions meet: at a conjugate point. Empty
-        where rounding errors of coordinates hide what is between two parts. Also whether motions
+        where rounding errors of coordinates hide the separation of two parts. Also whether motions
         meet between the last two parts: there a direction of the slopes is reversed.
         """
         h = self.difference(vector, aim)

@@ -103,7 +103,7 @@ Carried: TypeAlias = TransportedVectors | Deviation
 
 
 def carrying(plain: Equations, carried: Carried) -> Equations:
-    """The equations with what is carried along added as states."""
+    """The equations with the carried quantities added as states."""
     names = carried.names()
     groups = (*plain.groups, *_groups(carried, len(plain.states)))
     states, rates = (*plain.states, *names), carried.rates(plain)
