@@ -48,8 +48,8 @@ def numpy_function(
     MissingValueError
         an element contains a symbol that is not among the arguments.
     ArgumentError
-        (from the function, too) a symbol comes twice; an argument is no number and no array of real
-        ones, or, if values are to be right, not finite.
+        (also from the function) a symbol comes twice; an argument is neither a real number nor an
+        array of them, or, if values are to be right, not finite.
     BranchError
         (from the function) a root has not the sign with which it was read, see `Frame.branches`.
     SingularPointError
@@ -112,7 +112,7 @@ def numpy_function(
                 raise SingularPointError(_where_singular(lost, given, elements, symbols))
         return result
 
-    # Functions have room for attributes of their own, which types do not say.
+    # Functions accept attributes of their own, which their type does not declare.
     function.source = made.python_source()  # type: ignore[attr-defined]
     return function
 
@@ -146,11 +146,11 @@ def _where_singular(
     )
 
 
-# Points that are worked out at once: what stands between stays in the cache of the processor, and
-# no bit of a result depends on it.
+# Points computed at once: intermediate values stay in the cache of the processor. No bit of a
+# result depends on it.
 BLOCK = 8192
 
-# What makes a value anew where balls do not: (output, point) -> value, or None.
+# Fallback that computes a value where balls fail: (output, point) -> value, or None.
 LastResort = Callable[[int, tuple[float | complex, ...]], float | complex | None]
 
 
@@ -159,7 +159,7 @@ class Settled:
     """The values of a graph on arrays, each right to 1e-12 of itself.
 
     Beside each value runs a bound of what rounding does to it. Where that is too large, or the
-    value is not finite, it is made anew by ball arithmetic.
+    value is not finite, ball arithmetic computes it again.
     """
 
     graph: Graph
@@ -206,7 +206,7 @@ class Settled:
         arguments: tuple[ArrayLike, ...],
         last_resort: LastResort,
     ) -> tuple[int, ...] | None:
-        """Make doubtful values anew, in place; the index of the first for which that fails."""
+        """Recompute doubtful values in place; return the index of the first that fails."""
         dtype = values.dtype
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=dtype) for x in arguments))
         for place in np.argwhere(doubtful.any(axis=0)):
@@ -256,7 +256,7 @@ class Bounds:
 def rounding_bounds(
     steps: Sequence[Step], outputs: Sequence[Signed], *, is_complex: bool = False
 ) -> Bounds:
-    """A running error analysis: each step's bound from those of its operands, to first order.
+    """A running error analysis: each step's bound from its operands' bounds, to first order.
 
     Arguments count as exact. A product of exact numbers is right to one rounding wherever it is
     evaluated, and so is a sum of terms of one sign; only where terms may cancel does the bound
@@ -288,7 +288,7 @@ class _Error:
 
 
 class _Analysis:
-    """Steps with bounds; places of the first steps are those of the old ones."""
+    """Steps with bounds; the old steps come first and keep their positions."""
 
     def __init__(self, steps: Sequence[Step]) -> None:
         self.forward = Forward(steps, ())

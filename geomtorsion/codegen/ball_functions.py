@@ -14,7 +14,7 @@ from flint import acb, arb, arb_series, ctx
 
 from geomtorsion.exact.special_values import VALUES
 
-# An arb, acb or arb_series; python-flint does not tell its types.
+# An arb, acb or arb_series; python-flint does not declare its types.
 Ball: TypeAlias = Any
 
 # -- complex functions -----------------------------------------------------------------------------
@@ -85,7 +85,7 @@ def _complex_power(base: acb, exponent: acb, analytic: bool) -> acb:
 
 
 def _complex_size(x: acb, analytic: bool) -> acb:
-    """|x| of real numbers goes on as x or -x; of complex ones it is analytic nowhere."""
+    """|x| of real numbers continues as x or -x; for complex numbers it is nowhere analytic."""
     return x.real_abs(analytic=True) if analytic else acb(abs(x))
 
 
@@ -192,7 +192,7 @@ def _series_cosh(x: arb_series) -> arb_series:
 
 
 def _step_value(x: arb_series, value: arb) -> Ball:
-    """A function that is constant between its jumps, off which the series lies."""
+    """A function that is constant between its jumps, for a series away from them."""
     return value if value.is_exact() and value.is_finite() else undefined()
 
 

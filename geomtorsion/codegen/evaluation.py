@@ -93,7 +93,7 @@ def exact_number(value: Any, bits: int) -> Exact:
     (Fraction(1, 2), '3.141592653589793238462643')
     """
     with working_precision(bits):
-        # numpy's long floats give their digits as text alone; so do heyoka's.
+        # Long floats of numpy and heyoka give their digits only as text.
         if type(value).__name__ in ("longdouble", "real128", "real"):
             return mpmath.mpf(str(value))
         known = rational(value)

@@ -63,8 +63,8 @@ def graph(
     outputs
         k of them; elements of several fields, sympy expressions and sums of products may mix.
     constants
-        those arguments that do not change while the others do: work with them alone is done
-        once, and products with them cost little.
+        those arguments that do not change while the others do: work with only them is done once,
+        and products with them cost little.
     factor
         whether what terms share is pulled out of them. Sums that are too long for that stay as
         they are.
@@ -102,7 +102,7 @@ class Graph:
     """Values computed one after another, each once; two graphs are equal where their code is.
 
     arguments: names, in order.
-    steps: values in order; those that no output needs are left out.
+    steps: values in order; values that no output needs are omitted.
     outputs: sign and place of each.
     is_complex: whether values may be complex where arguments are real.
     """
@@ -248,7 +248,7 @@ class Graph:
         return Graph(self.arguments, *term_sizes(self.steps, self.outputs))
 
     def above_rounding(self) -> Graph:
-        """The outputs less what rounding in doubles may add; of roots what is under them.
+        """The outputs (for roots, the radicands) minus what rounding in doubles may add.
 
         Examples
         --------
@@ -264,7 +264,7 @@ class Graph:
     ) -> Graph:
         """The same with factors in front of arguments and outputs: further arguments, constant.
 
-        arguments: name of an argument -> that of its factor; outputs: names of factors, one for
+        arguments: name of an argument -> name of its factor; outputs: names of factors, one for
         each output, or none; more: names of all factors in order.
 
         Examples
@@ -295,7 +295,7 @@ class Graph:
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
         """The same over constants that are worked out once, and the graph that makes these.
 
-        first: position of the first constant argument; all after it are constant, too, and are
+        first: position of the first constant argument; all after it are also constant, and are
         the arguments of the second graph; name: of the new arguments, which are numbered.
 
         Examples
@@ -314,7 +314,7 @@ class Graph:
         )
 
     def derivative(self, names: Sequence[str]) -> Graph:
-        """All derivatives with respect to arguments, those of the first output first.
+        """All derivatives with respect to arguments, ordered by output.
 
         Examples
         --------
@@ -329,7 +329,7 @@ class Graph:
 
 
 # Two readings of one root that differ by more than this part of their size are of two branches.
-# Between branches lies a sign, or a part of a turn; rounding is smaller than both.
+# Branches differ by a sign, or a part of a turn; rounding is smaller than both.
 APART = 1e-3
 
 
@@ -371,7 +371,7 @@ class BranchCheck:
 
     @cached_property
     def _graph(self) -> Graph:
-        """For each branch the root as it stands and as it was read, or what has to be positive."""
+        """For each branch the root as written and as read, or a quantity that must be positive."""
         outputs: list[Element | sp.Expr] = []
         for is_complex, branch in self.branches:
             if branch.holds is not None and not is_complex:

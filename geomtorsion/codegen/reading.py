@@ -28,7 +28,7 @@ from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.lengths import short_of
 from geomtorsion.exact.polynomials import as_fmpq
 
-# What is left of a monomial without hyperbolic functions of some argument; powers of exp of it.
+# A monomial without hyperbolic functions of some argument; powers of exp of that argument.
 Merged = tuple[Monomial, tuple[tuple[Generator, int], ...]]
 
 
@@ -92,7 +92,7 @@ def _powers(even: int, odd: int) -> dict[int, fmpq]:
 def never_negative(tree: sympy.Expr) -> bool:
     """Whether an expression is zero or more wherever it has a value: sums of even powers.
 
-    sympy itself says nothing of y**2/x**2, which has no value at x = 0.
+    sympy itself does not decide y**2/x**2, which has no value at x = 0.
 
     Examples
     --------
@@ -152,7 +152,7 @@ class Reader:
         self.is_complex = False
         self.arguments: dict[str, Term] = {}
         self._known: dict[object, Term] = {}
-        # Literal of a root -> degree and what stands below it.
+        # Literal of a root -> degree and radicand.
         self._roots: dict[int, tuple[int, Term]] = {}
         # Literals of exp(-x) where x is never negative: exp(x) overflows above and below a line.
         self._falling: dict[int, None] = {}
@@ -225,7 +225,7 @@ class Reader:
         return (ONE if number is ONE else number**exponent, spelt, other)
 
     def _times(self, terms: Iterable[Term]) -> Term:
-        """A product of terms; a root as often as its degree is what stands below it."""
+        """A product of terms; a root as often as its degree gives its radicand."""
         number, constants, rest = ONE, list[int](), list[int]()
         for value, some, others in terms:
             # Most numbers are one, and products of fractions are slow.
@@ -254,7 +254,7 @@ class Reader:
     # Elements.
 
     def _product(self, element: Element, names: tuple[str, ...]) -> Term:
-        """An element times arguments, those that it divides by left out."""
+        """An element times arguments, without those that it divides by."""
         number, constants, rest = self._element(element)
         left, below = list[Term](), list(rest)
         for term in (self.arguments[name] for name in names):
@@ -311,7 +311,7 @@ class Reader:
         return self._known[base]
 
     def _made_of(self, base: Generator | Sum) -> list[Generator | Sum]:
-        """What is read before a generator or a sum."""
+        """Generators and sums that are read before a generator or a sum."""
         if isinstance(base, Sum):
             return list(dict.fromkeys(g for _, monomial in base.terms for g, _ in monomial))
         if str(base.shown) in self.arguments:
@@ -527,7 +527,7 @@ class Emitter:
         return sign, above if below is None else self.builder.quotient(above, below)
 
     def _split(self, literals: tuple[int, ...]) -> tuple[int, int | None, int | None]:
-        """Sign, and places of what stands above and below the line, None for nothing."""
+        """Sign, and positions of numerator and denominator, None if absent."""
         sign, above, below = 1, list[int](), list[int]()
         for literal in literals:
             turn, place = self._done[abs(literal)]
@@ -550,5 +550,5 @@ class Emitter:
 
 
 def _in_front(terms: Iterable[Term]) -> int:
-    """How many numbers and constants stand in front of terms."""
+    """How many numbers and constants are in front of terms."""
     return sum(len(some) + (abs(number) != 1) for number, some, _ in terms)

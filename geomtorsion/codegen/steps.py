@@ -34,7 +34,7 @@ class Step:
     signs: of each operand of a sum; nothing elsewhere.
     detail: the position of an argument, the number, the degree of a root, the name of a function
         (sympy's, or power).
-    constant: whether the step changes with constant arguments alone.
+    constant: whether the step changes only with constant arguments.
     """
 
     kind: str
@@ -60,7 +60,7 @@ class Builder:
         signs: tuple[int, ...] = (),
         constant: bool | None = None,
     ) -> int:
-        """The place of a step; constant: None where its operands tell."""
+        """The position of a step; constant: None where its operands decide."""
         key = (kind, operands, signs, detail)
         found = self._known.get(key)
         if found is None:
@@ -117,7 +117,7 @@ class Builder:
         return self.product(square, place) if exponent % 2 else square
 
     def needed(self, outputs: Sequence[Signed]) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-        """The steps that outputs need; inverses where many quotients share what is below."""
+        """The steps that outputs need; inverses where many quotients share a denominator."""
         count: dict[int, int] = {}
         for step in self.steps:
             if step.kind == "quotient" and not step.constant:
@@ -170,9 +170,9 @@ Slopes = dict[int, Signed]
 def jacobian(
     steps: Sequence[Step], outputs: Sequence[Signed], positions: Sequence[int]
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-    """Steps and outputs for d output / d argument, those of the first output first.
+    """Steps and outputs for d output / d argument, ordered by output.
 
-    Derivatives are carried forward from step to step; what is zero is never written.
+    Derivatives are carried forward from step to step; derivatives that are zero are never written.
     """
     work = Forward(steps, positions)
     for place, step in enumerate(steps):
@@ -188,7 +188,7 @@ def jacobian(
 
 
 class Forward:
-    """Steps with their derivatives; places of the first steps are those of the old ones."""
+    """Steps with their derivatives; the old steps come first and keep their positions."""
 
     def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
         self.builder: Builder = Builder()
@@ -455,7 +455,7 @@ def above_rounding(
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
     """Steps and outputs that are positive only where rounding in doubles leaves no doubt of it.
 
-    Of roots what is under them stands here: it has the same sign as long as there is a root.
+    A root is replaced by its radicand, which has the same sign as long as there is a root.
     """
     builder, sizes = _with_sizes(steps)
     share = builder.number(Fraction(ROUNDINGS, 2**52))
