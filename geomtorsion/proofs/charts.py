@@ -61,7 +61,7 @@ class CurveCourse:
     """A curve in a space, followed through the charts in which its solution was.
 
     backwards: whether it runs to negative times.
-    start, parameters: numbers or balls that stand in the place of those of the problem.
+    start, parameters: numbers or balls that replace the values of the problem.
     """
 
     problem: CurveProblem
@@ -77,7 +77,7 @@ class CurveCourse:
         return [*before, last]
 
     def names(self, label: str) -> tuple[str, ...]:
-        """Coordinates of the chart, velocities if they change, what is carried."""
+        """Coordinates of the chart, velocities if they change, carried quantities."""
         return self.problem.equations(label).states
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
@@ -138,7 +138,7 @@ class CurveCourse:
         return Leg(system, stretch.begin, stretch.end, stretch.samples, fall, inside, words)
 
     def _start(self) -> LohnerSet:
-        """Coordinates in the home chart, velocities and what is carried, in units of the speed."""
+        """Home coordinates, velocities and carried quantities, in units of the speed."""
         problem = self.problem
         unit = arb(problem.time_unit)
         coordinates = [exact_ball(x) for x in self.start or problem.start or ()]
@@ -172,7 +172,7 @@ class CurveCourse:
     # -- from chart to chart ---------------------------------------------------------------------
 
     def _moved(self, point: LohnerSet, source: str, target: str) -> LohnerSet:
-        """Coordinates, velocities and what is carried, in another chart."""
+        """Coordinates, velocities and carried quantities, in another chart."""
         atlas = self.problem.atlas
         turning = not atlas.same_frame(source, target)
         carried = self.problem.equations(source).carried
@@ -317,7 +317,7 @@ def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:
 
 
 def conditions_of(equations: Equations) -> tuple[Graph | None, tuple[str, ...]]:
-    """What has to stay positive for the equations of a chart to hold, and its words."""
+    """Quantities that stay positive while the equations of a chart hold, and their words."""
     chart = equations.chart
     if chart is None:
         return None, ()

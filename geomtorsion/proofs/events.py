@@ -63,7 +63,7 @@ class Fall:
         Raises
         ------
         ProofError
-            it comes so near to zero that neither can be told.
+            it comes so near to zero that neither can be decided.
         """
         if self.value(step.tube) > 0:
             return None

@@ -129,7 +129,7 @@ def follow(
         if not may_widen:
             _check_width(step, whole, time)
     if waiting:
-        # Or boxes would be taken for those of other samples.
+        # Otherwise boxes would be assigned to the wrong samples.
         raise RefusalError("a sample lies outside of the stretch that it belongs to", time)
     return Followed(found, whole, None, steps)
 

@@ -37,12 +37,12 @@ ALWAYS = (
 class Proof:
     """Balls that contain the true value of a result.
 
-    result: what was proved.
+    result: the result that was proved.
     balls: of a Burgers vector its components; of a development the components of burgers, then the
         rows of the rotation; of a solution one tuple of states for each of its times.
     names: of the balls, or of the states at each time.
-    charts: of a solution the coordinates in which its states are, for each time.
-    digits: how many were asked for.
+    charts: for a solution the chart of its states at each time.
+    digits: how many were requested.
     error: proved bound of |result - truth|, in the measure of the result's own error.
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
@@ -101,7 +101,7 @@ class Proof:
         return [f"{name} = {text}" for name, text in zip(names, shown, strict=True)]
 
     def to_json(self) -> dict[str, Any]:
-        """What was proved as a JSON-ready mapping: values with their certain digits, as text."""
+        """The proof as a JSON-ready mapping: values with their certain digits, as text."""
         return {
             "values": self.lines(),
             "holds": self.holds,
@@ -180,7 +180,7 @@ def prove(
     """Prove a result: balls that contain the true value, and whether its error holds.
 
     The numbers are made again by ball arithmetic (FLINT) from the exact expressions, by routes that
-    share nothing with those of the result. It takes 2 to 3,000 times as long.
+    share nothing with the computation of the result. It takes 2 to 3,000 times as long.
 
     Parameters
     ----------
@@ -190,16 +190,16 @@ def prove(
         How many digits of the largest component, or of each group of states, from 1 to 1000. More
         are used where the reported error could not be judged else.
     start
-        Of a solution: numbers or balls (flint.arb) in the place of its start; a mapping may name
+        For a solution: numbers or balls (flint.arb) instead of its start; a mapping may name
         some of the states or coordinates. The proof is about all motions that start in the balls.
     parameters
-        Numbers or balls in the place of parameters, name -> value.
+        Numbers or balls instead of parameters, name -> value.
 
     Raises
     ------
     ProofError
-        Nothing is proved: a pole or an edge lies on the way, or the motion ends, touches a stop, or
-        loses all digits. The message names the time or the place.
+        Nothing is proved: a pole or an edge is on the path, or the motion ends, touches a stop, or
+        loses all digits. The message names the time or the point.
     ArgumentError
         The result is of another kind, or digits is out of range.
 
@@ -216,7 +216,7 @@ def prove(
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
     given = _checked_start(start)
-    # The precision of FLINT is that of the process: no other thread may set it meanwhile.
+    # The precision of FLINT belongs to the process: no other thread may set it meanwhile.
     with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
             proof = _solution(result, digits, given, changed)

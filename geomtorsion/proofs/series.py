@@ -136,7 +136,7 @@ class BallSystem:
 
 
 def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> tuple[Rows, Slopes]:
-    """Coefficients up to an order of the solution through a start, and some of those of J along it.
+    """Series coefficients, up to an order, of the solution through a start, and some of J along it.
 
     In blocks: f at the polynomial that is known gives a block of further coefficients but for J
     times the block itself, which is a short triangular recurrence: f is evaluated order / block

@@ -30,7 +30,7 @@ SMALLER = 30
 SHRINK, MOST_TRIES = 0.87, 100
 # The derivative V is known to about so many bits, by a series of no higher order than this.
 VARIATION_BITS, HIGHEST_VARIATION = 16, 24
-# A tube is widened to what comes out of it so many times at most.
+# A tube is widened to its own image so many times at most.
 MOST_TUBES = 3
 # Terms of the series are no larger than the states times 2 to this power: larger ones would cancel.
 TERMS = 3
@@ -50,7 +50,7 @@ class Method:
 
     @classmethod
     def of(cls, bits: int) -> Method:
-        """That of a precision: each order adds a few bits to a step."""
+        """The method for a precision: each order adds a few bits to a step."""
         order = max(16, int(bits / 2.5))
         return cls(order, max(4, min(12, order // 4)))
 
@@ -157,7 +157,7 @@ class Stepper:
             self._rho = whole.radii
             state = max(log2(x) for x in whole.middle)
             speed = max(log2(row[1]) for row in sizes)
-            # What is wanted of each state: a rounding of its size, or of its way nearby.
+            # Accuracy for each state: a rounding of its size, or of its change nearby.
             known = state > FAR_BELOW and speed > FAR_BELOW
             time = state - speed if known else 0.0
             rows = zip(whole.middle, sizes, strict=True)
@@ -316,7 +316,7 @@ def growth_of(bound: arb_mat, time: arb) -> arb_mat:
 
 
 def grown(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
-    """exp(L t) times what is there at the start, state by state."""
+    """exp(L t) times the values at the start, state by state."""
     n = len(starts)
     growth = growth_of(bound, time)
     return [
@@ -335,7 +335,7 @@ def prove_step(
 ) -> Step:
     """The longest step that is proved from a set, up to `most`, at the precision in use.
 
-    radius: that of the disk of the step before.
+    radius: the radius of the previous step's disk.
     """
     check_limits()
     return Stepper(system, whole, method, ctx.prec).step(radius, most)

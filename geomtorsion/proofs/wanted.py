@@ -18,7 +18,7 @@ SHARPER = 4
 SPARE = 30
 # No proof takes more bits than this.
 MOST_BITS = 20_000
-# What is below this many bits of the largest number is counted as nothing.
+# Numbers below this many bits of the largest number count as zero.
 FAR_BELOW = -1e30
 
 
@@ -61,7 +61,7 @@ def around_zero(radius: arb) -> arb:
 
 
 def log2(x: Ball) -> float:
-    """About the logarithm of the largest size in a ball: it chooses steps, and is no bound."""
+    """About the logarithm of the largest size in a ball: it chooses steps, and is not a bound."""
     size = upper(x)
     if size.is_zero():
         return FAR_BELOW
