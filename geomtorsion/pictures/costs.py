@@ -24,7 +24,7 @@ class Row(Protocol):
 
     @property
     def asked(self) -> float:
-        """Accuracy asked for."""
+        """Requested accuracy."""
         ...
 
     @property
@@ -34,7 +34,7 @@ class Row(Protocol):
 
     @property
     def seconds(self) -> float | None:
-        """Time of the answer alone."""
+        """Time of the answer without its error estimate."""
         ...
 
     @property
@@ -48,7 +48,7 @@ class Table(Protocol):
 
     @property
     def problem(self) -> str:
-        """What was solved."""
+        """Name of the problem."""
         ...
 
     @property
@@ -70,8 +70,8 @@ class Table(Protocol):
 def work_precision_picture(table: Table) -> Figure:
     """Time upwards, accuracy to the right: whatever is lower and further right is better.
 
-    Full lines: time with error estimate; thin lines: of the answer alone. A small bar leads from
-    each mark to the accuracy that was asked for.
+    Full lines: time with error estimate; thin lines: time of only the answer. A small bar leads
+    from each mark to the requested accuracy.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def work_precision_picture(table: Table) -> Figure:
 
 
 class RuleRow(Protocol):
-    """What is drawn of one rule with one number of points."""
+    """Row of a figure: one rule with one number of points."""
 
     @property
     def rule(self) -> str:
@@ -146,7 +146,7 @@ class RuleRow(Protocol):
 
     @property
     def asked(self) -> float | None:
-        """Accuracy asked for, where the rule is adaptive."""
+        """Requested accuracy, where the rule is adaptive."""
         ...
 
 

@@ -19,7 +19,7 @@ LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
 _MACROS = LETTERS | {"ldots": "…", "overline": r"\bar{#1}"}
 _WORDS = re.compile(r"(\\(?:text|mathrm|operatorname)\{[^{}]*\})")
 _CAPITAL = re.compile("<mi>([Α-Ω])</mi>")
-# Brackets round something that is no higher than they are, with no other such brackets in it.
+# Brackets around content no higher than themselves, without other such brackets inside.
 _LOW = re.compile(
     r"\\left([(\[|])((?:(?!\\left|\\right|\\[dt]?frac|\\sqrt|\\begin).)*)\\right([)\]|])"
 )

@@ -1,4 +1,4 @@
-"""scene over time: what is watched, and how far its numbers can be trusted."""
+"""scene over time: outputs over time, and how far their numbers can be trusted."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-# What changes by less than this share of its size is said to be constant.
+# A quantity that changes by less than this share of its size counts as constant.
 STILL = 1e-8
 
 
@@ -132,7 +132,7 @@ def trust_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """The drift of every quantity that should be constant, beside the error and what was asked.
+    """Drift of every quantity that should be constant, with the error and requested accuracy.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def trust_picture(
     drifts
         name -> change since the start, relative, shape (m,).
     error, asked
-        largest error estimate, and accuracy asked for, relative.
+        largest error estimate, and requested accuracy, relative.
     errors
         error estimate over time, shape (m,), where it is known.
 

@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 Point = Sequence[float] | np.ndarray
 FAINT, PALE = "#c9ccd1", "#eef0f2"
 FORMATS = ("png", "svg", "pdf")
-# What is less than this share of the largest shows in none of seven digits: it is not worth an axis
-# or a panel of its own.
+# A value below this share of the largest shows in none of seven digits: it needs no axis or panel.
 FLAT = PRINTED
 # Below the rounding of doubles: zero on a logarithmic scale.
 NOTHING = EPS / 20
@@ -42,11 +41,11 @@ class Style:
     """Sizes of pictures.
 
     resolution: dots per inch. elevation: of the eye above the horizon, degrees.
-    meridians, parallels: of a globe. behind: opacity of what lies behind it.
+    meridians, parallels: of a globe. behind: opacity of lines behind it.
     box, row, column: width of a box in a graph, and inches from one to the next.
-    stations: bodies shown along a path. sides: corners of what is round.
-    turns: about the vertical, that are drawn on a globe. rate: frames of a film per second.
-    frames: the most that a film has. rem: of a page, per inch of a picture.
+    stations: bodies shown along a path. sides: corners of round shapes.
+    turns: about the vertical, that are drawn on a globe. rate: frames of an animation per second.
+    frames: the most that an animation has. rem: of a page, per inch of a picture.
     wide: ratio of largest to smallest value from which an axis is logarithmic.
     edges: of a network; more make a picture black.
     line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
@@ -149,7 +148,7 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
     FileFormatError
         matplotlib cannot write it like that.
     ArgumentError
-        figure is no figure of matplotlib, or path no path.
+        figure is not a figure of matplotlib, or path not a path.
     """
     # An extra: without matplotlib this module can still be imported.
     import matplotlib as mpl
@@ -175,7 +174,7 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
 
 
 def _plain_texts(figure: Figure) -> None:
-    """Show a text that is no mathematics as it stands, dollars included; no control characters.
+    """Show a text without mathematics unchanged, dollars included; no control characters.
 
     Titles and labels hold names and units from files, which matplotlib would set as mathematics.
     """
@@ -277,7 +276,7 @@ def captioned(figure: Figure, lines: Sequence[str]) -> None:
 
 
 def visible(values: ArrayLike) -> np.ndarray:
-    """Sizes for a logarithmic scale: what is zero stands at its bottom.
+    """Sizes for a logarithmic scale: zeros are at its bottom.
 
     Examples
     --------
@@ -301,7 +300,7 @@ def sense(axes: Axes, points: np.ndarray, color: str) -> None:
 
 
 def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:
-    """Axes in space with few numbers, level names and no walls, round what is drawn."""
+    """Axes in space with few numbers, level names and no walls, around the curves."""
     # Whoever has axes has matplotlib.
     from matplotlib.ticker import MaxNLocator
 
