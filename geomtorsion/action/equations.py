@@ -167,7 +167,7 @@ class EquationsOfMotion:
 
     @cached_property
     def agrees(self) -> bool | None:
-        """Whether both derivations say the same, decided by exact zero; None: not decided."""
+        """Whether both derivations agree, decided by exact zero; None: not decided."""
         return self.lagrange.agrees(self.hamel)
 
     @cached_property
@@ -206,12 +206,12 @@ class EquationsOfMotion:
 
     @cached_property
     def reduced(self) -> Reduced:
-        """The rates of the velocities alone, where no coordinate occurs in them.
+        """Rates of only the velocities, where no coordinate occurs in them.
 
         Raises
         ------
         LagrangianError
-            The velocities do not stand alone.
+            The rates of the velocities depend on coordinates.
         """
         return reduced(self.rates, self.invariants, self.frame.coordinates)
 
@@ -221,7 +221,7 @@ class EquationsOfMotion:
         """The equations to first order around a steady motion; see `geomtorsion.linearized`.
 
         at: the steady motion: name of a coordinate, velocity or parameter -> value.
-        parameters: names that may occur in texts there besides those of the equations.
+        parameters: further names that may occur in texts there.
 
         Examples
         --------
@@ -298,7 +298,7 @@ def equations_of_motion(
         coefficient is constant.
     parameters
         names or symbols that may occur besides. In sympy expressions all other symbols are
-        parameters unless a list is given; a text knows those and what is listed.
+        parameters unless a list is given; a text may use only known and listed names.
     connection
         whose torsion the image has for closed_in_image; the Cartan connection of the frame.
 
@@ -307,7 +307,7 @@ def equations_of_motion(
     LagrangianError
         An unknown symbol, or a complex frame.
     KineticMatrixError
-        The accelerations are not determined; the message says which.
+        The accelerations are not determined; the message names them.
     ConstraintError
         A constraint is not linear in u, or follows from the others.
     ShapeError
@@ -433,7 +433,7 @@ class Lagrange:
         return found
 
     def _read(self, where: str, expression: sp.Expr) -> Element:
-        """An expression in q, u, t read with the coordinate velocities in place of u."""
+        """An expression in q, u, t read with coordinate velocities instead of u."""
         return self.bundle.frame.read([(where, expression.xreplace(self.velocities))])[0]
 
     @cached_property

@@ -72,7 +72,7 @@ def quotients(field: Field, matrix: Matrix, right: Sequence[Element]) -> list[Qu
 def _part(
     matrix: Matrix, rows: Sequence[int], columns: Sequence[int]
 ) -> dict[tuple[int, int], Element]:
-    """The matrix of some rows and columns, numbered anew."""
+    """The submatrix of some rows and columns, renumbered."""
     return {
         (r, c): matrix[row, column]
         for r, row in enumerate(rows)
@@ -451,7 +451,7 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
                 f"{name} follows from the constraints before it, or contradicts them. Leave it "
                 "out: each constraint must take away one velocity."
             )
-        # A pivot that may vanish would end the adapted frame where the given one goes on.
+        # A pivot that may vanish would end the adapted frame where the given frame continues.
         place = min(reduced, key=lambda i: (_rank(bundle, reduced[i]), -i))
         scale = reduced[place].inverse()
         done.append((place, {i: value * scale for i, value in reduced.items()}))

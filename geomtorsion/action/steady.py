@@ -117,7 +117,7 @@ class Linearization:
 
 
 def exactly(value: sp.Expr) -> sp.Expr:
-    """An expression with fractions in the place of its floats."""
+    """An expression with fractions instead of its floats."""
     return value.xreplace({x: sp.Rational(x) for x in value.atoms(sp.Float)})
 
 
@@ -226,7 +226,7 @@ class Point:
         velocities: Sequence[sp.Symbol | str] | None,
         given: Mapping[sp.Symbol, sp.Expr],
     ) -> list[int]:
-        """Numbers of the velocities that are independent: those asked for, else those given."""
+        """Numbers of the independent velocities: the requested ones, else the given ones."""
         u = self.state.bundle.symbols.velocities
         names = [symbol.name for symbol in u]
         if velocities is not None:
