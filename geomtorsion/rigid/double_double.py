@@ -20,7 +20,7 @@ class DoubleDouble:
     """A number as an unevaluated sum of two doubles: about 32 digits.
 
     high: the nearest double.
-    low: what is left, again rounded to the nearest double.
+    low: the remainder, again rounded to the nearest double.
     """
 
     high: float
