@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 import sympy as sp
 from mpmath.libmp import prec_to_dps
 
@@ -44,7 +44,7 @@ class LoopCost:
 
     rule: its name; points: evaluations of the coframe (of its curl, for the flux).
     error: measured relative error of the largest component; seconds: best wall time.
-    asked: the accuracy asked for, where the rule is adaptive.
+    asked: requested accuracy, where the rule is adaptive.
     claimed: the error that the rule itself states, relative; None where it states none.
     """
 
@@ -133,7 +133,7 @@ def loop_costs(
         raise LoopError(f"there is no rule {unknown[0]!r}; known are {', '.join(RULES)}.")
     truth = reference(frame, loop, parameters)
     largest = max(abs(x) for x in truth)
-    # What half of the digits do not tell from nothing is rounding.
+    # Values that half of the digits do not distinguish from zero are rounding.
     if largest <= loop.size * mpmath.mpf(10) ** (-_digits(loop) // 2):
         raise LoopError("the Burgers vector of this loop vanishes: it has no relative error.")
     rows: list[LoopCost] = []
@@ -201,7 +201,7 @@ def _runs(
     parameters: Mapping[Any, Any] | None,
     points: Sequence[int],
 ) -> list[tuple[Callable[[], tuple[Any, int, float | None]], int, float | None]]:
-    """Ready calls of one rule, with their number of points and the accuracy asked for."""
+    """Ready calls of one rule, with their number of points and the requested accuracy."""
     if rule == "burgers_vector":
         return [(partial(_ours, frame, loop, parameters, asked), 0, asked) for asked in ACCURACIES]
     if rule == "scipy.quad":
