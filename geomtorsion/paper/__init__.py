@@ -13,7 +13,7 @@ def statements(frames: PaperFrames | None = None) -> tuple[Statement, ...]:
     Parameters
     ----------
     frames
-        the frames of rotations and of motions; those of the paper if None.
+        the frames of rotations and of motions; the frames of the paper if None.
 
     Examples
     --------
