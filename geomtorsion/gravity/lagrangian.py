@@ -281,7 +281,7 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
 
 
 def _check_functions(expression: sp.Expr, found: Mapping, own: Mapping) -> None:
-    """Refuse a function whose arguments hold nothing that varies, and what is no scalar."""
+    """Refuse a function without a varied argument, and anything that is not a scalar."""
     for part in sp.preorder_traversal(expression):
         if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
             raise GravityError(

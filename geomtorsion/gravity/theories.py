@@ -38,8 +38,8 @@ def new_gr(c1: Number, c2: Number, c3: Number) -> Lagrangian:
 def f_of(invariants: str | Sequence[str], f: object = "f") -> Lagrangian:
     """L = f(T), f(Q), f(R) or f of several invariants; f a name, a sympy function or a lambda.
 
-    f(T) is teleparallel, f(Q) symmetric teleparallel, f(R) and f(GB) are of the metric alone. All
-    else takes any connections.
+    f(T) is teleparallel, f(Q) symmetric teleparallel, f(R) and f(GB) use only the metric. All other
+    invariants accept any connections.
 
     Examples
     --------

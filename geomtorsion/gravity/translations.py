@@ -300,7 +300,7 @@ TABLE = (
 
 
 def translations() -> tuple[Translation, ...]:
-    """The symbols of other papers and programs in those of this package.
+    """Symbols of other papers and programs, written in symbols of this package.
 
     Examples
     --------
