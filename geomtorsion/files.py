@@ -105,12 +105,12 @@ _FOREIGN_PACKED = {b"\x28\xb5\x2f\xfd": "zstd -d", b"\xfd7zXZ\x00": "xz -d"}
 
 
 def ending(path: object) -> str:
-    """End of the name of a file in small letters, without that of a packed one.
+    """End of the name of a file in small letters, without the ending of a packed file.
 
     Raises
     ------
     ArgumentError
-        It is no name of a file.
+        It is not a name of a file.
 
     Examples
     --------
@@ -422,7 +422,7 @@ def read_toml(
     Raises
     ------
     FileFormatError
-        The file cannot be read, is no UTF-8 text or no TOML; the message names the line.
+        The file cannot be read, is not UTF-8 text or not TOML; the message names the line.
     LimitError
         The file is too long or too deep, or has a number of very many digits.
     """
@@ -551,7 +551,7 @@ def read_json_text(text: str, name: str) -> Any:
     Raises
     ------
     FileFormatError
-        The text is no JSON; the message names the line.
+        The text is not JSON; the message names the line.
     LimitError
         Lists are nested too deeply, or a number has too many digits.
 
