@@ -1,6 +1,6 @@
 """Components: sparse arrays of exact elements, each computed on first use; products and inverses.
 
-Of components that a symmetry makes equal up to sign only one is computed.
+If a symmetry makes components equal up to sign, only one of them is computed.
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ def effective(symmetry: Symmetry, slots: str) -> Symmetry:
 
 
 def shifted(symmetry: Symmetry, by: int) -> Symmetry:
-    """The same symmetry of the later slots after new slots were put in front.
+    """The same symmetry for the later slots after new slots were added in front.
 
     Examples
     --------
@@ -198,7 +198,7 @@ class Components:
     """Sparse array with a symmetry; a component that vanishes is the zero of the field.
 
     field: the exact field of the components.
-    rule: index -> Element, asked once for each representative index and only when needed.
+    rule: index -> Element, called once for each representative index and only when needed.
     bulk: all representatives at once, where that is cheaper than one by one.
     source: the array that bulk takes whole.
     """
@@ -225,7 +225,7 @@ class Components:
         self._known: dict[Index, Element] = {}
         # Components found to vanish, from which the certainty of each zero is estimated.
         self.zeros: dict[Index, Element] = {}
-        # What may vanish or not: it is kept like what does not.
+        # Undecided components: they are kept like nonzero ones.
         self.open: dict[Index, Element] = {}
 
     @classmethod
@@ -453,7 +453,7 @@ def joined(
     wanted: str,
     symmetry: Symmetry,
 ) -> Components:
-    """Product of one or two arrays, summed over the letters that are not wanted."""
+    """Product of one or two arrays, summed over all other letters."""
     summed = [letter for letter in dict.fromkeys("".join(groups)) if letter not in wanted]
     everything = list(wanted) + summed
     places = [[everything.index(letter) for letter in group] for group in groups]

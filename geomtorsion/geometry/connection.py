@@ -45,7 +45,7 @@ class Connection:
 
     frame: the frame it is made from.
     coefficients: Gamma_ab^c, slots ddu, a the direction of differentiation.
-    name: what it is called.
+    name: its name in messages.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
     maker: function that makes it from only the frame, or None; copies and pickles use it.
@@ -152,7 +152,7 @@ class Connection:
 
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
-        """The contortion by its definition in terms of the torsion, whatever the connection."""
+        """The contortion by its definition in terms of the torsion, for any connection."""
         return contortion_of(self.torsion.S)
 
     @cached_property
@@ -283,7 +283,7 @@ class Connection:
         return contract(f"a{summed}->{rest}", derivative)
 
     def laplacian(self, tensor: Tensor) -> Tensor:
-        """g^{ab} D_a D_b of a tensor, slots as given; of a scalar the Laplace-Beltrami operator.
+        """g^{ab} D_a D_b of a tensor, slots as given; for a scalar the Laplace-Beltrami operator.
 
         With a Lorentzian metric this is the d'Alembertian. It is the rough Laplacian: curvature
         terms, as in the Laplacian of Hodge, are not added.

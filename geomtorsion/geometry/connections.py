@@ -61,7 +61,7 @@ def _cartan(frame: Frame) -> Connection:
 def levi_civita(frame: Frame | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
 
-    Of a connection its frame is taken: the contortion is what the two differ by.
+    Of a connection its frame is taken: the contortion is the difference of the two.
 
     Equation
     --------

@@ -69,7 +69,7 @@ def from_metric(
 
 
 def maker(cls: type[Frame], shape: str) -> Callable[..., Frame]:
-    """What makes a frame of coordinates and a matrix: a coframe, legs or a metric."""
+    """Function that makes a frame from coordinates and a coframe, legs or a metric."""
     return {"coframe": cls, "legs": cls.from_frame, "metric": cls.from_metric}[shape]
 
 

@@ -120,7 +120,7 @@ class Curvature:
 
     @cached_property
     def scalar(self) -> Tensor:
-        """g^{nl} R_nl, rank 0; of the metric of a dense frame from its anholonomy."""
+        """g^{nl} R_nl, rank 0; for the metric of a dense frame from its anholonomy."""
         frame = self.connection.frame
 
         def rule() -> Element:

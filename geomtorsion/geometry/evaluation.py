@@ -91,7 +91,7 @@ def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
 
 
 def numbers_at(tensor: Tensor, point: Point, bits: int = 53) -> dict[Index, Number]:
-    """The independent components at a point; those that are equal are evaluated once."""
+    """The independent components at a point; equal ones are evaluated once."""
     values = _named_values(tensor, point)
     _check_branches(tensor.frame, values)
     known: dict = {}
@@ -120,7 +120,7 @@ def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
 
 
 def sign_of(frame: Frame, symbol: sp.Symbol) -> int:
-    """The sign that was declared of a coordinate, 1 or -1, if the frame may rely on it; else 0.
+    """Declared sign of a coordinate, 1 or -1, if the frame may rely on it; else 0.
 
     sympy has written x for Abs(x) and sqrt(x**2) then. Where the frame repeats itself after a full
     turn of the coordinate, or does not depend on it, there was nothing to be written otherwise.

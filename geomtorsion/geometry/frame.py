@@ -44,10 +44,10 @@ class Frame:
     parameters: every other symbol, constant in all derivatives.
     domain: relations between symbols that hold where the frame is used.
     complex: whether legs may be complex (null tetrads).
-    name: what it is called in messages and pages.
+    name: its name in messages and pages.
     field: the exact field in which all components live.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: what does not follow from the frame: its "atlas" and "names" for printing.
+    attached: data that do not follow from the frame: its "atlas" and "names" for printing.
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
@@ -124,7 +124,7 @@ class Frame:
         object.__setattr__(self, "_derived", {})
         object.__setattr__(self, "attached", {})
         object.__setattr__(self, "_plain", plain)
-        # Whatever else is read into the field later, this frame does not rely on it.
+        # The frame does not rely on anything read into the field later.
         self.field.settle()
         # A frame that is adapted to another one lives in its field.
         self.field.owner = self.field.owner or self
@@ -241,7 +241,7 @@ class Frame:
 
     @property
     def shape(self) -> str:
-        """What the frame was made from: "coframe", "legs" or "metric"."""
+        """Origin of the frame: "coframe", "legs" or "metric"."""
         return next(shape for shape in ("metric", "legs", "coframe") if shape in self.given)
 
     # -- matrices -------------------------------------------------------------------------------
@@ -414,8 +414,8 @@ class Frame:
     def subs(self, values: Values) -> Frame:
         """The frame with values for parameters, and expressions for unknown functions.
 
-        All are put in at once, and everything that follows is as exact as before. Equal values
-        give the same frame, so that tensors with equal values can be added.
+        All replacements are simultaneous, and all later results are as exact as before. Equal
+        values give the same frame, so that tensors with equal values can be added.
 
         Parameters
         ----------
@@ -449,7 +449,7 @@ class Frame:
     def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
         """This frame in other coordinates.
 
-        The legs stay what they are. A frame made from a metric is made from it again, so that its
+        The legs stay the same. A frame made from a metric is made from it again, so that its
         legs may be others. `tensor.in_coordinates` and `connection.in_coordinates` go with it.
 
         Parameters
@@ -524,11 +524,11 @@ class Frame:
         return dict(self.attached.get("names", {}))
 
     def named(self, /, **quantities: sp.Expr | str) -> Frame:
-        """This frame, its tensors printed with names for what occurs often in them.
+        """This frame, with tensors printed by names for quantities that occur often in them.
 
         Texts, tables, HTML, LaTeX and `to_sympy(short=True)` have names where that is shorter;
         `.subs(frame.names)` takes them out. Components themselves stay in coordinates. A quantity
-        is an expression or text, of what the frame knows and of names given before.
+        is an expression or text over the symbols of the frame and earlier names.
 
         Raises
         ------
@@ -552,7 +552,7 @@ class Frame:
     # -- copies ---------------------------------------------------------------------------------
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Made again from what it was made from, so that every result is the same to the bit."""
+        """Made again from its original input, so that every result is the same to the bit."""
         shape, entries = self._plain
         if not isinstance(shape, str):
             return shape, entries, self.attached

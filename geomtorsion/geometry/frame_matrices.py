@@ -117,7 +117,7 @@ class ParallelRows:
 
 @derived
 def parallel_rows(frame: Frame) -> ParallelRows:
-    """Rows to make a connection with parallel legs from: the factors f_i drop out of it."""
+    """Rows to make a connection with parallel legs from: the factors f_i cancel."""
     if "rows" not in frame.given:
         legs_, derivative = frame.legs.components, frame.coframe_derivative
         return ParallelRows(frame.coframe.components, legs_, derivative)

@@ -79,7 +79,7 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
 
 
 def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.Symbol]:
-    """Coordinates: those given, or x1 ... xn."""
+    """The given coordinates, or x1 ... xn."""
     if coordinates is None:
         return [sp.Symbol(f"x{k + 1}") for k in range(n)]
     found = named_symbols(coordinates)

@@ -20,7 +20,7 @@ from geomtorsion.geometry.frame import Frame
 class IdentityCheck:
     """Result of one check.
 
-    name, equation: what was checked.
+    name, equation: of the identity that was checked.
     holds: True, False, or None where it cannot be decided.
     checked: how many components were compared.
     worst: index of the first component that fails, or else is undecided; None if all hold.
@@ -56,7 +56,7 @@ class IdentityChecks(list[IdentityCheck]):
 
 
 def identities(connection: Connection | Frame) -> IdentityChecks:
-    """Check the identities that apply to a connection, exactly; of a frame, its Cartan connection.
+    """Check the identities that apply to a connection, exactly; for a frame, its Cartan connection.
 
     Metricity is a property rather than an identity: it fails for a connection that does not keep
     lengths. The scalar identity is checked for metric connections; on a flat one it reads

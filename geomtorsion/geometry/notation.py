@@ -235,17 +235,17 @@ def latex(tensor: Tensor) -> str:
 
 
 def sympy_latex(tensor: Tensor, _: object) -> str:
-    """What `sympy.latex` gives: the same without dollars."""
+    """Output of `sympy.latex`: the same without dollars."""
     return latex(tensor).removeprefix(r"$\displaystyle ").removesuffix("$")
 
 
 def sympy_text(tensor: Tensor, _: object) -> str:
-    """What `sympy.sstr` gives."""
+    """Output of `sympy.sstr`."""
     return text(tensor)
 
 
 def sympy_pretty(tensor: Tensor, _: object) -> prettyForm:
-    """What `sympy.pprint` shows: the text, whose lines it would centre if they were not as long."""
+    """Output of `sympy.pprint`: the text, padded since pprint would centre shorter lines."""
     lines = text(tensor).splitlines()
     return prettyForm("\n".join(line.ljust(max(map(len, lines))) for line in lines))
 
@@ -307,7 +307,7 @@ class ComponentTable:
     """Components of a tensor that do not vanish: prints one a line, and is a table in notebooks.
 
     tensor: whose components.
-    names: what its indices are called, one name for each coordinate.
+    names: names of its indices, one for each coordinate.
     chosen: whether these names differ from the names of the coordinates.
     indices: of the rows, in order.
     hidden: how many more follow from these by symmetry.
@@ -373,7 +373,7 @@ class ComponentTable:
 
     @property
     def heading(self) -> str:
-        """What the tensor is, and how many components do not vanish."""
+        """Name of the tensor, and how many components do not vanish."""
         name = f"{self.tensor.name or 'tensor'} {self.tensor.label}".strip()
         return f"{name}: {self.count}" if self.count else name
 

@@ -21,7 +21,7 @@ def numpy_function(
     Parameters
     ----------
     elements
-        what to compute: a tensor over n coordinates, or k elements.
+        the outputs: a tensor over n coordinates, or k elements.
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check

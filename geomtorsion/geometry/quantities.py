@@ -1,4 +1,4 @@
-"""Quantities: by name, what each needs, and what asking for one computes."""
+"""Quantities: by name, with the dependencies of each and the computation that a request starts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Quantity:
     name, meaning: its name in requests, and its definition.
     needs: names of the quantities it is computed from.
     make: frame -> tensor, nothing computed yet.
-    products: n -> at most so many products in one component.
+    products: n -> upper bound of the number of products in one component.
     """
 
     name: str
@@ -187,7 +187,7 @@ _IN_FRAME = {
 
 
 def needs(frame: Frame, name: str) -> tuple[str, ...]:
-    """What a quantity of this frame is computed from directly."""
+    """Direct dependencies of a quantity of this frame."""
     if "metric" in frame.given:
         if name == "metric":
             return ()
@@ -227,7 +227,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DependencyGraph:
-    """What asking for one quantity computes: its ancestors in the derivation graph, no others.
+    """Computation of one quantity: its ancestors in the derivation graph, and no others.
 
     frame: the frame that computes it.
     name: the requested quantity.

@@ -1,4 +1,4 @@
-"""Substitution: values for parameters and unknown functions, and the ways on which a limit goes."""
+"""Substitution: values for parameters and unknown functions, and the paths of a limit."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Substitution:
     """Replacements of symbols and functions by expressions.
 
     symbols: parameter -> value.
-    functions: unknown function -> what it is of its arguments.
+    functions: unknown function -> its value as a function of its arguments.
     """
 
     symbols: Mapping[sp.Symbol, sp.Expr]
@@ -38,7 +38,7 @@ class Substitution:
         """An expression or relation with the values in place, all at once."""
         found = expression.xreplace(dict(self.symbols))
         if self.functions:
-            # One pass for all: what one of them becomes may hold another one, which stays there.
+            # One pass for all: a replacement may contain another symbol, which stays there.
             found = found.replace(
                 lambda one: isinstance(one, AppliedUndef) and one.func in self.functions,
                 lambda one: self.functions[one.func](*one.args),
@@ -128,7 +128,7 @@ def _function_named(
 
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
-    """An expression, or text by our own reader."""
+    """An expression, or text that this package's reader reads."""
     return checks.expression(
         value, where, ArgumentError, read=lambda text: parse_expression(text, names, where=where)
     )
@@ -180,7 +180,7 @@ def _function(
     known: set[UndefinedFunction],
     coordinates: Sequence[sp.Symbol],
 ) -> sp.Lambda:
-    """What an unknown function is of its arguments."""
+    """Value of an unknown function in terms of its arguments."""
     arguments = key.args
     if key.func not in known:
         names = sorted(str(one) for one in known)
@@ -251,7 +251,7 @@ def approaches(
 
 
 def _target(point: object, names: Mapping[str, sp.Symbol]) -> sp.Expr:
-    """Where a symbol goes: an expression, or infinity by name or as a float."""
+    """Limit point of a symbol: an expression, or infinity by name or as a float."""
     if isinstance(point, str) and point.strip() in _BY_NAME:
         return _BY_NAME[point.strip()]
     if isinstance(point, float) and math.isinf(point):

@@ -389,7 +389,7 @@ class Tensor:
         return self._mapped(put.value, frame)
 
     def limit(self, symbol: sp.Symbol | str, point: Value, side: str | None = None) -> Tensor:
-        """Every component as a coordinate or parameter goes to a point; the frame stays.
+        """Limit of every component as a coordinate or parameter tends to a point; the frame stays.
 
         Parameters
         ----------
@@ -404,7 +404,7 @@ class Tensor:
         SingularPointError
             A component has no limit: it grows, does not settle, or has two.
         UndecidedError
-            A limit cannot be had.
+            A limit cannot be computed.
         CoordinateError, UnknownNameError
             The symbol is unknown here, or the point is outside of the domain.
 
@@ -510,12 +510,12 @@ class Tensor:
         Parameters
         ----------
         names
-            What the values of an index are called, one name for each coordinate: "trθφ", or a list
+            Names of the values of an index, one for each coordinate: "trθφ", or a list
             of texts. Without it coordinates have their own names and legs their numbers.
         where
             {index: its value} to see part of them: {2: "r"} has those with an r as last index.
         every
-            List those too that follow from others by symmetry.
+            Also list components that follow from others by symmetry.
 
         Raises
         ------

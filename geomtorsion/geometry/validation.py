@@ -1,4 +1,4 @@
-"""Validation: what a frame is made from, checked once, and points inside its domain."""
+"""Validation: input of a frame, checked once, and points inside its domain."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
 
 
 def _is_plain_zero(value: object) -> bool:
-    """Whether an entry is the number zero; what it is otherwise is found out on reading."""
+    """Whether an entry is the number zero; other entries are checked when they are read."""
     return isinstance(value, int | float | sp.Expr) and value == 0
 
 
@@ -173,7 +173,7 @@ def parameter_symbols(
     coordinates: Sequence[sp.Symbol],
     free: Iterable[sp.Symbol],
 ) -> tuple[sp.Symbol, ...]:
-    """Parameters: those given, then the remaining free symbols by name."""
+    """The given parameters, then the remaining free symbols by name."""
     free = set(free)
     given = []
     for symbol in named_symbols(() if parameters is None else parameters, free, "parameter"):
