@@ -99,14 +99,14 @@ class ElementMatrix:
     def applied(self, point: Mapping[str, Real | np.ndarray], vectors: np.ndarray) -> np.ndarray:
         """The matrix at many points times a vector at each: shapes (columns, m), (rows, m)."""
         result = np.zeros((self.shape[0], vectors.shape[1]))
-        # Where a chart ends entries are infinite; what becomes of them is looked at afterwards.
+        # Entries are infinite where a chart ends; the caller checks the result.
         with np.errstate(all="ignore"):
             for (i, j), number in zip(self.entries, self.values(point), strict=True):
                 result[i] += number * vectors[j]
         return result
 
     def precisely(self, point: Mapping[str, Real], vector: Sequence[Real], bits: int) -> list[Real]:
-        """The matrix at one point times a vector, in numbers of so many bits."""
+        """The matrix at one point times a vector, in numbers of the given precision."""
         if bits <= 53:
             column = np.array([[float(x)] for x in vector])
             return self.applied(point, column)[:, 0].tolist()
@@ -133,7 +133,7 @@ class Chart:
     margin: below this value of |edge| the solver moves over to another chart.
     kept: an element that equals one everywhere (redundant charts).
     antipodal: indices of coordinates whose signs may all change without another point being meant.
-    end: where motions end that do not come to the edge, in words.
+    end: where motions end that do not reach the edge, in words.
     """
 
     name: str
@@ -385,7 +385,7 @@ class TransitionMap:
     def precisely(
         self, values: Sequence[Real], parameters: Mapping[Any, Real], bits: int
     ) -> list[mpmath.mpf]:
-        """Target coordinates of one point as mpmath numbers of so many bits; see `__call__`."""
+        """Target coordinates of one point as mpmath numbers of a precision; see `__call__`."""
         checks.count(bits, "bits", ArgumentError, 2)
         place = checks.numbers(self._places(values), None, "coordinates", ArgumentError)
         names = [symbol.name for symbol in self.coordinates]
@@ -559,10 +559,10 @@ class Atlas:
         *,
         starting: bool = False,
     ) -> str | None:
-        """The first of some charts far from its edge, or else the one that is furthest from it.
+        """The first of some charts far from its edge, or else the furthest from its edge.
 
-        Of those that are far from their edges none in which the motion is much faster than in
-        another: behind a horizon, ingoing coordinates run away from outgoing motions, and outgoing
+        A chart is skipped if the motion is much faster in it than in another chart far from its
+        edge: behind a horizon, ingoing coordinates run away from outgoing motions, and outgoing
         ones from infalling motions.
         """
         best, score = None, 0.0
@@ -591,7 +591,7 @@ class Atlas:
 
 
 def _same(value: Any) -> Any:
-    """What it is given: a maker of something that is made already."""
+    """The given object: a maker for an object that exists already."""
     return value
 
 

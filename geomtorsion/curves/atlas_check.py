@@ -20,7 +20,7 @@ from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.precision import EXACT_BITS, working_precision
 
-# Half of the bits may be lost in between: two analytic functions that agree in so many are equal.
+# Half of the bits may be lost: analytic functions that agree in the other half are equal.
 EQUAL = mpmath.mpf(2) ** (-EXACT_BITS // 2)
 
 Row = list[mpmath.mpf]
@@ -28,7 +28,7 @@ Point = tuple[Row, dict[str, Real]]
 
 
 def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
-    """How often a map was found right: each of them at so many points of the domain of a frame.
+    """Number of points of the domain at which each map of an atlas was found right.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def _compare_points(
     points: tuple[Row, Row],
     numbers: dict[str, Real],
 ) -> None:
-    """Going there and back leads to the same point, if perhaps by another name of it."""
+    """A round trip leads to the same point, perhaps with other coordinates of it."""
     point, there = points
     found = _mapped(back, there, numbers)
     if found is None or _first_gap(back, point, found) is None:

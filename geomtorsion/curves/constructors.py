@@ -1,4 +1,4 @@
-"""Constructors: the curves one can ask for, each by its maker."""
+"""Constructors: one function for each kind of curve."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def autoparallel(
     connection
         any connection; for the Cartan connection u is constant.
     start
-        q^mu, shape (n,); None on a Lie group where only u is wanted.
+        q^mu, shape (n,); None on a Lie group where only u is needed.
     velocity, frame_velocity
         q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them.
     parameters
@@ -127,7 +127,7 @@ def geodesic(
     atlas: Atlas | None = None,
     stop: object = None,
 ) -> CurveProblem:
-    """A shortest line: of the metric of the frame, or of a kinetic metric G_ij e^i e^j.
+    """A shortest line for the metric of the frame, or for a kinetic metric G_ij e^i e^j.
 
     Equation
     --------
@@ -181,7 +181,7 @@ def parallel_transport(
     vectors
         frame components w^k at the start: shape (n,) or (number, n).
     connection
-        what parallel means; the Levi-Civita connection of the frame if not given.
+        the connection of the transport; the Levi-Civita connection of the frame if not given.
 
     Examples
     --------
@@ -321,7 +321,7 @@ def _written(frame: Frame, key: str) -> dict[str, Any]:
 
 
 def law_key(law: Law) -> str:
-    """What two laws share exactly when they have the same equations."""
+    """Key that two laws share exactly when they have the same equations."""
     if isinstance(law, Autoparallel):
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"

@@ -28,7 +28,7 @@ _REAL = ("symbol", "cos", "sin", "cosh", "sinh", "exp", "log")
 class Edge:
     """A quantity that is positive as long as the coordinates hold.
 
-    element: an exact element; a motion that lets it fall through zero has come to the edge.
+    element: an exact element; a motion on which it falls through zero has reached the edge.
     words: what happens there, for messages; condition: what has to hold inside.
     is_root: whether it is a root of the frame, so that rates have no value beyond it.
     """
@@ -63,7 +63,7 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
 
 
 def _of_domain(frame: Frame) -> Iterator[Edge]:
-    """Relations of the domain, but for those that bound an angle."""
+    """Relations of the domain, except bounds of an angle."""
     turns = {symbol for symbol in frame.coordinates if is_angle(frame, symbol)}
     for relation in frame.domain:
         if not isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan | sp.Ge | sp.Le):

@@ -72,7 +72,7 @@ class CartanAutoparallel:
         return None
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
-        """Nothing besides the velocities themselves."""
+        """Nothing except the velocities themselves."""
         return {}
 
 
@@ -283,7 +283,7 @@ class Equations:
 
     @cached_property
     def system(self) -> System:
-        """What engines integrate, with the margin of the chart as guard."""
+        """Equations for the engines, with the margin of the chart as guard."""
         arguments = (*self.states, *self.parameters)
         rates = graph(arguments, self.rates, self.parameters)
         margin, end = self.guard_terms
@@ -294,7 +294,7 @@ class Equations:
 
     @property
     def guard_terms(self) -> tuple[list[Any], list[Any]]:
-        """What falls through zero at the margin of the chart, and at its very end."""
+        """Functions that fall through zero at the margin of the chart, and at its very end."""
         if self.chart is None or not self.chart.edges:
             return [], []
         edges = [edge.element for edge in self.chart.edges]

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
 class CurveProblem:
     """A curve to be solved for: law, frame, start; made by `geodesic`, `autoparallel`, ...
 
-    name: what the curve is called.
+    name: of the curve.
     frame: its coordinates and frame vectors are those in which start and answer are given.
     law: how the frame velocities change.
     start: coordinates q^mu at t = 0; None where only velocities are requested.
@@ -109,7 +109,7 @@ class CurveProblem:
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
-    # What files call it.
+    # Its name in files.
     kind = "curve"
 
     # -- equations ---------------------------------------------------------------------------------
@@ -150,7 +150,7 @@ class CurveProblem:
 
     @property
     def time_name(self) -> str:
-        """What the curve parameter is called in messages."""
+        """Name of the curve parameter in messages."""
         return "t"
 
     @property
@@ -364,7 +364,7 @@ class CurveProblem:
         return terms_in_chart(self.stops, self.atlas, label, equations, self.time_unit)
 
     def system(self, label: str) -> System:
-        """What engines integrate in a chart, with the conditions that end the curve."""
+        """Equations for the engines in a chart, with the conditions that end the curve."""
         if label not in self._systems:
             equations, single = self.equations(label), len(self.charts) == 1
             system = equations.system.to_the_end if single else equations.system
@@ -393,7 +393,7 @@ class CurveProblem:
     def _ender(
         self, label: str, start: Sequence[float]
     ) -> Callable[[float, State], tuple[str, str]]:
-        """How a motion ends at the edge of its chart: of several edges, at the nearest."""
+        """How a motion ends at the edge of its chart, at the nearest one if there are several."""
 
         def ending(_: float, state: State) -> tuple[str, str]:
             edges = self.atlas.chart(label).edges if label else ()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class TransportedVectors:
     """Vectors w^j carried parallel: w'^k = - omega_ij^k u^i w^j.
 
-    connection: what parallel means.
+    connection: defines the transport.
     vectors: frame components at the start, one row per vector.
     """
 
