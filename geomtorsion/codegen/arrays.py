@@ -29,7 +29,7 @@ def numpy_function(
     Parameters
     ----------
     elements
-        what to compute, k of them.
+        the outputs, k of them.
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
@@ -118,7 +118,7 @@ def numpy_function(
 
 
 def _argument(name: str, value: ArrayLike, is_finite: bool) -> ArrayLike:
-    """An argument as floats; they are left as they came where they are."""
+    """An argument as floats; floats are returned unchanged."""
     is_float = type(value) is float or (type(value) is np.ndarray and value.dtype == np.float64)
     if is_float and not (is_finite and not np.isfinite(value).all()):
         return value
@@ -158,7 +158,7 @@ LastResort = Callable[[int, tuple[float | complex, ...]], float | complex | None
 class Settled:
     """The values of a graph on arrays, each right to 1e-12 of itself.
 
-    Beside each value runs a bound of what rounding does to it. Where that is too large, or the
+    Each value carries a bound of its rounding error. Where that is too large, or the
     value is not finite, ball arithmetic computes it again.
     """
 
@@ -226,7 +226,7 @@ class Settled:
 def _blocks(
     arrays: list[np.ndarray], shape: tuple[int, ...]
 ) -> Iterator[tuple[list[np.ndarray], Callable[[np.ndarray], np.ndarray]]]:
-    """Parts of arrays that are worked out at once, and what takes that part of an array."""
+    """Parts of arrays that are computed at once, and the function that takes each part."""
     count = int(np.prod(shape))
     # Arrays that are still to be stretched are small: they are worked out before that.
     if count <= BLOCK or any(array.shape not in ((), shape) for array in arrays):
@@ -276,7 +276,7 @@ def rounding_bounds(
 
 @dataclass(frozen=True)
 class _Error:
-    """An error of at most so many roundings of the value, and what else there is (a step)."""
+    """An error of at most so many roundings of the value, plus a further error (a step)."""
 
     roundings: int
     rest: int | None = None

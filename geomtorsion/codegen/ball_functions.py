@@ -1,4 +1,4 @@
-"""Ball functions: what graphs call, on balls (arb, acb) and on power series in balls (arb_series).
+"""Ball functions: functions in graphs, on balls (arb, acb) and power series in balls (arb_series).
 
 Complex functions take a flag `analytic`: where it is true they have a value only where they are
 analytic, and are not a number elsewhere. FLINT itself does so for logarithms, roots and powers.
@@ -161,7 +161,7 @@ def _first(x: Ball) -> arb:
 def _real(
     name: str, series: Callable[[arb_series], arb_series] | None = None
 ) -> Callable[[Ball], Ball]:
-    """A method of arb; of series the method of that name, or the given function."""
+    """A method of arb; for series the method of that name, or the given function."""
     method = getattr(arb, name)
     on_series = series or getattr(arb_series, name, None) or (lambda x: undefined())
     return lambda x: method(x) if isinstance(x, arb) else on_series(x)

@@ -1,6 +1,6 @@
 """Balls: a graph as functions of balls (arb, acb) and of power series in balls (arb_series).
 
-A ball contains the true value, whatever rounding does.
+A ball contains the true value despite rounding.
 """
 
 from __future__ import annotations

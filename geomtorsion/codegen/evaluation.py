@@ -1,4 +1,4 @@
-"""Evaluation: steps at one point, exactly or as numbers of so many bits."""
+"""Evaluation: steps at one point, exactly or as numbers of a given precision."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def exact_values(
 
 
 def _exact(step: Step, given: Sequence[Exact], made: Sequence[Exact]) -> Exact:
-    """One step; whatever meets an mpmath number becomes one."""
+    """One step; if any operand is an mpmath number, the result is one."""
     kind, detail = step.kind, step.detail
     if kind == "argument":
         return given[detail]

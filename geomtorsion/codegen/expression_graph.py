@@ -122,7 +122,7 @@ class Graph:
 
     @cached_property
     def key(self) -> str:
-        """What two graphs share exactly when their code is the same, but for names of arguments."""
+        """Key that two graphs share exactly when their code is the same up to argument names."""
         lines = [f"{len(self.arguments)} {self.is_complex} {self.outputs}"]
         for step in self.steps:
             parts = (step.kind, step.detail, step.operands, step.signs, step.constant)
@@ -336,7 +336,7 @@ APART = 1e-3
 def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck | None:
     """The check of all branches on which elements of some fields rely; None where there is none.
 
-    names: of the arguments; what depends on others, no element in these arguments relies on.
+    names: of the arguments; elements in these do not rely on branches that depend on others.
     """
     known = set(names)
     found = [

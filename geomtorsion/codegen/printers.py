@@ -1,4 +1,4 @@
-"""Printers: steps as Python source or heyoka expressions; what functions are called where.
+"""Printers: steps as Python source or heyoka expressions; names of functions in each.
 
 The one place where text becomes a function.
 """

@@ -110,7 +110,7 @@ def never_negative(tree: sympy.Expr) -> bool:
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
 Products = tuple[tuple[Element, tuple[str, ...]], ...]
-# What may be an output of a graph.
+# Types of outputs of a graph.
 Output = Element | Products | sp.Expr | int | Fraction
 
 # Up to this exponent, powers are spelt out, so that factoring sees what they share.
@@ -128,7 +128,7 @@ _OF_INVERSES = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin"
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a literal is that is neither a sum nor a pair of others.
+    """Meaning of a literal that is neither a sum nor a pair of others.
 
     kind: argument, digits, imaginary, root, power or call.
     detail: position, number, degree, exponent or name of the function.
@@ -167,7 +167,7 @@ class Reader:
             return self.sums.entered([self._element(entry)])
         if isinstance(entry, tuple):
             return self.sums.entered([self._product(element, names) for element, names in entry])
-        # A sum is not read as one literal: as an output nobody else need share it.
+        # A sum is not read as one literal: an output need not be shared.
         terms = sp.Add.make_args(expression(entry))
         for term in terms:
             for part in inside_out(term, attrgetter("args"), self._known.__contains__):
@@ -332,7 +332,7 @@ class Reader:
         return self._sum(terms)
 
     def _sum(self, terms: list[Term]) -> Term:
-        """A sum as one term, with what grows like exp(y**2) in front of it."""
+        """A sum as one term, with factors that grow like exp(y**2) in front of it."""
         front: Term = (ONE, (), ())
         for literal in self._falling:
             growth = max([rest.count(-literal) for _, _, rest in terms], default=0)

@@ -17,7 +17,7 @@ from geomtorsion.exact.special_values import VALUES
 # So many quotients by one value make its inverse pay: a product costs less than a quotient.
 MANY_QUOTIENTS = 6
 
-# What slopes of special functions are made of besides these.
+# Further functions that occur in slopes of special functions.
 _EVERYDAY = (sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.sinh, sympy.cosh)
 
 # Sign and place of a step.
@@ -92,7 +92,7 @@ class Builder:
         return sign, self.add("sum", operands, signs=signs)
 
     def product(self, first: int, second: int) -> int:
-        """A product, constants in front; of equal factors a square."""
+        """A product, constants in front; equal factors make a square."""
         if first == second:
             return self.add("square", (first,))
         one, two = self.steps[first], self.steps[second]
@@ -383,7 +383,7 @@ class Forward:
         return self._sum(parts)
 
 
-# What costs an engine nothing: it stays where it is.
+# Steps that cost an engine nothing: they stay where they are.
 _GIVEN = ("argument", "number", "digits")
 Part = tuple[tuple[Step, ...], tuple[Signed, ...]]
 
@@ -445,7 +445,7 @@ ROUNDINGS = 8
 def term_sizes(
     steps: Sequence[Step], outputs: Sequence[Signed]
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-    """Steps and outputs for the sizes, which are what roundings of terms are measured by."""
+    """Steps and outputs for the sizes, by which roundings of terms are measured."""
     builder, sizes = _with_sizes(steps)
     return builder.needed([(1, sizes[place]) for _, place in outputs])
 

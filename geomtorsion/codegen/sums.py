@@ -1,4 +1,4 @@
-"""Sums: polynomials over literals, made short by pulling out what they share.
+"""Sums: polynomials over literals, shortened by pulling out common factors.
 
 A literal is an argument, a function or another sum.  Only the distributive law is used, and only
 from the sum to the product: nothing is expanded, and no new divisors appear.  The method is greedy.
@@ -126,7 +126,7 @@ def content(one: Fraction, two: Fraction) -> Fraction:
 
 
 def shared(one: tuple[int, ...], two: tuple[int, ...]) -> tuple[int, ...]:
-    """What two sorted tuples have in common, with repetition."""
+    """Common elements of two sorted tuples, with repetition."""
     found, i, j = list[int](), 0, 0
     while i < len(one) and j < len(two):
         if one[i] == two[j]:
@@ -150,7 +150,7 @@ def without(whole: tuple[int, ...], part: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(rest)
 
 
-# What an operation on Taylor series costs, as measured with heyoka at order 20: a product of two
+# Cost of an operation on Taylor series, measured with heyoka at order 20: a product of two
 # series convolves them; its square needs half the convolution, a product with a constant none.
 # On plain numbers all this costs the same, and fewer products are still better.
 PRODUCT, SQUARE, QUOTIENT, SCALE = 100, 40, 130, 10
@@ -162,7 +162,7 @@ Divisor = tuple[Any, Any]
 
 
 def factor(sums: Sums) -> None:
-    """Pull out what saves most, as long as something saves anything.
+    """Pull out the divisor that saves most, as long as one saves anything.
 
     Where there is more to compare than is worth the time, the sums stay as they are.
     """
@@ -175,9 +175,9 @@ def factor(sums: Sums) -> None:
 
 
 class _Search:
-    """Divisors of all sums, with what each would save; terms and divisors go by numbers.
+    """Divisors of all sums, with the saving of each; terms and divisors go by numbers.
 
-    divided: two terms -> divisor, front, and what the two save.
+    divided: two terms -> divisor, front, and the saving of the two.
     factors: a term -> its pairs of factors, and how often each could be taken.
     literal: divisor -> the literal that it has become; own: sum -> the divisor that it is.
     where: divisor -> sum -> pairs of terms, or how often a pair of factors is there; of: the
@@ -282,7 +282,7 @@ class _Search:
         return found
 
     def _compared(self, one: int, two: int) -> tuple[int, int, int]:
-        """Divisor (-1 where no state occurs) and front of two terms, and what they save."""
+        """Divisor (-1 where no state occurs) and front of two terms, and their saving."""
         key = (one, two)
         if key not in self.divided:
             divisor, front = divided(self.terms[one], self.terms[two])
@@ -292,7 +292,7 @@ class _Search:
                 after = (number, constants, (*rest, some))
             else:
                 after = (number, (some,), rest)
-            # Constants are worked out once: nothing is gained by factoring what holds no state.
+            # Constants are computed once: factoring terms without states gains nothing.
             states = divisor[0][2] or divisor[1][2] or rest
             saved = self.costs[one] + self.costs[two] - cost(after)
             place = self._divisor(divisor) if states else -1
@@ -317,7 +317,7 @@ class _Search:
         return divisor
 
     def _gained(self, divisor: int) -> int:
-        """What pulling out a divisor saves."""
+        """Saving of pulling out a divisor."""
         where, known = self.where[divisor], self._known(divisor) in self.literal
         one, two = self.divisors[divisor]
         if isinstance(one, int):
@@ -368,7 +368,7 @@ class _Search:
 
 
 def cost(term: Term) -> int:
-    """What one term costs."""
+    """Cost of one term."""
     number, constants, literals = term
     if not literals:
         return 0
