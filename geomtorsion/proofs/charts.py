@@ -165,7 +165,7 @@ class CurveCourse:
         return BallCode(made).real([*coordinates, *(exact_ball(x) for x in given), *values])
 
     def _frame_parameters(self) -> tuple[list[str], list[arb]]:
-        """Names and values of what charts contain besides coordinates."""
+        """Names and values of the quantities in charts other than coordinates."""
         table = self._values()
         return list(table), [exact_ball(x) for x in table.values()]
 
@@ -248,7 +248,7 @@ def _with_rest(
     carried: Sequence[str],
     parameters: Sequence[str],
 ) -> SetMap:
-    """A map of velocities that leaves all else as it is."""
+    """A map of velocities that changes nothing else."""
     states = (*coordinates, *velocities, *carried)
     outputs = [*map(sp.Symbol, coordinates), *rows, *map(sp.Symbol, carried)]
     return SetMap(states, graph([*states, *parameters], outputs, factor=False))
@@ -274,7 +274,7 @@ def _change_map(
 
 
 def _are_near(point: LohnerSet, there: Iterable[float]) -> bool:
-    """Whether coordinates are those that floats give, but for rounding."""
+    """Whether coordinates equal those computed with floats, up to rounding."""
     pairs = zip(point.middle, there, strict=False)
     return all(abs(float(x) - float(y)) <= PRINTED * (1 + abs(float(y))) for x, y in pairs)
 

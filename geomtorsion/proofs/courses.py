@@ -1,4 +1,4 @@
-"""Courses: what a problem means for a proof: where it starts, its equations, what changes when.
+"""Courses: a problem as a proof sees it: its start, its equations, and when these change.
 
 All numbers are made again in balls from what the user gave: floats are the dyadic numbers that they
 are, fractions and expressions exact.

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class DevelopedBalls:
     """A proved development.
 
-    matrix: [[rotation, burgers], [0, 1]] in balls; bits, steps: what it took.
+    matrix: [[rotation, burgers], [0, 1]] in balls; bits, steps: used.
     """
 
     matrix: arb_mat
@@ -65,14 +65,14 @@ def proved_development(
     *,
     is_exact: bool = True,
 ) -> DevelopedBalls:
-    """The development of a loop, as sharp as wanted of burgers and of rotation - 1.
+    """The development of a loop, with the requested accuracy of burgers and of rotation - 1.
 
     is_exact: whether parameters are numbers, and not wider balls, of which no bits get rid.
 
     Raises
     ------
     ProofError
-        the loop meets a pole or an edge, or comes too near to one.
+        the loop meets a pole or an edge, or is too near to one.
     """
     bits = max(x.bits for x in wanted) + SPARE
     while True:

@@ -24,7 +24,7 @@ class Fall:
     then the time.
     states: names of the states of the equations but for a clock.
     parameters: makes the values of the parameters of the term at the precision in use.
-    ticks: how much time a clock counts as one, the last state of the equations; None without one.
+    ticks: time unit of a clock, which is the last state of the equations; None without a clock.
     """
 
     system: BallSystem

@@ -147,14 +147,14 @@ def proved_integrals(
     *,
     is_exact: bool = True,
 ) -> Integrals:
-    """Integrals of all rows of a coframe around a loop, as sharp as wanted where that can be had.
+    """Integrals of all rows of a coframe around a loop, with the requested accuracy where possible.
 
     is_exact: whether parameters are numbers, and not wider balls, of which no bits get rid.
 
     Raises
     ------
     ProofError
-        the loop meets a pole, or the edge of a function or of a branch, or comes nearer to one than
+        the loop meets a pole, or the edge of a function or of a branch, or is nearer to one than
         this method can resolve.
     MissingValueError
         a parameter has no value.
@@ -172,7 +172,7 @@ def proved_integrals(
 
 
 def missing_bits(balls: Sequence[arb], wanted: Wanted) -> int:
-    """How many bits more are needed: of the largest component, or to judge an error of zero."""
+    """Further bits needed: for the largest component, or to judge an error of zero."""
     radius = max((x.rad() for x in balls), key=log2)
     if radius.is_zero():
         return 0

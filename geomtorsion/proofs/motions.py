@@ -59,7 +59,7 @@ class Leg:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """What one leg gave.
+    """Result of one leg.
 
     samples: boxes at its samples, as many as were reached.
     whole: the set at its end; None where it was stopped.
@@ -88,7 +88,7 @@ def follow(
     Raises
     ------
     RefusalError
-        the motion ends, comes to the edge of its chart or touches a stop; or the set of motions
+        the motion ends, reaches the edge of its chart or touches a stop; or the set of motions
         grew too wide for a step.
     """
     found: list[list[arb]] = []

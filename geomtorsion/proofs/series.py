@@ -25,7 +25,7 @@ Rows = list[list[arb]]
 
 @contextmanager
 def series_length(length: int) -> Iterator[None]:
-    """Series have so many coefficients inside."""
+    """Block in which series have a given number of coefficients."""
     before = ctx.cap
     ctx.cap = length
     try:
@@ -176,7 +176,7 @@ def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> 
 
 
 def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, length: int) -> list:
-    """A function of series, of so many coefficients, at the polynomials that are known."""
+    """A function of series, to some number of coefficients, at the known polynomials."""
     with series_length(length):
         return function([arb_series(row, prec=length) for row in rows])
 

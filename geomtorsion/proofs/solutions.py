@@ -119,7 +119,7 @@ class SolutionTask:
                 "expected a solution that reached one of its times, got one without samples. Solve "
                 "to a later time."
             )
-        # Behind the last sample a motion may come to an edge.
+        # A motion may reach an edge after the last sample.
         end = samples[-1].time
         hints = [x for x in hints if x.begin <= end]
         # Each ends exactly where the next one begins.
@@ -137,12 +137,12 @@ class SolutionTask:
         return cls(solution, course, tuple(samples), stopped, stretches, is_exact)
 
     def proved(self, wanted: Wanted) -> MotionBalls:
-        """States in balls, as sharp as wanted where that can be had.
+        """States in balls, with the requested accuracy where possible.
 
         Raises
         ------
         ProofError
-            the motion ends, or comes to an edge, or touches a stop.
+            the motion ends, or reaches an edge, or touches a stop.
         """
         bits, refused, before = wanted.bits + SPARE, None, math.inf
         while True:

@@ -12,9 +12,9 @@ from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.errors import ArgumentError
 
 MOST_DIGITS = 1000
-# Balls are so many bits sharper than the error that they are to judge.
+# Balls have this many more bits than the error that they judge.
 SHARPER = 4
-# Bits on top of the digits: what rounding takes on the way in a problem without cancellation.
+# Extra bits, which rounding consumes in a problem without cancellation.
 SPARE = 30
 # No proof takes more bits than this.
 MOST_BITS = 20_000
