@@ -44,7 +44,7 @@ class Row(Protocol):
 
 
 class Table(Protocol):
-    """What `accuracy_cost` returns."""
+    """Result of `accuracy_cost`."""
 
     @property
     def problem(self) -> str:
@@ -58,7 +58,7 @@ class Table(Protocol):
 
     @property
     def truth(self) -> str:
-        """What errors were measured against."""
+        """Reference for the errors."""
         ...
 
     @property
@@ -68,7 +68,7 @@ class Table(Protocol):
 
 
 def work_precision_picture(table: Table) -> Figure:
-    """Time upwards, accuracy to the right: whatever is lower and further right is better.
+    """Time upwards, accuracy to the right: lower and further right is better.
 
     Full lines: time with error estimate; thin lines: time of only the answer. A small bar leads
     from each mark to the requested accuracy.
@@ -151,7 +151,7 @@ class RuleRow(Protocol):
 
 
 class LoopCosts(Protocol):
-    """What `geomtorsion.accuracy.loops.loop_costs` gives."""
+    """Result of `geomtorsion.accuracy.loops.loop_costs`."""
 
     @property
     def name(self) -> str:

@@ -34,7 +34,7 @@ Draw = Callable[["Pair"], "Figure"]
 
 
 def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
-    """Which pictures this pair has: name -> (how to draw it, what it shows).
+    """Figures of this pair: name -> (function that draws it, caption).
 
     Examples
     --------

@@ -63,7 +63,7 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
 # Position of a panel (rows, columns, number), and curves by name.
 Place = tuple[int, int, int]
 Paths = Mapping[str, np.ndarray]
-# What the three axes of a body are called in legends.
+# Names of the three axes of a body in legends.
 NAMES = ("first axis of the body, 1", "second axis, 2", "third axis, 3")
 
 
@@ -85,7 +85,7 @@ def caption(pair: Pair) -> list[str]:
 
 
 def clock(pair: Pair) -> str:
-    """What the curve parameter is called on an axis: t, unless a coordinate has that name."""
+    """Name of the curve parameter on an axis: t, unless a coordinate has that name."""
     return "curve parameter" if "t" in pair.problem.coordinates else "$t$"
 
 

@@ -88,7 +88,7 @@ def expression_mathml(expression: object) -> str:
     return mathml(latex_text(expression))
 
 
-# What a page that promises to load nothing has to allow its own font.
+# Permission for the embedded font on a page that forbids all loading.
 FONT_SOURCE = "font-src data:"
 FAMILY = "geomtorsion math"
 

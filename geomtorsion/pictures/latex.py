@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Tensor
 
 _NUMBERED = re.compile(r"(\D+?)_?([0-9]+)")
-# What identities in plain text call some letters, as in Gamma_bar_ab^c.
+# Plain-text names of some letters in identities, as in Gamma_bar_ab^c.
 _NAMES = {
     "Gamma_bar": "Γ\u0304", "R_bar": "R\u0304", "D_bar": "D\u0304", "Gamma": "Γ",
     "T_scalar": "T", "omega": "ω", "eta": "η",

@@ -202,7 +202,7 @@ def _extend(largest: float, limit: float) -> str:
 def _corners(
     survey: BurgersMap, names: list[str]
 ) -> tuple[tuple[np.ndarray, np.ndarray], list[str]]:
-    """Corners of the cells, and what the two axes show."""
+    """Corners of the cells, and the labels of the two axes."""
     labels, lines = [], []
     for axis in (0, 1):
         direction = survey.plane[axis]

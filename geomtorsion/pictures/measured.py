@@ -221,7 +221,7 @@ def _shaded(
 
 def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, ...]) -> None:
     """Thin lines between pixels of different grains."""
-    # Whoever has axes has matplotlib.
+    # A caller with axes has matplotlib.
     from matplotlib.collections import LineCollection
 
     x, y = corners
@@ -317,7 +317,7 @@ def _place(
 
 
 def _said(survey: Survey, layer: int) -> list[str]:
-    """What the picture shows, in numbers."""
+    """Caption of the figure, with numbers."""
     known = survey.laid(survey.known)[..., layer]
     count = int(known.sum())
     found = int((survey.laid(survey.significant)[..., layer] & known).sum())

@@ -192,7 +192,7 @@ def _places(
 
 
 def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
-    """Two different coordinates of so many, by number."""
+    """Two different coordinates, by number."""
     chosen = checks.entries(plane, "plane")
     known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
     if len(set(known)) != 2 or len(known) != 2:

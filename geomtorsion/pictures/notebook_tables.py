@@ -54,7 +54,7 @@ def curvature_html(curvature: Curvature) -> str:
 
 
 def table_html(table: ComponentTable) -> str:
-    """A table that folds away; of a long one the later rows are folded.
+    """A table that folds away; the later rows of a long table are folded.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def _signature(frame: Frame) -> str:
 
 
 def space_html(space: Space) -> str:
-    """What a space is, where it comes from, and its frame.
+    """Description of a space, its source and its frame.
 
     Examples
     --------
@@ -186,7 +186,7 @@ def _one_form(form: Sequence[tuple[sympy.Expr, str]]) -> str:
 
 
 def _heading(table: ComponentTable) -> str:
-    """What a tensor is called and how many components it has."""
+    """Name of a tensor and its number of components."""
     tensor = table.tensor
     label = latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots)
     words = f"{html_text(tensor.name or 'tensor')} {_math(label)}"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class Entry:
     """How a quantity is presented.
 
-    name: what `Frame.quantity` calls it. title: what people call it. symbol, latex: its letter.
+    name: its name in `Frame.quantity`. title: its usual name. symbol, latex: its letter.
     equation: its definition in one line; indices as in the conventions.
     section: heading of the report above it; empty: omitted there.
     """
@@ -180,7 +180,7 @@ def entry(name: str) -> Entry:
 
 
 def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
-    """Entries of these quantities in the order given; of all that a report shows if none is given.
+    """Entries of these quantities in the given order; of all in a report if none is given.
 
     Examples
     --------
@@ -235,7 +235,7 @@ class Quantity:
 
     @cached_property
     def undecided(self) -> tuple[tuple[int, ...], ...]:
-        """The indices of those that may vanish or not."""
+        """The indices of undecided components."""
         return tuple(index for index in self.nonzero if open_mark(self.tensor, index))
 
 

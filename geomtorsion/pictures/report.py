@@ -240,7 +240,7 @@ def _chosen(pair: Pair) -> list[tuple[Draw, str]]:
 
 
 def _sentences(pair: Pair) -> list[str]:
-    """What the pictures show, in words."""
+    """Captions of the figures."""
     largest = float(pair.distance.max())
     found = (
         f"From this start straightest and shortest path are one, to {size_text(largest, 0)}."

@@ -1,4 +1,4 @@
-"""Attitude and path: where the axes of a moving body point, and where it goes."""
+"""Attitude and path: directions of the axes of a moving body, and its path."""
 
 from __future__ import annotations
 
@@ -396,7 +396,7 @@ def _stations(points: np.ndarray) -> np.ndarray:
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if way[-1] == 0:
         return np.array([0])
-    # Equal steps of the way, not of time: slow bodies would cover one another.
+    # Equal steps of the path, not of time: slow bodies would cover each other.
     wanted = np.linspace(0, way[-1], min(STYLE.stations, len(points)))
     return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
 

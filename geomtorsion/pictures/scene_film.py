@@ -112,7 +112,7 @@ def write_film(
     figure = new_figure(4.6, 4.8)
     # The frames are drawn one by one: a layout engine would make them jitter.
     figure.set_layout_engine("none")
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
@@ -176,7 +176,7 @@ class _Stage:
     def __init__(
         self, axes: Axes3D, turn: np.ndarray, positions: ArrayLike | None, sides: np.ndarray
     ) -> None:
-        # Whoever has axes has matplotlib.
+        # A caller with axes has matplotlib.
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
         self.turn = turn

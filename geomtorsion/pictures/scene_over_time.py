@@ -37,7 +37,7 @@ def watched_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """Each quantity against time in a panel of its own; parts of a vector share one.
+    """Each quantity against time in its own panel; parts of a vector share one panel.
 
     Parameters
     ----------
@@ -48,9 +48,9 @@ def watched_picture(
     units
         name -> unit, written on the axis.
     labels
-        name -> what its components are called; numbers from 1, if not given.
+        name -> names of its components; numbers from 1, if not given.
     meanings
-        name -> what it is, in words; the name, if not given.
+        name -> description in words; the name, if not given.
     notes
         lines for below the picture.
 
@@ -190,7 +190,7 @@ def change_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """What should be constant, by several equations of motion, each against its own start.
+    """Constants of motion from several equations of motion, each relative to its start.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def sweep_picture(
 
 
 def _scaled(setter: Callable[[str], object], values: np.ndarray) -> None:
-    """A logarithmic axis where the values ask for one."""
+    """A logarithmic axis where the values need one."""
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() > 0 and finite.max() > STYLE.wide * finite.min():
         setter("log")

@@ -124,7 +124,7 @@ def layers_picture(layers: Sequence[Sequence[str]], edges: Iterable[tuple[str, s
 
 
 def _box(axes: Axes, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
-    # Whoever has axes has matplotlib.
+    # A caller with axes has matplotlib.
     from matplotlib.patches import FancyBboxPatch
 
     x, y = place

@@ -1,4 +1,4 @@
-"""sphere: a see-through globe, and curves on it that are pale where they run behind."""
+"""sphere: a transparent globe, and curves on it that are pale on its far side."""
 
 from __future__ import annotations
 

@@ -178,7 +178,7 @@ def _plain_texts(figure: Figure) -> None:
 
     Titles and labels hold names and units from files, which matplotlib would set as mathematics.
     """
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     from matplotlib.mathtext import MathTextParser
 
     # An extra, as above.
@@ -200,7 +200,7 @@ def svg_text(figure: Figure, *, outlines: bool = True) -> str:
 
     outlines: letters are drawn as curves, the same in every viewer; otherwise they are text.
     """
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     import matplotlib as mpl
 
     _plain_texts(figure)
@@ -301,7 +301,7 @@ def sense(axes: Axes, points: np.ndarray, color: str) -> None:
 
 def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:
     """Axes in space with few numbers, level names and no walls, around the curves."""
-    # Whoever has axes has matplotlib.
+    # A caller with axes has matplotlib.
     from matplotlib.ticker import MaxNLocator
 
     names = (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)
