@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reduced:
-    """Rates of u^k in u, t and parameters, as on a Lie group, and what they keep.
+    """Rates of u^k in u, t and parameters, as on a Lie group, and their invariants.
 
     rates: name of a velocity -> its rate.
     invariants: name -> f(u, t).
@@ -107,7 +107,7 @@ class EquationsOfMotion:
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
-        """The quasi-velocities that move: all of them, or those that constraints leave."""
+        """The moving quasi-velocities: all of them, or those free under constraints."""
         return tuple(self.hamel.bundle.symbols.velocities[i] for i in self.hamel.free)
 
     @property
@@ -172,7 +172,7 @@ class EquationsOfMotion:
 
     @cached_property
     def torsion_force(self) -> tuple[sp.Expr, ...]:
-        """C_kj^i u^j p_i in the frame: what Hamilton's principle has and Kleinert's has not.
+        """C_kj^i u^j p_i in the frame: the term of Hamilton's principle that Kleinert's lacks.
 
         With p_i = eta_ij u^j it is minus the torsion force 2 S_a^c_b q'^a q'^b.
         """
@@ -278,7 +278,7 @@ def equations_of_motion(
     --------
     d/dt p_k = A_kj^i u^j p_i + E_k^mu dL/dq^mu + F_k,  p_i = dL/du^i       (Boltzmann, Hamel)
     with A_kj^i = 2 S_kj^i of the frame for closed_in_coordinates    [FizievKleinert1994], (17);
-    A = 0 for naive; for closed_in_image the torsion of the image goes off.
+    A = 0 for naive; for closed_in_image the torsion of the image is subtracted.
 
     Parameters
     ----------
@@ -459,7 +459,7 @@ class Lagrange:
         return tuple(field.sum(row) for row in terms)
 
     def _torsion(self) -> HamelCoefficients:
-        """X_mu nu^la, what the principle takes off."""
+        """X_mu nu^la, the term that the principle subtracts."""
         principle, frame = self.principle, self.bundle.frame
         if principle.frame_curl and not principle.image_torsion:
             return {}
@@ -469,7 +469,7 @@ class Lagrange:
     def agrees(self, hamel: Hamel) -> bool | None:
         """Whether E_k^mu times these equals the equations in quasi-velocities, for free k.
 
-        Decided by exact zero, after q' = E u and q'' = d/dt (E u) are put in.
+        Decided by exact zero, after q' = E u and q'' = d/dt (E u) are inserted.
         """
         field, symbols = hamel.bundle.field, hamel.bundle.symbols
         field.declare(symbols.accelerations)

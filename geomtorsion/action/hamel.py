@@ -91,8 +91,8 @@ def coefficients_of(
 
     u^i = e^i_mu q'^mu gives  delta u^i - d/dt (e^i_mu dq^mu)
     = (d_mu e^i_nu - d_nu e^i_mu) dq^mu q'^nu: the curl of the coframe, in the frame C_kj^i.
-    Where the image closes, the torsion 2 S_kj^i of its connection goes off again: all of it for
-    the Cartan connection of the frame, which is taken if none is given.
+    Where the image closes, the torsion 2 S_kj^i of its connection is subtracted again: all of it
+    for the Cartan connection of the frame, which is taken if none is given.
     """
     if not principle.frame_curl:
         return {}
@@ -139,7 +139,7 @@ class Hamel:
 
     @cached_property
     def velocities(self) -> tuple[Element, ...]:
-        """u^i as elements, with the values of those that are fixed."""
+        """u^i as elements, with the values of the fixed ones."""
         every = enumerate(self.bundle.velocities)
         return tuple(self.fixed.get(i, value) for i, value in every)
 
@@ -432,7 +432,7 @@ def _coefficients(bundle: TangentBundle, where: str, value: Element) -> tuple[Ro
 
 
 def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) -> list[int]:
-    """For each constraint the form that it replaces, such that what results is a frame."""
+    """For each constraint the form that it replaces, such that the result is a frame."""
     field, done = bundle.field, []
     places: list[int] = []
     for name, row in zip(names, rows, strict=True):
@@ -460,7 +460,7 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
 
 
 def _rank(bundle: TangentBundle, value: Element) -> int:
-    """0 for a number, 1 for a parameter, 2 for what may vanish somewhere."""
+    """0 for a number, 1 for a parameter, 2 for a function that may vanish somewhere."""
     if value.is_rational:
         return 0
     return 2 if value.symbols & set(bundle.frame.coordinates) else 1

@@ -1,4 +1,4 @@
-"""Invariants: what a motion keeps, each proved by exact zero."""
+"""Invariants: constants of a motion, each proved by exact zero."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ class _Found:
     def add(self, one: Candidate, products: Sequence[Element] = ()) -> bool:
         """Keep a value if its derivative is exactly zero and others do not make it up.
 
-        products: of values that are kept, which make up others also.
+        products: of kept values, of which others may consist.
         """
         value = one.value
         if value.is_rational or one.change(self.hamel).is_zero is not True:

@@ -62,7 +62,7 @@ class Linearization:
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Roots of the characteristic polynomial, complex, those that grow fastest first.
+        """Complex roots of the characteristic polynomial, the fastest growing first.
 
         Zeros are exact and keep their number; others are rounded once.
 
@@ -123,7 +123,7 @@ def exactly(value: sp.Expr) -> sp.Expr:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What moves, before it is expanded anywhere.
+    """Lagrangian, forces and constraints of a motion, before expansion at a point.
 
     bundle: frame and symbols; lagrangian, forces, constraints: in q, u and parameters.
     coefficients: A_kj^i of the principle.

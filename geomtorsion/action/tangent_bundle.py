@@ -143,7 +143,7 @@ class TangentBundle:
         return self.field.sum([(1, value, slope) for value, slope in pairs])
 
     def change(self, element: Element, rates: Sequence[Element]) -> Element:
-        """d_t f + q'^mu d_mu f: what f(q, u, t) changes by while the velocities stay."""
+        """d_t f + q'^mu d_mu f: rate of f(q, u, t) at constant velocities."""
         pairs = zip(self.frame.coordinates, rates, strict=True)
         terms = [(1, rate, element.diff(symbol)) for symbol, rate in pairs]
         return self.field.sum([(1, element.diff(self.symbols.time)), *terms])

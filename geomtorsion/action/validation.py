@@ -1,4 +1,4 @@
-"""Validation: what a user gives for equations of motion, checked once and read exactly."""
+"""Validation: user input for equations of motion, checked once and read exactly."""
 
 from __future__ import annotations
 
