@@ -286,7 +286,7 @@ def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """
     name = checked_convention(convention)
     turns = _array(angles, (3,), "angles")
-    # Each step turns about space axes, so that body axes are gone through backwards.
+    # Each step turns about space axes, so that body axes are taken in reverse order.
     order = [0, 1, 2] if name.islower() else [2, 1, 0]
     q = np.zeros((*turns.shape[:-1], 4))
     q[..., 0] = 1.0

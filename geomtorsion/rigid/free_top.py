@@ -52,7 +52,7 @@ def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> 
     return turned
 
 
-FULL = 4 * math.pi  # quaternions come back after two turns
+FULL = 4 * math.pi  # quaternions return after two turns
 # Products of four moments or rates between 1/WIDE and WIDE are doubles.
 WIDE = 10.0 ** (sys.float_info.max_10_exp // 4)
 # Beyond so many half periods doubles no longer distinguish one from the next.
@@ -111,7 +111,7 @@ class FreeTop:
 
     @property
     def period(self) -> float:
-        """After this time the rates come back; infinite on the separatrix, nan if constant.
+        """Period of the rates; infinite on the separatrix, nan if constant.
 
         Examples
         --------
