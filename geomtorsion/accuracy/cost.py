@@ -63,7 +63,7 @@ class CostRow:
 
     @property
     def holds(self) -> bool:
-        """Whether the answer is as accurate as asked."""
+        """Whether the answer is as accurate as requested."""
         return self.achieved is not None and self.achieved <= self.asked
 
 
@@ -186,7 +186,7 @@ def accuracy_cost(
     progress: Callable[[float], object] = lambda _: None,
     proved: bool = False,
 ) -> CostTable:
-    """Measure what each accuracy costs with each engine.
+    """Measure the cost of each accuracy with each engine.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def accuracy_cost(
     engines
         Taylor() (if installed) and RungeKutta() if not given.
     accuracies
-        what to ask `solve` for.
+        accuracies to request from `solve`.
     exact
         function of times that gives the true states, where a closed form is known.
     progress

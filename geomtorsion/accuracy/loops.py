@@ -1,4 +1,4 @@
-"""Loops: what accuracy costs for closed paths, rules x number of points -> error and time."""
+"""Loops: cost of accuracy for closed paths, rules x number of points -> error and time."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ POINTS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 RULES = ("trapezoid", "Gauss", "Clenshaw-Curtis", "scipy.quad", "flux", "burgers_vector")
 # Points on a ray from the centre, as the flux rule takes them at first.
 RAYS = integrals.RAYS[0][1]
-# Some fifty: whatever a double has, and what cancels on the way.
+# Some fifty: the digits of a double, and those lost by cancellation.
 DIGITS = prec_to_dps(CONSTANT_BITS)
 Nodes = Callable[[int], tuple[np.ndarray, np.ndarray]]
 
@@ -58,7 +58,7 @@ class LoopCost:
 
 @dataclass(frozen=True)
 class LoopCosts:
-    """What accuracy costs on one loop.
+    """Cost of accuracy on one loop.
 
     name: which loop in which frame; rows: rule by rule, points rising.
     reference: b^i to 50 digits, as mpmath numbers.
