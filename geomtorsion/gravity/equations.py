@@ -458,7 +458,7 @@ def _check_geometry(theory: Lagrangian, connections: Sequence[Connection]) -> No
 
 
 def _fault(geometry: str, connections: Sequence[Connection]) -> str:
-    """What a connection is, against what its theory assumes."""
+    """Mismatch between a connection and the assumption of its theory."""
     others = [one for one in connections if one.kind != "levi-civita"]
     if geometry == "riemannian":
         return "is not that of the metric"

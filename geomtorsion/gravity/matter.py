@@ -37,9 +37,9 @@ class Varied(Protocol):
 
 
 class MatterField(ABC):
-    """A field with invariants of its own in the Lagrangian.
+    """A field with its own invariants in the Lagrangian.
 
-    names: what the Lagrangian may call it by.
+    names: its names in the Lagrangian.
     symbol: the name of the field.
     """
 

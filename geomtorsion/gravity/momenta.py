@@ -120,7 +120,8 @@ class Momenta:
 
     @cached_property
     def moved(self) -> Tensor:
-        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD: what a metric connection adds.
+        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD: a metric connection's extra
+        term.
 
         The coframe determines that connection, so that its equation becomes part of E.
         """

@@ -1,4 +1,4 @@
-"""Theories: Lagrangians by name; none has equations of its own."""
+"""Theories: Lagrangians by name; their equations come from the general code."""
 
 from __future__ import annotations
 

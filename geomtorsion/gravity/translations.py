@@ -1,4 +1,4 @@
-"""Translations: what the symbols of other papers and programs are here, each checked by a test."""
+"""Translations: symbols of other papers and programs in symbols of this package, each tested."""
 
 from __future__ import annotations
 
