@@ -44,7 +44,7 @@ def check_limits() -> None:
 
 
 class Limits:
-    """What `limits` returns: a block of `with` in which time and memory are bounded."""
+    """Result of `limits`: a block of `with` in which time and memory are bounded."""
 
     def __init__(self, seconds: float | None, megabytes: float | None) -> None:
         self.seconds = seconds
@@ -111,9 +111,9 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     Parameters
     ----------
     seconds
-        Of a clock on the wall, from entering the block.
+        Wall-clock time from entering the block.
     megabytes
-        Millions of bytes on top of what the process has on entering the block.
+        Millions of bytes beyond the memory of the process on entering the block.
 
     Raises
     ------

@@ -19,7 +19,7 @@ HDF5 = b"\x89HDF\r\n\x1a\n"
 def check_hdf5(path: Path, h5py: Any) -> list[str]:
     """The names in the first group of a file that may be given to any reader.
 
-    Readers follow links, also into other files, and take the memory that a data set asks for.
+    Readers follow links, also into other files, and allocate the memory that a data set declares.
 
     h5py: the library, which is optional.
 

@@ -37,7 +37,7 @@ _LOCK = RLock()
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """mpmath works with so many bits inside.
+    """Block in which mpmath works with a given number of bits.
 
     Examples
     --------
@@ -52,14 +52,14 @@ def working_precision(bits: int) -> Iterator[None]:
 
 @contextmanager
 def working_digits(digits: int) -> Iterator[None]:
-    """mpmath works with so many decimal digits inside."""
+    """Block in which mpmath works with a given number of decimal digits."""
     with _LOCK, mpmath.workdps(digits):
         yield
 
 
 @contextmanager
 def ball_precision(bits: int) -> Iterator[None]:
-    """python-flint works with so many bits inside.
+    """Block in which python-flint works with a given number of bits.
 
     Examples
     --------

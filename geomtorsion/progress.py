@@ -40,9 +40,9 @@ def somebody_watches() -> bool:
 def bar(
     what: str, total: float = 1.0, *, wanted: bool | None = None, patience: float = 0.0
 ) -> Iterator[Show | None]:
-    """Show a progress bar; the result is None if nobody watches.
+    """Show a progress bar; return None if nothing is shown.
 
-    total: of what the result is called with.
+    total: the value of `done` at the end.
     wanted: None shows it on a terminal; True shows it anywhere, and leaves it there.
     patience: seconds after which it appears.
     """
