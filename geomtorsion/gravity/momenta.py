@@ -120,8 +120,7 @@ class Momenta:
 
     @cached_property
     def moved(self) -> Tensor:
-        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD: a metric connection's extra
-        term.
+        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD, for metric connections.
 
         The coframe determines that connection, so that its equation becomes part of E.
         """
