@@ -41,7 +41,7 @@ def numpy_function(
     Function of len(symbols) numbers or arrays of one shape; it returns an array of shape
     (k, *shape).  Its source is kept in the attribute `source`.  Values are right to 1e-12 of
     themselves: where rounding may leave fewer digits, as beside a removable singularity or a zero,
-    they are worked out with as many more as it takes.
+    they are computed with as many more as needed.
 
     Raises
     ------
@@ -228,7 +228,7 @@ def _blocks(
 ) -> Iterator[tuple[list[np.ndarray], Callable[[np.ndarray], np.ndarray]]]:
     """Parts of arrays that are computed at once, and the function that takes each part."""
     count = int(np.prod(shape))
-    # Arrays that are still to be stretched are small: they are worked out before that.
+    # Arrays that are still to be broadcast are small: they are computed before that.
     if count <= BLOCK or any(array.shape not in ((), shape) for array in arrays):
         yield arrays, lambda whole: whole
         return
@@ -244,7 +244,7 @@ class Bounds:
     """Steps for values and for bounds of their errors, in units of one rounding.
 
     relative: of each output, where it is the same at all points; None where it is not.
-    absolute: sign and place of the bound of each other output.
+    absolute: sign and position of the bound of each other output.
     """
 
     steps: tuple[Step, ...]

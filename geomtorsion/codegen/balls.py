@@ -86,7 +86,7 @@ def expression_ball(value: sp.Expr) -> arb:
 
 @lru_cache(maxsize=256)
 def _constant(value: sp.Expr, bits: int) -> arb:
-    """A number that is not rational, at so many bits, which are those in use."""
+    """An irrational number, to the number of bits in use."""
     assert bits == ctx.prec
     if value in _CONSTANTS:
         return _CONSTANTS[value]()

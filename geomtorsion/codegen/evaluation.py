@@ -20,7 +20,7 @@ Exact = Fraction | mpmath.mpf
 def exact_values(
     steps: Sequence[Step], outputs: Sequence[Signed], arguments: Sequence[Any], bits: int
 ) -> list[Exact]:
-    """Outputs as fractions where they are rational, else as mpmath's numbers of so many bits."""
+    """Outputs as fractions where they are rational, else as mpmath numbers of a given precision."""
     with working_precision(bits):
         given = [exact_number(value, bits) for value in arguments]
         made: list[Exact] = []
@@ -84,7 +84,7 @@ def rational(value: Any) -> Fraction | None:
 
 
 def exact_number(value: Any, bits: int) -> Exact:
-    """A number of any kind as a fraction, or as mpmath number of so many bits.
+    """A number of any kind as a fraction, or as an mpmath number of a given precision.
 
     Examples
     --------

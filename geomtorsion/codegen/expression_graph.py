@@ -59,7 +59,7 @@ def graph(
     Parameters
     ----------
     arguments
-        names in order; symbols and unknown functions go by what str makes of them.
+        names in order; symbols and unknown functions by their str.
     outputs
         k of them; elements of several fields, sympy expressions and sums of products may mix.
     constants
@@ -103,7 +103,7 @@ class Graph:
 
     arguments: names, in order.
     steps: values in order; values that no output needs are omitted.
-    outputs: sign and place of each.
+    outputs: sign and position of each.
     is_complex: whether values may be complex where arguments are real.
     """
 
@@ -217,7 +217,7 @@ class Graph:
         return all(name == "power" or FUNCTIONS[name].heyoka for name in called)
 
     def exactly(self, values: Sequence[Any], bits: int = EXACT_BITS) -> list[Fraction | mpmath.mpf]:
-        """Values at one point: fractions where they are rational, else numbers of so many bits.
+        """Values at one point: fractions where rational, else numbers of a given precision.
 
         Examples
         --------
@@ -293,7 +293,7 @@ class Graph:
         return Graph((*self.arguments, *more), *builder.needed(found), self.is_complex)
 
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
-        """The same over constants that are worked out once, and the graph that makes these.
+        """The same over constants that are computed once, and the graph that computes these.
 
         first: position of the first constant argument; all after it are also constant, and are
         the arguments of the second graph; name: of the new arguments, which are numbered.

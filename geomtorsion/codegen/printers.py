@@ -1,6 +1,6 @@
 """Printers: steps as Python source or heyoka expressions; names of functions in each.
 
-The one place where text becomes a function.
+The only module in which text becomes a function.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def python_source(arguments: int, body: Body) -> str:
 
 
 class _PythonWriter:
-    """Writes steps: those needed once in place, others as statements before."""
+    """Writer of steps: steps needed once are inlined, others are statements before."""
 
     def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
         self.lines: list[str] = []

@@ -1,6 +1,6 @@
 """Reading: elements, their products and sympy expressions as sums over literals, and as steps.
 
-Sums of cosh and sinh are merged into powers of exp on the way.
+Sums of cosh and sinh are merged into powers of exp.
 """
 
 from __future__ import annotations
@@ -412,7 +412,7 @@ class Reader:
         raise ExpressionError(f"{tree} has no numerical form here; write it in other functions")
 
     def _tree_power(self, base: sp.Basic, below: Term, above: Term) -> Term:
-        """A power: of whole and half numbers by products and square roots."""
+        """A power: for whole and half exponents by products and square roots."""
         if base is sp.E:
             return self._call("exp", above)
         number, constants, rest = above
@@ -437,7 +437,7 @@ class Emitter:
         self._done: dict[int, Signed] = {}
 
     def outputs(self, numbers: Sequence[int]) -> list[Signed]:
-        """Sign and place of some of the sums."""
+        """Sign and position of some of the sums."""
         found = []
         for number in numbers:
             for needed in self._of_sum(number):
@@ -536,7 +536,7 @@ class Emitter:
         return sign, self._chain(above), self._chain(below)
 
     def _chain(self, places: Sequence[int]) -> int | None:
-        """The product of places, equal ones as powers."""
+        """The product of steps, equal ones as powers."""
         if len(places) < 2:
             return places[0] if places else None
         count: dict[int, int] = {}

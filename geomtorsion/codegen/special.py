@@ -50,7 +50,7 @@ def _values(name: str, *arguments: Any) -> np.ndarray:
     arrays = np.broadcast_arrays(*arguments)
     kind = np.result_type(*arrays, float)
     if name in _OF_SCIPY and kind in (np.float64, np.complex128):
-        # Few expressions need it, and loading scipy.special costs more than all else here.
+        # Few expressions need it, and loading scipy.special costs more than everything else here.
         return getattr(import_module("scipy.special"), _OF_SCIPY[name])(*arrays)
     result = np.empty(arrays[0].shape, dtype=kind)
     is_real = not np.issubdtype(kind, np.complexfloating)

@@ -20,7 +20,7 @@ MANY_QUOTIENTS = 6
 # Further functions that occur in slopes of special functions.
 _EVERYDAY = (sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.sinh, sympy.cosh)
 
-# Sign and place of a step.
+# Sign and position of a step.
 Signed = tuple[int, int]
 
 
@@ -30,8 +30,8 @@ class Step:
 
     kind: argument, number (rational), digits (pi and its kind), imaginary (the unit), sum,
         product, square, quotient, root or call.
-    operands: places of earlier steps.
-    signs: of each operand of a sum; nothing elsewhere.
+    operands: positions of earlier steps.
+    signs: of each operand of a sum; otherwise empty.
     detail: the position of an argument, the number, the degree of a root, the name of a function
         (sympy's, or power).
     constant: whether the step changes only with constant arguments.
@@ -163,7 +163,7 @@ def uses(steps: Sequence[Step], outputs: Sequence[Signed]) -> list[int]:
     return count
 
 
-# Derivatives that are not zero: which argument -> sign and place.
+# Derivatives that are not zero: argument -> sign and position.
 Slopes = dict[int, Signed]
 
 
@@ -407,7 +407,7 @@ def hoisted(
     positions: dict[int, int] = {}
 
     def further(place: int) -> int:
-        """An argument for a constant, by its place in `made`."""
+        """An argument for a constant, by its position in `made`."""
         if place not in positions:
             positions[place] = width + len(found)
             found.append((1, place))
@@ -438,7 +438,7 @@ def hoisted(
     return rest.needed(results), made.needed(found)
 
 
-# A value that is smaller than so many roundings of its terms has no sign of its own.
+# A value smaller than this many roundings of its terms has no definite sign.
 ROUNDINGS = 8
 
 
@@ -468,10 +468,10 @@ def above_rounding(
 
 
 def _with_sizes(steps: Sequence[Step]) -> tuple[Builder, list[int]]:
-    """All steps, and for each the place of its size."""
+    """All steps, and for each the position of its size."""
     builder = Builder()
     sizes: list[int] = []
-    # First all old steps, so that their places stay.
+    # First all old steps, so that their positions stay.
     for step in steps:
         builder.add(step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant)
     for place, step in enumerate(steps):

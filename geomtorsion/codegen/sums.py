@@ -210,7 +210,7 @@ class _Search:
         self.heap: list[tuple[int, bool, int]] = []
 
     def run(self) -> None:
-        """Pulls out the best until nothing is left that saves."""
+        """Pull out the best divisor until none saves anything."""
         changed = list(range(len(self.sums)))
         while changed and self.compared < MOST_COMPARED:
             self._update(changed)
@@ -266,7 +266,7 @@ class _Search:
         return isinstance(self.divisors[divisor][0], int)
 
     def _found(self, number: int) -> dict[int, Any]:
-        """All divisors of a sum, with their places."""
+        """All divisors of a sum, with their positions."""
         found: dict[int, Any] = {}
         terms, own = self.sums[number], self.own.get(number)
         self.compared += len(terms) * (len(terms) + 1) // 2
@@ -310,7 +310,7 @@ class _Search:
         return self.factors[number]
 
     def _known(self, divisor: int) -> int:
-        """The divisor under which a literal is kept: inverse factors as those below the line."""
+        """The divisor that represents a literal: inverse factors as factors of a denominator."""
         pair = self.divisors[divisor]
         if isinstance(pair[0], int) and pair[1] < 0:
             return self._divisor((-pair[1], -pair[0]))

@@ -288,7 +288,7 @@ def _negated(point: LohnerSet, count: int) -> LohnerSet:
 
 
 def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
-    """The set with further states in a place, each anywhere in its ball."""
+    """The set with further states inserted at a position, each anywhere in its ball."""
     rows, columns, more = len(point.middle), point.axes.ncols(), len(balls)
     middle = (*point.middle[:place], *(x.mid() for x in balls), *point.middle[place:])
     table = [[point.axes[i, j] for j in range(columns)] + [arb(0)] * more for i in range(rows)]

@@ -1,7 +1,7 @@
 """Courses: a problem as a proof sees it: its start, its equations, and when these change.
 
-All numbers are made again in balls from what the user gave: floats are the dyadic numbers that they
-are, fractions and expressions exact.
+All numbers are computed again in balls from the user's input: floats are the dyadic numbers that
+they are, fractions and expressions exact.
 """
 
 from __future__ import annotations

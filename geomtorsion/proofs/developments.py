@@ -106,7 +106,7 @@ def _missing(balls: Sequence[arb], wanted: Wanted) -> int:
     size = log2(largest) if largest > 0 else None
     if size is None and wanted.error > 0:
         size = log2(wanted.error) + wanted.bits - 10
-    # A turn of zero, or a translation, that is exact: as small as so many digits of one are.
+    # An exactly zero turn or translation: as accurate as the requested digits of the number 1.
     return max(0, int(radius + wanted.bits - (0.0 if size is None else size)) + 1)
 
 
@@ -186,7 +186,7 @@ def _rates(frame: Frame, connection: Connection) -> Graph:
 
 
 def _system(form: Graph, arc: BallArc, n: int) -> System:
-    """Rates of a row, of the translation and of s, with the arc put in."""
+    """Rates of a row, of the translation and of s, with the arc inserted."""
     states = (*form.arguments[2 * n : 3 * n], "shift", S.name)
     numbers = [f"arc {name}" for name in arc.graph.arguments[1:]]
     parameters = (*numbers, *form.arguments[3 * n :])

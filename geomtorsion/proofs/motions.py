@@ -16,11 +16,11 @@ from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method, Step, prove_step
 from geomtorsion.proofs.wanted import log2
 
-# A set of this part of the size of the motion (in bits) holds no digits of it.
+# A set as large as this part of the motion (in bits) contains no digits of it.
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
-# Steps of less than this part of the way lead to a place where the motion ends.
+# Steps shorter than this part of the interval lead to a point where the motion ends.
 STANDSTILL = 2**50
 
 
@@ -148,7 +148,7 @@ def _width(whole: LohnerSet) -> float:
 
 
 def _check_width(step: Step, whole: LohnerSet, time: fmpq) -> None:
-    """Refuse a set that holds no digits of its motion."""
+    """Refuse a set that contains no digits of its motion."""
     widest = max(log2(r) - size for r, size in zip(whole.radii, step.sizes, strict=True))
     if widest > TOO_WIDE:
         words = "the set of motions has grown to the size of the motion"

@@ -40,7 +40,7 @@ class Proof:
     result: the result that was proved.
     balls: the components of a Burgers vector; for a development the components of burgers, then the
         rows of the rotation; for a solution one tuple of states for each of its times.
-    names: of the balls, or of the states at each time.
+    names: names of the balls, or of the states at each time.
     charts: for a solution the chart of its states at each time.
     digits: how many were requested.
     error: proved bound of |result - truth|, in the measure used for the error of the result.

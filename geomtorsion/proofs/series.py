@@ -36,7 +36,7 @@ def series_length(length: int) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Slopes:
-    """Coefficients of the entries of a Jacobian that do not vanish, at places (i, j)."""
+    """Coefficients of the nonzero entries of a Jacobian, at positions (i, j)."""
 
     places: tuple[tuple[int, int], ...]
     series: tuple[tuple[arb, ...], ...]
