@@ -347,7 +347,7 @@ class TransitionMap:
         if self.written is None:
             return self._function(*place, *numbers.values())
         place = [checks.array(x, "coordinates", ArgumentError, infinite=None) for x in place]
-        # Outside of the source chart there are no values; the caller checks the result.
+        # The map has no values outside of the source chart; the caller checks the result.
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_arrays(*self.written(FLOATS, place, numbers)))
 

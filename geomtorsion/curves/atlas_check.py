@@ -1,6 +1,6 @@
 """Atlas check: whether maps between charts keep the metric, the frame, and lead there and back.
 
-Everything is worked out from exact elements at generic points, to 400 bits: two sides that agree at
+Everything is computed from exact elements at generic points, to 400 bits: two sides that agree at
 half of them are equal, and a difference is shown with its component. The tests check shipped
 atlases; `atlas=` checks a user's atlas.
 """

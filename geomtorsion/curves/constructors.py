@@ -136,7 +136,7 @@ def geodesic(
     Parameters
     ----------
     space
-        the frame; of a connection only its frame is used.
+        the frame; a connection contributes only its frame.
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric

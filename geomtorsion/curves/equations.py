@@ -225,7 +225,7 @@ def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:
 
 
 def _is_bi_invariant(frame: Frame) -> bool:
-    """Whether C_kj^i = - C_ij^k: then the sum of p_k^2 is kept, whatever G."""
+    """Whether C_kj^i = - C_ij^k: then the sum of p_k^2 is constant for any G."""
     twist = frame.anholonomy.components
     if not twist.nonzero:
         return False
@@ -319,7 +319,7 @@ class Equations:
     def numbers(
         self, parameters: Mapping[str, Number], velocities: Sequence[Number]
     ) -> list[Number | Fraction]:
-        """Values of the parameters in order: of the space, of the law, and constant velocities."""
+        """Parameter values in order: space, law, constant velocities."""
         table: dict[str, Number | Fraction] = {**parameters, **self.constants}
         if not self.moves:
             table |= dict(zip(self.velocities, velocities, strict=True))

@@ -106,7 +106,7 @@ def log_map(
     checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
-    # A motion of many steps runs towards an edge without end, and does not hit.
+    # A motion with this many steps approaches an edge forever, and does not hit.
     solver = engine or (Taylor(max_steps=STEPS_AT_ONCE) if is_available() else RungeKutta())
     shooter = Shooter(problem, solver, solver.first(accuracy / 10))
     search = Search(shooter, shooter.aim(target), accuracy)

@@ -115,7 +115,7 @@ class CurveProblem:
     # -- equations ---------------------------------------------------------------------------------
 
     def equations(self, chart: str | None = None) -> Equations:
-        """The equations in a chart (the home chart if none is named), worked out once."""
+        """The equations in a chart (the home chart if none is named), computed once."""
         name = "" if self.start is None else chart or self.atlas.home
         if name not in self._written:
             place = self.atlas.chart(name) if name else None
@@ -304,7 +304,7 @@ class CurveProblem:
         return self._stages[key]
 
     def _beginning(self, precision: int) -> tuple[str, MovingPoint]:
-        """The chart in which to begin, and the point there, worked out once."""
+        """The chart in which to begin, and the point there, computed once."""
         if precision in self._beginnings:
             return self._beginnings[precision]
         velocities = [divided(u, self.time_unit) for u in self._starting_velocity(precision)]
@@ -326,7 +326,7 @@ class CurveProblem:
         return name, point
 
     def _starting_velocity(self, precision: int) -> Sequence[Real]:
-        """u^i at the start, worked out from q'^mu where more digits are needed."""
+        """u^i at the start, computed from q'^mu where more digits are needed."""
         given = self.coordinate_velocity
         if precision <= 53 or given is None or self.start is None:
             return self.frame_velocity
@@ -466,7 +466,7 @@ class CurveProblem:
         return chart.edges[k] if change <= EPS ** (-1 / 4) * room[k] else None
 
     def stuck_error(self, trajectory: Trajectory) -> ChartEdgeError | AccuracyError:
-        """Where a motion ended, why, and what can be done."""
+        """Error that reports where and why a motion ended, with a remedy."""
         edge = self._edge_approached(trajectory)
         if edge is not None:
             return AccuracyError(

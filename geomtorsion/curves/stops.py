@@ -158,7 +158,7 @@ def stopped(
         np.array(system.guard.numpy()(*floats(list(row)), *floats(list(numbers))))
         for row in (last, start)
     )
-    # A condition may be zero at the start, but for rounding, and has no share that could be left.
+    # A condition may be zero at the start up to rounding; then no share of it can remain.
     left = np.abs(here) / np.maximum(before, HALF)
     place = int(np.argmin(np.nan_to_num(left, nan=0.0))) - (len(here) - len(stops))
     return stops[place].text if place >= 0 else None

@@ -128,7 +128,7 @@ def equals_scalar(tensor: Tensor, other: object) -> bool:
 
 
 def _is_scalar(value: object) -> bool:
-    """Whether a value is one number or expression, and nothing that only looks like one."""
+    """Whether a value is really one number or expression."""
     found = checks.plain(value)
     if isinstance(found, bool) or getattr(found, "is_Matrix", False):
         return False

@@ -292,7 +292,7 @@ class Components:
             return self._compute(index)
 
     def _compute(self, index: Index) -> Element:
-        """Ask the rule at a representative, take the rest from there; the answer is kept."""
+        """Evaluate the rule at a representative, derive the rest from it; the value is cached."""
         zero = self.field.zero
         canonical = self._canonical
         sign, representative = (1, index) if canonical is None else canonical[index]
@@ -390,7 +390,7 @@ class Components:
 
     @property
     def computed(self) -> int:
-        """How many components have been worked out so far."""
+        """How many components have been computed so far."""
         return len(self._known)
 
     def representative(self, index: Index) -> tuple[int, Index]:

@@ -28,7 +28,7 @@ def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tenso
 def cartan(frame: Frame | Connection) -> Connection:
     """The connection in which the legs of the frame are parallel (Cartan, Weitzenboeck).
 
-    Of a connection its frame is taken.
+    A connection contributes its frame.
 
     Equation
     --------
@@ -61,7 +61,7 @@ def _cartan(frame: Frame) -> Connection:
 def levi_civita(frame: Frame | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
 
-    Of a connection its frame is taken: the contortion is the difference of the two.
+    A connection contributes its frame: the contortion is the difference of the two.
 
     Equation
     --------

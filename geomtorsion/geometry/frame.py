@@ -45,7 +45,7 @@ class Frame:
     domain: relations between symbols that hold where the frame is used.
     complex: whether legs may be complex (null tetrads).
     name: its name in messages and pages.
-    field: the exact field in which all components live.
+    field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
     attached: data that do not follow from the frame: its "atlas" and "names" for printing.
 
@@ -112,7 +112,7 @@ class Frame:
     ) -> None:
         """Set the fields of a new frame, once all is checked (for makers).
 
-        plain: what it is made from (coframe, legs or metric), as it came; or a maker of frames with
+        plain: what it is made from (coframe, legs or metric), unchanged; or a maker of frames with
             its arguments, where that is shorter.
         """
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
@@ -126,7 +126,7 @@ class Frame:
         object.__setattr__(self, "_plain", plain)
         # The frame does not rely on anything read into the field later.
         self.field.settle()
-        # A frame that is adapted to another one lives in its field.
+        # A frame that is adapted to another frame shares its field.
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
@@ -493,7 +493,7 @@ class Frame:
         symbol
             A parameter of the frame, which has to be regular where it is zero.
         order
-            The last power that is kept.
+            The highest power kept.
 
         Raises
         ------

@@ -292,7 +292,7 @@ def _one_form(frame: Frame, i: int, write: Callable[[sp.Expr], str], gap: str) -
 class ComponentRow:
     """One component.
 
-    index: its place, as in tensor[index].
+    index: its position, as in tensor[index].
     label: symbol with the names of its indices.
     value: exact.
     """

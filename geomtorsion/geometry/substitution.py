@@ -77,7 +77,7 @@ def _is_derivative(expression: sp.Basic) -> bool:
 
 
 def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field) -> Substitution:
-    """A substitution for all that lives in a field, checked (see Frame.subs)."""
+    """A checked substitution for everything in a field (see Frame.subs)."""
     parameters = [symbol for symbol in exact.symbols if symbol not in coordinates]
     functions = {g.argument[0] for g in exact.generators if g.kind == "jet"}
     names = {symbol.name: symbol for symbol in exact.symbols}

@@ -175,7 +175,7 @@ class Tensor:
         ----------
         point
             Value of each coordinate and parameter on which the tensor depends; keys are symbols
-            or their names. A float is what it is in binary: write Fraction(1, 10), not 0.1. Lists
+            or their names. A float has its binary value: write Fraction(1, 10), not 0.1. Lists
             and arrays are points one by one; for very many `numpy_function` is faster.
         digits
             So many right decimal digits, up to 1000, as numbers of mpmath in an array of objects;
@@ -286,7 +286,7 @@ class Tensor:
 
     @cached_property
     def _forms(self) -> dict[str, Tensor]:
-        """The forms of this tensor known so far, by their slots: the way back costs nothing."""
+        """The forms of this tensor known so far, by their slots: converting back costs nothing."""
         return {tensor.slots: tensor for tensor in self._lineage}
 
     @cached_property
@@ -541,5 +541,5 @@ class Tensor:
         return notation.latex(self)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
-    # What sympy asks for: by the name of the class it would take this for a tensor of its own.
+    # A hook of sympy, which would mistake this class for a sympy tensor by its name.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text

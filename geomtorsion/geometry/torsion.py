@@ -101,7 +101,7 @@ class Torsion:
         frame = self.connection.frame
         lower, axial = self.T.lowered(2).components.get, self.axial.components.get
         vector, metric = self.vector.components.get, frame.metric.components.get
-        # In one dimension there is no torsion, and no trace to be taken off.
+        # In one dimension there is no torsion, and no trace to subtract.
         share = Fraction(1, max(frame.dimension - 1, 1))
 
         def rule(index: Index) -> Element:

@@ -29,7 +29,7 @@ from geomtorsion.precision import EPS
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
 
-# So many points are tried, in ranges that become ten times as wide on the way.
+# Number of points tried, in ranges that widen by a factor of ten.
 TRIES = 400
 # As fine as doubles: at small fractions two symbols may coincide, and with them two expressions
 # that differ everywhere else.
