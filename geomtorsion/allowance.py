@@ -97,7 +97,7 @@ class Limits:
 
 
 def limits(*, seconds: float | None = None, megabytes: float | None = None) -> Limits:
-    """A block in which work ends with an error when it has taken so much time or memory.
+    """A block in which work ends with an error when it exceeds a limit of time or memory.
 
     For geometry, printing, actions, reading and proofs: all exact work of the thread that enters
     the block. A limit raises or does nothing; answers never depend on it. Finished quantities
@@ -118,7 +118,7 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     Raises
     ------
     AllowanceError
-        On leaving the block, if a limit was met; it names the quantity that was worked out.
+        On leaving the block, if a limit was met; it names the quantity that was being computed.
     ArgumentError
         Neither is given, or one is not a positive number.
 

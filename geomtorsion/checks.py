@@ -292,7 +292,7 @@ def number(
 def exact_number(
     value: object, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
 ) -> Any:
-    """A finite real number kept as it came: fractions, sympy numbers and exact elements stay.
+    """A finite real number, unchanged: fractions, sympy numbers and exact elements stay.
 
     NumPy's numbers become Python's.
 
@@ -935,7 +935,7 @@ def choice(value: object, words: Sequence[str], subject: str, error: ErrorClass)
 def text(
     value: object, subject: str, error: ErrorClass, *, longest: int = 10**6, message: str = TEXT
 ) -> str:
-    """A text of at most so many characters.
+    """A text up to a maximal length.
 
     Examples
     --------

@@ -202,7 +202,7 @@ class CheckpointError(GeomtorsionError, ValueError):
 
 
 class ProofError(GeomtorsionError, ArithmeticError):
-    """A result cannot be proved: the message names the time or the place, and the reason.
+    """A result cannot be proved: the message names the time or the point, and the reason.
 
     time: where a proof of a motion ended, else None.
     """

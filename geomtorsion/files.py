@@ -1,4 +1,4 @@
-"""Files: TOML and JSON from outside, read within limits; nothing in them is ever run as code.
+"""Files: TOML and JSON from outside, read within limits; nothing in them is executed.
 
 Each reader turns every way in which a file can be damaged into one error that names the file and,
 where there is one, the line or the part.
@@ -201,7 +201,7 @@ def read_text(
     Raises
     ------
     FileFormatError
-        There is no such file, it is a pipe or a device, or no UTF-8 text.
+        There is no such file, it is a pipe or a device, or not UTF-8 text.
     LimitError
         It is longer.
     """
@@ -274,7 +274,7 @@ directory. Name a file in a folder that is there.
 
 @contextmanager
 def _beside(path: Path) -> Iterator[Path]:
-    """A name beside a file, which takes its place when the block ends without an error."""
+    """A temporary file beside a file, which it replaces when the block ends without an error."""
     place = path.resolve() if path.is_symlink() else path
     if place.exists() and not place.is_file():
         # A device or a pipe is written to, never replaced. A folder is refused by the system.
@@ -356,7 +356,7 @@ def write_text(path: str | PathLike[str], text: str) -> None:
     Raises
     ------
     FileFormatError
-        The system does not let it be written there.
+        The system does not allow writing there.
     """
     with written(path) as file:
         file.write_text(text, "utf-8")

@@ -119,5 +119,5 @@ def _check_chunks(path: Path, name: str, found: Any, chunk: int) -> None:
 
 
 def _may_grow(packed: int) -> bool:
-    """Whether so many packed bytes could unpack to more than is read of any file."""
+    """Whether a number of packed bytes could unpack to more than is read of any file."""
     return DENSEST * packed > BOUNDS.unpacked

@@ -1,7 +1,7 @@
 """Precision: work with more digits, one thread at a time.
 
 The precision of mpmath and of python-flint is a setting of the whole process. Two threads that set
-it by turns would each restore what the other had set, for good.
+it by turns would each permanently restore the value set by the other.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PRINTED = 1e-6
 CALCULATED = 1e-12
 # Points at multiples of the golden section are in phase with no frequency.
 GOLDEN = (math.sqrt(5) - 1) / 2
-# Bits of constants that are worked out once: two doubles, and as many again to spare.
+# Bits of constants that are computed once: two doubles, and as many again to spare.
 CONSTANT_BITS = 180
 # Bits of numbers that are not fractions in exact decisions: no engine has more.
 EXACT_BITS = 400

@@ -1,4 +1,4 @@
-"""Progress: a bar on standard error, where somebody watches."""
+"""Progress: a bar on standard error, if that is a terminal whose lines can change."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def bar(
 
 def _opened(what: str, total: float, *, kept: bool) -> Progress:
     """A bar that is drawn from now on; kept: it stays when the work is done."""
-    # rich takes a tenth of a second to load, and is used only where somebody watches.
+    # rich takes a tenth of a second to load, and is used only if a bar is shown.
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 

@@ -104,7 +104,7 @@ def coefficients_of(
 
 
 def torsion_over(frame: Frame, connection: Connection | None) -> Tensor:
-    """2 S_ab^c of a connection, slots ddu, over a frame that may live in another field."""
+    """2 S_ab^c of a connection, slots ddu, over a frame that may have another field."""
     if connection is None:
         return cartan(frame).torsion.T
     torsion = connection.torsion.T
@@ -159,7 +159,7 @@ class Hamel:
         return tuple(field.sum(row) for row in terms)
 
     def kinetic(self, rows: Sequence[int]) -> dict[tuple[int, int], Element]:
-        """M_kl = dp_k/du^l at (place of k in rows, place of l among the free ones)."""
+        """M_kl = dp_k/du^l at (index of k in rows, index of l among the free velocities)."""
         symbols = [self.bundle.symbols.velocities[i] for i in self.free]
         found = {}
         for place, k in enumerate(rows):
@@ -236,7 +236,7 @@ class Hamel:
 
     @cached_property
     def whole_matrix(self) -> dict[tuple[int, int], Element]:
-        """M_kl at (k, place of l among the free ones), for all k."""
+        """M_kl at (k, index of l among the free velocities), for all k."""
         return self.kinetic(range(self.bundle.dimension))
 
     @cached_property
@@ -374,7 +374,7 @@ def adapted_frame(
 ) -> AdaptedFrame:
     """The frame adapted to constraints that are linear in the velocities.
 
-    Each constraint takes the place of one form: of one with a constant coefficient if there is
+    Each constraint replaces one form: a form with a constant coefficient if there is
     any, so that the adapted frame ends where the given one does; the last such.
 
     Raises

@@ -35,7 +35,7 @@ class Linearization:
     """x' = matrix x for small deviations x from a steady motion.
 
     states: names of the coordinates and velocities that deviate. Coordinates that no force depends
-        on, such as the place on a plane, are omitted: they follow by integration.
+        on, such as the position on a plane, are omitted: they follow by integration.
     matrix: over numbers and the parameters that have no value.
     """
 
@@ -172,7 +172,7 @@ class Point:
     used: Sequence[int]
 
     def read(self, element: Element) -> Element:
-        """An element of the bundle at the place."""
+        """An element of the bundle at the point."""
         return self.field.read(element.sympy.xreplace(dict(self.place)))
 
     def jets(self, terms: Sequence[sp.Expr], speeds: Sequence[sp.Expr]) -> list[Jet]:
@@ -345,7 +345,7 @@ class Point:
     def sloped(
         self, entries: Mapping[tuple[int, ...], Element], shape: tuple[int, ...]
     ) -> tuple[Grid, list[Grid]]:
-        """Elements of the bundle at the place, and their slopes along the coordinates used."""
+        """Elements of the bundle at the point, and their slopes along the coordinates used."""
         found = self.array(np.zeros(shape))
         slopes = [self.array(np.zeros(shape)) for _ in self.used]
         for index, element in entries.items():

@@ -105,7 +105,8 @@ class TangentBundle:
 
     The frame that a user gave keeps its own field: mechanics adds nothing to it.
 
-    frame: coordinates q^mu and coframe e^i_mu of the given frame; all else is a parameter of it.
+    frame: coordinates q^mu and coframe e^i_mu of the given frame; all other symbols are parameters
+    of it.
     symbols: the symbols of velocities and time.
     """
 

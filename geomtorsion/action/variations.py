@@ -106,7 +106,7 @@ class Variation:
     def proved(self) -> bool | None:
         """Whether these changes follow from the changes of the path, by exact zero.
 
-        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are worked out by the chain rule and put
+        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are computed by the chain rule and put
         together with the gap. False for the naive variation over an anholonomic frame.
         """
         verdicts = [value.is_zero for value in self._defects()]
@@ -115,7 +115,7 @@ class Variation:
         return None if None in verdicts else True
 
     def _defects(self) -> list[Element]:
-        """delta (e q') as claimed minus as worked out, with q' = E u and dq = E (dPhi + b)."""
+        """delta (e q') as claimed minus as computed, with q' = E u and dq = E (dPhi + b)."""
         bundle = bundle_over(self.frame, [])
         field, frame = bundle.field, bundle.frame
         field.declare((*self.images, *self.image_rates, *self.gaps))

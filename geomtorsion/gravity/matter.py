@@ -56,7 +56,7 @@ class MatterField(ABC):
 
     @abstractmethod
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """Terms of E_i^n from its invariants, but for L itself."""
+        """Terms of E_i^n from its invariants, except L itself."""
 
     @abstractmethod
     def equation(self, equations: Varied) -> Tensor:

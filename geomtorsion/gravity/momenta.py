@@ -102,7 +102,7 @@ class Momenta:
         return Tensor(frame, "DDD", rule, symmetry).raised(0).raised(1)
 
     def coframe_terms(self, i: int, n: int) -> Terms:
-        """Terms of E_i^n but for L and the divergence of P."""
+        """Terms of E_i^n except L and the divergence of P."""
         fields, dimension = self.fields, range(self.fields.frame.dimension)
         p, t = self.P.components.get, fields.torsion.components.get
         z, r = self.Z.components.get, self._curvature.components.get

@@ -103,7 +103,7 @@ class Symmetries:
     """Vector fields along which a metric and a connection do not change.
 
     frame: the frame of the metric.
-    connection: the connection that is kept with it.
+    connection: the connection that is preserved with it.
     """
 
     frame: Frame
@@ -111,7 +111,7 @@ class Symmetries:
 
     @cached_property
     def kept(self) -> str:
-        """The geometry that is kept, in words."""
+        """The geometry that is preserved, in words."""
         if self.connection.kind == "levi-civita":
             return "the metric"
         return f"the metric and the {self.connection.name}"

@@ -52,6 +52,6 @@ def paper_frames() -> PaperFrames:
     # Component i of the vee of an antisymmetric matrix is in row i + 2, column i + 1.
     rows = [[spin[(i + 2) % 3, (i + 1) % 3] for spin in spins] for i in range(3)]
     rotations = Frame(PHI, rows, domain=domain, name="so3")
-    # First angles, then places: the paper's order is the other one, see around (21).
+    # First angles, then positions: the paper has the opposite order, see around (21).
     forms = sp.diag(rotations.coframe.to_sympy().tomatrix(), turn.T)
     return PaperFrames(rotations, Frame((*PHI, *POSITION), forms, domain=domain, name="r3xso3"))

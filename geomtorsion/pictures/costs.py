@@ -29,7 +29,7 @@ class Row(Protocol):
 
     @property
     def achieved(self) -> float | None:
-        """Error that was really made; None where there is no answer."""
+        """True error; None where there is no answer."""
         ...
 
     @property

@@ -14,7 +14,7 @@ from geomtorsion.pictures.latex import FUNCTIONS as latex_functions
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import GREEK
 
-# LaTeX has no letters of its own for the capitals that look Latin.
+# LaTeX has no commands for capitals that look Latin.
 LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
 _MACROS = LETTERS | {"ldots": "…", "overline": r"\bar{#1}"}
 _WORDS = re.compile(r"(\\(?:text|mathrm|operatorname)\{[^{}]*\})")

@@ -139,7 +139,7 @@ class _Printer(PrintedOnce, LatexPrinter):
         return r"\mathrm{e}"
 
     def _print_ExpBase(self, expr: sympy.Expr, exp: str | None = None) -> str:
-        # Upright, so that it is not taken for a one-form e^1.
+        # Upright, so that it is not mistaken for a one-form e^1.
         power = rf"\mathrm{{e}}^{{{self._print(expr.args[0])}}}"
         return power if exp is None else rf"\left({power}\right)^{{{exp}}}"
 

@@ -249,7 +249,7 @@ def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
 
 
 def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
-    """The part of b in the plane, at some places where it is significant."""
+    """The part of b in the plane, at some positions where it is significant."""
     if survey.arrows is None or not survey.on_grid:
         return
     known = survey.laid(survey.significant & survey.known)[..., layer]

@@ -178,7 +178,7 @@ def _places(
     """Where the nodes are drawn."""
     import networkx as nx  # 0.15 s; only networks without positions need it
 
-    # A layout is made up only where no node has a place: half of each would mislead.
+    # A layout is invented only if no node has a position: a mixture would mislead.
     placed: dict[Hashable, Any] = {n: net.graph.nodes[n].get("position") for n in net.graph}
     given = positions or placed
     if all(place is None for place in given.values()):

@@ -202,7 +202,7 @@ def cones_picture(
 ) -> Figure:
     """The angular momentum on its sphere in the body; axis and angular velocity in space.
 
-    In the body, pale: all motions with this angular momentum and no moment; violet: those that
+    In the body, pale: all motions with this angular momentum and no torque; violet: those that
     part turning about the first from turning about the third axis.
 
     Parameters

@@ -92,7 +92,7 @@ def write_film(
     matrices
         rotations from body to space, shape (m, 3, 3).
     positions
-        places in space, shape (m, 3), or None: the block turns on the spot and axis 3 leaves a
+        positions in space, shape (m, 3), or None: the block turns on the spot and axis 3 leaves a
         trace.
     sides
         half sides of the block, longest 1.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
     from numpy.typing import ArrayLike
 
-# Two coordinates of a place in a picture.
+# Two coordinates of a point in a figure.
 Point = Sequence[float] | np.ndarray
 FAINT, PALE = "#c9ccd1", "#eef0f2"
 FORMATS = ("png", "svg", "pdf")
@@ -225,7 +225,7 @@ def pictured(text: str, draw: Callable[[], Figure]) -> str:
     """
     try:
         svg = svg_text(draw())
-        # Inside of a page there is no head of a file.
+        # A figure inside a page has no file header.
         picture = f"<div>{svg[svg.index('<svg') :]}</div>"
     except GeomtorsionError as error:
         picture = f"<p>{html_text(str(error))}</p>"

@@ -273,7 +273,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     -------
     FreeTop, with `.omega(t)`, `.quaternion(t)`, `.period`, `.flip_time`, `.kind`, `.energy`,
     `.momentum`. Errors stay at rounding next to the separatrix, for moments that nearly agree,
-    and at any time: no error builds up, for nothing is stepped.
+    and at any time: no error accumulates, since there are no steps.
 
     Raises
     ------
