@@ -82,7 +82,7 @@ def autoparallel(
     ShapeError
         a list has not one number per coordinate.
     CoordinateError
-        a map of the atlas given is wrong, or a value contradicts what was declared of a parameter.
+        a map of the given atlas is wrong, or a value contradicts the declaration of a parameter.
 
     Examples
     --------

@@ -29,7 +29,7 @@ class Edge:
     """A quantity that is positive as long as the coordinates hold.
 
     element: an exact element; a motion on which it falls through zero has reached the edge.
-    words: what happens there, for messages; condition: what has to hold inside.
+    words: event at the edge, for messages; condition: relation that holds inside.
     is_root: whether it is a root of the frame, so that rates have no value beyond it.
     """
 

@@ -184,8 +184,8 @@ class Tensor:
         Raises
         ------
         CoordinateError
-            A name is unknown here, a value is not a finite number or contradicts what was declared
-            of a parameter, or digits is not a whole number from 1 to 1000.
+            A name is unknown here, a value is not a finite number or contradicts the declaration of
+            a parameter, or digits is not a whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         ShapeError
@@ -422,8 +422,9 @@ class Tensor:
     def series(self, symbol: sp.Symbol | str, point: Value, order: int) -> Tensor:
         """Every component as a sum of powers of (symbol - point), the order included.
 
-        At infinity the powers are those of 1/symbol. Powers may begin below zero, and be fractional
-        where roots vanish. The requested order is included, while sympy's `series` ends before it.
+        At infinity the powers are powers of 1/symbol. Powers may begin below zero, and be
+        fractional where roots vanish. The requested order is included, while sympy's `series` ends
+        before it.
 
         Raises
         ------

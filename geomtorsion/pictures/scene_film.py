@@ -1,4 +1,4 @@
-"""scene film: a body turning and moving, as an animated picture."""
+"""scene animation: a body turning and moving, as an animated picture."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Style:
     resolution: dots per inch. elevation: of the eye above the horizon, degrees.
     meridians, parallels: of a globe. behind: opacity of lines behind it.
     box, row, column: width of a box in a graph, and inches from one to the next.
-    stations: bodies shown along a path. sides: corners of round shapes.
+    stations: bodies shown along a path. sides: corners of circular shapes.
     turns: about the vertical, that are drawn on a globe. rate: frames of an animation per second.
     frames: the most that an animation has. rem: of a page, per inch of a picture.
     wide: ratio of largest to smallest value from which an axis is logarithmic.
