@@ -42,7 +42,7 @@ def distance_apart(
     Array, shape (m,): the length of e^i_mu (q_two - q_one)^mu, with the coframe half way between;
     where angles wrap, the least of the lengths to all images of the second point, so that nothing
     jumps. With a positive definite metric this is the distance in the metric where the two are
-    close. With an indefinite one it is neither a distance nor an invariant: all signs of the metric
+    close. With an indefinite one it is no distance, and no invariant: all signs of the metric
     are taken as positive, so that it is the size that the difference has for observers who carry
     the frame; points apart by a null vector are apart.
 
