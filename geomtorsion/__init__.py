@@ -46,7 +46,7 @@ from geomtorsion.spaces import read_file as read
 
 if TYPE_CHECKING:
     __version__: str
-    # For editors and checkers of types, which do not ask for names one by one.
+    # For editors and type checkers, which do not load names one by one.
     from geomtorsion import gravity, pictures, scenes
     from geomtorsion.accuracy import (
         CostRow,
@@ -353,12 +353,12 @@ if not TYPE_CHECKING:
 
 def _version() -> str:
     """The version, which only pyproject.toml states."""
-    # Loading these takes as long as a short solution, and few ask.
+    # Loading these takes as long as a short solution, and few users need them.
     import tomllib
     from importlib.metadata import version
     from pathlib import Path
 
-    # In a checkout its own file counts, whatever was installed from an older one.
+    # In a checkout its own file counts, even if an older version is installed.
     file = Path(__file__).parents[1] / "pyproject.toml"
     if file.exists():
         project = tomllib.loads(file.read_text("utf-8")).get("project", {})

@@ -44,7 +44,7 @@ def check_limits() -> None:
 
 
 class Limits:
-    """What `limits` returns: a block of `with` in which time and memory are bounded."""
+    """Result of `limits`: a block of `with` in which time and memory are bounded."""
 
     def __init__(self, seconds: float | None, megabytes: float | None) -> None:
         self.seconds = seconds
@@ -97,7 +97,7 @@ class Limits:
 
 
 def limits(*, seconds: float | None = None, megabytes: float | None = None) -> Limits:
-    """A block in which work ends with an error when it has taken so much time or memory.
+    """A block in which work ends with an error when it exceeds a limit of time or memory.
 
     For geometry, printing, actions, reading and proofs: all exact work of the thread that enters
     the block. A limit raises or does nothing; answers never depend on it. Finished quantities
@@ -111,14 +111,14 @@ def limits(*, seconds: float | None = None, megabytes: float | None = None) -> L
     Parameters
     ----------
     seconds
-        Of a clock on the wall, from entering the block.
+        Wall-clock time from entering the block.
     megabytes
-        Millions of bytes on top of what the process has on entering the block.
+        Millions of bytes beyond the memory of the process on entering the block.
 
     Raises
     ------
     AllowanceError
-        On leaving the block, if a limit was met; it names the quantity that was worked out.
+        On leaving the block, if a limit was met; it names the quantity that was being computed.
     ArgumentError
         Neither is given, or one is not a positive number.
 

@@ -125,7 +125,7 @@ def plain(value: object) -> Any:
     its sympy expression; everything else as it came.
     """
     found: Any = value
-    # By far the most: numbers of Python's own, which need no closer look.
+    # The most frequent case: Python numbers, which need no further check.
     if type(found) in (float, int):
         return found
     if hasattr(type(found), "dtype") and getattr(found, "shape", None) == ():
@@ -136,7 +136,7 @@ def plain(value: object) -> Any:
 
 
 def real(value: object) -> float | None:
-    """The size of a real number as a float, perhaps nan or infinite; None for all else.
+    """The size of a real number as a float, perhaps nan or infinite; None for anything else.
 
     Real numbers are int, float, Fraction, mpmath's, NumPy's and sympy's, and exact elements. Text,
     truth values, complex numbers, lists and expressions with symbols are none.
@@ -183,7 +183,7 @@ class LargestArgument:
 
 
 LARGEST_ARGUMENT = LargestArgument()
-# Functions that shrink what they are taken of: any number will do.
+# Functions that shrink their argument: any number is allowed.
 _SHRINKING = frozenset(("sqrt", "cbrt", "log", "ln"))
 _ELEMENTARY = frozenset(
     f"{inverse}{name}{hyperbolic}"
@@ -198,7 +198,7 @@ def too_large(
 ) -> str:
     """Why a function of these arguments is refused, or nothing.
 
-    Only numbers count, and what they are made of has been looked at before.
+    Only numbers count, and their parts have been checked before.
 
     Examples
     --------
@@ -237,7 +237,7 @@ def _is_above(value: sp.Basic, most: float) -> bool:
 
 
 def check_constant(value: sp.Expr) -> None:
-    """Refuse a number whose value would not end, before anybody asks for it.
+    """Refuse a number whose value would take forever, before it is computed.
 
     Raises
     ------
@@ -292,7 +292,7 @@ def number(
 def exact_number(
     value: object, subject: str, error: ErrorClass, *, message: str = NUMBER, infinite: str = FINITE
 ) -> Any:
-    """A finite real number kept as it came: fractions, sympy numbers and exact elements stay.
+    """A finite real number, unchanged: fractions, sympy numbers and exact elements stay.
 
     NumPy's numbers become Python's.
 
@@ -332,7 +332,7 @@ def positive(
 
 
 def whole(value: object) -> int | None:
-    """A whole number of Python, NumPy or sympy as an int; None for all else, truth values too.
+    """A whole number of Python, NumPy or sympy as an int; None for others and truth values.
 
     Examples
     --------
@@ -565,7 +565,7 @@ def file_name(value: object, subject: str = "path", error: ErrorClass = Argument
 def flag(
     value: object, subject: str, error: ErrorClass = ArgumentError, *, message: str = FLAG
 ) -> bool:
-    """True or False, and nothing that only counts as one.
+    """True or False, and nothing merely equivalent.
 
     Examples
     --------
@@ -614,7 +614,7 @@ def is_list(value: object) -> bool:
 
 
 def rows(values: object) -> Any:
-    """An array or a matrix as nested lists; all else as it came."""
+    """An array or a matrix as nested lists; anything else unchanged."""
     given: Any = values
     return given.tolist() if hasattr(type(given), "tolist") else given
 
@@ -635,9 +635,9 @@ def table(values: object, subject: str, error: ErrorClass = ArgumentError) -> di
 
 
 def check_room(numbers: int, subject: str, remedy: str) -> None:
-    """Refuse, before memory is taken, what would hold more doubles than a file may hold.
+    """Refuse, before memory is allocated, more doubles than a file may hold.
 
-    numbers: how many, of all arrays that will be there together. remedy: what to do instead.
+    numbers: total count of all arrays in memory together. remedy: advice for the message.
 
     Raises
     ------
@@ -773,7 +773,7 @@ def array(
             values = np.arange(values.start, values.stop, values.step)
         found = unmasked(values)
         if found.dtype.kind == "O":
-            # Fractions and sympy numbers come as objects; each is looked at.
+            # Fractions and sympy numbers arrive as objects; each is checked.
             sizes = [real(entry) for entry in found.ravel()]
             found = np.array([np.nan if x is None else x for x in sizes]).reshape(found.shape)
             if None in sizes:
@@ -799,7 +799,7 @@ def array(
 
 
 def unmasked(values: object) -> np.ndarray:
-    """An array as it comes, real numbers with nan where they are masked.
+    """An array unchanged, real numbers with nan where they are masked.
 
     Raises
     ------
@@ -935,7 +935,7 @@ def choice(value: object, words: Sequence[str], subject: str, error: ErrorClass)
 def text(
     value: object, subject: str, error: ErrorClass, *, longest: int = 10**6, message: str = TEXT
 ) -> str:
-    """A text of at most so many characters.
+    """A text up to a maximal length.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Conventions: index order, signs and factors, stated once; everything else cites this file.
+"""Conventions: index order, signs and factors, stated once; all other files cite this one.
 
 The package follows [FizievKleinert1994] (READING.md). tests/geometry/test_conventions.py checks
 each convention with independent arithmetic, tests/test_conventions.py the signs of Burgers
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class Convention:
     """One convention.
 
-    name: what it settles.
+    name: of the choice that it settles.
     formula: the defining equation; repeated indices are summed.
     note: where other books differ, or how to read the indices.
     """

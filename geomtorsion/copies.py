@@ -1,4 +1,4 @@
-"""Copies: what of a value is pickled: its fields, and nothing that was worked out from them."""
+"""Copies: pickling of a value: its fields, and nothing computed from them."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ class MissingExtraError(GeomtorsionError, ImportError):
 
 
 class PackageError(GeomtorsionError, OSError):
-    """A package that a page without a server is made of cannot be had, or is not the right one."""
+    """A package needed for a page without a server is missing, or is not the right one."""
 
 
 class LoopError(GeomtorsionError, ValueError):
@@ -167,7 +167,7 @@ class AccuracyError(GeomtorsionError, ArithmeticError):
     """The requested accuracy is invalid, or cannot be reached with the requested engine.
 
     ensemble: the members of an ensemble that do reach it, or None.
-    solution: the computed part of a motion that comes closer to an edge than rounding errors, or
+    solution: the computed part of a motion that is closer to an edge than rounding errors, or
         None.
     """
 
@@ -202,7 +202,7 @@ class CheckpointError(GeomtorsionError, ValueError):
 
 
 class ProofError(GeomtorsionError, ArithmeticError):
-    """A result cannot be proved: the message names the time or the place, and the reason.
+    """A result cannot be proved: the message names the time or the point, and the reason.
 
     time: where a proof of a motion ended, else None.
     """

@@ -1,4 +1,4 @@
-"""Files: TOML and JSON from outside, read within limits; nothing in them is ever run as code.
+"""Files: TOML and JSON from outside, read within limits; nothing in them is executed.
 
 Each reader turns every way in which a file can be damaged into one error that names the file and,
 where there is one, the line or the part.
@@ -35,13 +35,13 @@ Key = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Bounds:
-    """How much a file may declare, beside what its length allows: each with its reason.
+    """Limits on declarations in a file, besides those from its length: each with its reason.
 
     key_parts: of a dotted key in TOML. tomllib keeps a tuple for each beginning of a key, so that
     memory and time grow with the square; no file of this package has more than five.
     parallel: lines between the same two nodes of a network. Each is compared with the others to
     find its description from the other node.
-    phases: of an orientation map, which programs number by a byte.
+    phases: of an orientation map; programs number them by one byte.
     groups: of HDF5 inside one another; files of microscopes have up to ten.
     arrays: in a VTU file, of which readers look through all for each; a frame in ten dimensions
     with its noise has two hundred.
@@ -97,7 +97,7 @@ def finite_number(word: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-# How packed files begin -> what unpacks them, and what their names end in.
+# First bytes of packed files -> function that unpacks them, and the endings of their names.
 _PACKED = {b"\x1f\x8b": gzip.open, b"BZh": bz2.open}
 _PACKED_ENDS = (".gz", ".bz2")
 # Packed files that are not read, and the program that unpacks each.
@@ -105,12 +105,12 @@ _FOREIGN_PACKED = {b"\x28\xb5\x2f\xfd": "zstd -d", b"\xfd7zXZ\x00": "xz -d"}
 
 
 def ending(path: object) -> str:
-    """End of the name of a file in small letters, without that of a packed one.
+    """End of the name of a file in small letters, without the ending of a packed file.
 
     Raises
     ------
     ArgumentError
-        It is no name of a file.
+        It is not a name of a file.
 
     Examples
     --------
@@ -194,14 +194,14 @@ def opened(path: str | PathLike[str], most: int | None = None) -> Iterator[Binar
 def read_text(
     path: str | PathLike[str], largest: int = LARGEST_TEXT, *, otherwise: str | None = None
 ) -> str:
-    """The text of a file (UTF-8) of at most so many bytes.
+    """The text of a file (UTF-8), up to a limit in bytes.
 
     otherwise: the encoding of files that are not UTF-8, such as "latin-1" (every byte is valid).
 
     Raises
     ------
     FileFormatError
-        There is no such file, it is a pipe or a device, or no UTF-8 text.
+        There is no such file, it is a pipe or a device, or not UTF-8 text.
     LimitError
         It is longer.
     """
@@ -274,7 +274,7 @@ directory. Name a file in a folder that is there.
 
 @contextmanager
 def _beside(path: Path) -> Iterator[Path]:
-    """A name beside a file, which takes its place when the block ends without an error."""
+    """A temporary file beside a file, which it replaces when the block ends without an error."""
     place = path.resolve() if path.is_symlink() else path
     if place.exists() and not place.is_file():
         # A device or a pipe is written to, never replaced. A folder is refused by the system.
@@ -356,7 +356,7 @@ def write_text(path: str | PathLike[str], text: str) -> None:
     Raises
     ------
     FileFormatError
-        The system does not let it be written there.
+        The system does not allow writing there.
     """
     with written(path) as file:
         file.write_text(text, "utf-8")
@@ -375,7 +375,7 @@ class Decimal(str):
 class TomlFile:
     """The content of a TOML file, with the line of each key.
 
-    name: of the file, for messages. data: what tomllib reads. lines: key -> line, from 1.
+    name: of the file, for messages. data: the result of tomllib. lines: key -> line, from 1.
     """
 
     name: str
@@ -417,12 +417,12 @@ def read_toml(
 ) -> TomlFile:
     """Read a TOML file and record the lines of its keys.
 
-    advice: what the message for bad TOML ends with. decimals: keep 0.1 as the text `Decimal`.
+    advice: last sentence of the message for bad TOML. decimals: keep 0.1 as the text `Decimal`.
 
     Raises
     ------
     FileFormatError
-        The file cannot be read, is no UTF-8 text or no TOML; the message names the line.
+        The file cannot be read, is not UTF-8 text or not TOML; the message names the line.
     LimitError
         The file is too long or too deep, or has a number of very many digits.
     """
@@ -470,7 +470,7 @@ def _check_keys(text: str, name: str) -> None:
 
 
 def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError:
-    """The error for what tomllib refuses, with the line it refuses."""
+    """The error for a text that tomllib refuses, with the refused line."""
     found = _PLACE.search(reason)
     if found is None:
         return FileFormatError(f"{name}: this is no TOML file: {cut(reason)}. {advice}")
@@ -551,7 +551,7 @@ def read_json_text(text: str, name: str) -> Any:
     Raises
     ------
     FileFormatError
-        The text is no JSON; the message names the line.
+        The text is not JSON; the message names the line.
     LimitError
         Lists are nested too deeply, or a number has too many digits.
 
@@ -582,7 +582,7 @@ def read_json_text(text: str, name: str) -> Any:
 
 
 def conforming(value: Any, form: Any, where: str, error: ErrorClass = FileFormatError) -> Any:
-    """A value of JSON that has a given form, as it came.
+    """A value of JSON that has a given form, unchanged.
 
     A form is a type (``float`` takes every finite number, ``int`` no truth values), a tuple of
     forms of which one fits, ``[form]`` for a list, ``{str: form}`` for a table with any keys,

@@ -19,7 +19,7 @@ HDF5 = b"\x89HDF\r\n\x1a\n"
 def check_hdf5(path: Path, h5py: Any) -> list[str]:
     """The names in the first group of a file that may be given to any reader.
 
-    Readers follow links, also into other files, and take the memory that a data set asks for.
+    Readers follow links, also into other files, and allocate the memory that a data set declares.
 
     h5py: the library, which is optional.
 
@@ -119,5 +119,5 @@ def _check_chunks(path: Path, name: str, found: Any, chunk: int) -> None:
 
 
 def _may_grow(packed: int) -> bool:
-    """Whether so many packed bytes could unpack to more than is read of any file."""
+    """Whether a number of packed bytes could unpack to more than is read of any file."""
     return DENSEST * packed > BOUNDS.unpacked

@@ -1,4 +1,4 @@
-"""NPZ: arrays from outside, each checked against its form before memory is taken for it."""
+"""NPZ: arrays from outside, each checked against its form before memory is allocated."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _FOREIGN = (
 
 @dataclass(frozen=True)
 class ArrayForm:
-    """What an array in an NPZ file has to be.
+    """Required form of an array in an NPZ file.
 
     shape: one entry per axis: a length, None for any, or a letter, equal letters meaning equal
     lengths throughout the file; dots at the end for any further axes; shape None: any.
@@ -49,7 +49,7 @@ class ArrayForm:
 
 
 TEXT_FORM = ArrayForm((), "U")
-# What np.save writes before the numbers; a header of any other form is not read at all.
+# Header that np.save writes before the numbers; any other header is not read at all.
 _NPY = re.compile(
     rb"\{'descr': '([<>|=]?[a-zA-Z][0-9]{1,12})', 'fortran_order': (True|False), "
     rb"'shape': \(([0-9, ]*)\),? *\} *\n?"
@@ -87,7 +87,7 @@ def unpacked_size(unpacker: Any, given: bytes, most: int) -> int:
     with suppress(zlib.error, lzma.LZMAError):
         while not unpacker.eof and size <= most:
             part = unpacker.decompress(given, BOUNDS.portion)
-            # What zlib has not used yet it wants back, lzma keeps it.
+            # zlib must be given its unused input again, while lzma keeps it.
             given = getattr(unpacker, "unconsumed_tail", b"")
             size += len(part)
             if not part and not given:
@@ -103,7 +103,7 @@ def read_npz(
     message: str = "{path}: it cannot be read ({reason}). Write it again.",
     largest: int = LARGEST_ARRAYS,
 ) -> dict[str, np.ndarray]:
-    """Arrays of an NPZ file, each checked against its form before memory is taken for it.
+    """Arrays of an NPZ file, each checked against its form before memory is allocated.
 
     forms: name -> form; a name that ends in a star matches all names with this beginning.
     Arrays without a form are not read. message: the text of the error, with {path} and {reason}.
@@ -155,7 +155,7 @@ def _array(
     lengths: dict[str, int],
     left: int,
 ) -> np.ndarray:
-    """One array; foreign errors and ValueError for what it has not to be."""
+    """One array; foreign errors, and ValueError for a wrong form."""
     # numpy takes 0.09 s to load, which reading a TOML file does not need.
     import numpy as np
 
@@ -238,7 +238,7 @@ def write_npz(path: Path, arrays: Mapping[str, ArrayLike], *, packed: bool = Tru
 
 
 def text_of(array: np.ndarray) -> str:
-    """The text in an array without axes, as `TEXT_FORM` asks for."""
+    """The text in an array without axes, as `TEXT_FORM` requires."""
     return str(array[()])
 
 

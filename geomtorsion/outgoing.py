@@ -1,4 +1,4 @@
-"""Outgoing: text that came from outside, made harmless for the place where it is written.
+"""Outgoing: text from outside, made harmless for its output format.
 
 One function for each target. JSON is escaped by `json.dumps`.
 """
@@ -19,17 +19,17 @@ from typing import TextIO
 _UNSEEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 # Bold, faint, colours and their end: all that commands themselves write to a terminal.
 _STYLE = re.compile("\x1b\\[(?:0|1|2|3[0-7]|9[0-7])m")
-# Signs that LaTeX obeys -> what shows them in a formula.
+# Special characters of LaTeX -> the commands that show them in a formula.
 _LATEX = {
     "\\": r"\backslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
     "^": r"\hat{}", "_": r"\_", "~": r"\sim{}",
 }  # fmt: skip
-# What spreadsheets take for the beginning of a formula.
+# Characters that start a formula in spreadsheets.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
 def terminal_text(text: str, *, styled: bool = True) -> str:
-    r"""Text without what a terminal obeys, hides or writes backwards; such signs are written out.
+    r"""Text without characters that a terminal obeys, hides or writes backwards; these are escaped.
 
     styled: bold and colours stay.
 
@@ -224,7 +224,7 @@ class PlainStream:
             self.write(line)
 
     def flush(self) -> None:
-        """Write what waits."""
+        """Write the waiting text."""
         self.stream.flush()
 
     def isatty(self) -> bool:

@@ -1,7 +1,7 @@
 """Precision: work with more digits, one thread at a time.
 
 The precision of mpmath and of python-flint is a setting of the whole process. Two threads that set
-it by turns would each restore what the other had set, for good.
+it by turns would each permanently restore the value set by the other.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PRINTED = 1e-6
 CALCULATED = 1e-12
 # Points at multiples of the golden section are in phase with no frequency.
 GOLDEN = (math.sqrt(5) - 1) / 2
-# Bits of constants that are worked out once: two doubles, and as many again to spare.
+# Bits of constants that are computed once: two doubles, and as many again to spare.
 CONSTANT_BITS = 180
 # Bits of numbers that are not fractions in exact decisions: no engine has more.
 EXACT_BITS = 400
@@ -37,7 +37,7 @@ _LOCK = RLock()
 
 @contextmanager
 def working_precision(bits: int) -> Iterator[None]:
-    """mpmath works with so many bits inside.
+    """Block in which mpmath works with a given number of bits.
 
     Examples
     --------
@@ -52,14 +52,14 @@ def working_precision(bits: int) -> Iterator[None]:
 
 @contextmanager
 def working_digits(digits: int) -> Iterator[None]:
-    """mpmath works with so many decimal digits inside."""
+    """Block in which mpmath works with a given number of decimal digits."""
     with _LOCK, mpmath.workdps(digits):
         yield
 
 
 @contextmanager
 def ball_precision(bits: int) -> Iterator[None]:
-    """python-flint works with so many bits inside.
+    """Block in which python-flint works with a given number of bits.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Progress: a bar on standard error, where somebody watches."""
+"""Progress: a bar on standard error, if that is a terminal whose lines can change."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def somebody_watches() -> bool:
 def bar(
     what: str, total: float = 1.0, *, wanted: bool | None = None, patience: float = 0.0
 ) -> Iterator[Show | None]:
-    """Show a progress bar; the result is None if nobody watches.
+    """Show a progress bar; return None if nothing is shown.
 
-    total: of what the result is called with.
+    total: the value of `done` at the end.
     wanted: None shows it on a terminal; True shows it anywhere, and leaves it there.
     patience: seconds after which it appears.
     """
@@ -77,7 +77,7 @@ def bar(
 
 def _opened(what: str, total: float, *, kept: bool) -> Progress:
     """A bar that is drawn from now on; kept: it stays when the work is done."""
-    # rich takes a tenth of a second to load, and is used only where somebody watches.
+    # rich takes a tenth of a second to load, and is used only if a bar is shown.
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 

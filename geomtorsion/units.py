@@ -133,7 +133,7 @@ def unit(text: str) -> Unit:
 
 
 def with_unit(text: str) -> tuple[str, Unit | None]:
-    """Part an expression from the unit behind it; None where there is no unit.
+    """Split an expression from the unit after it; None where there is no unit.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def with_unit(text: str) -> tuple[str, Unit | None]:
 
 
 def _splits(text: str) -> Iterator[tuple[str, str]]:
-    """Places at which a unit may begin: behind a number, behind any blank."""
+    """Positions at which a unit may begin: after a number, after any blank."""
     glued = _GLUED.fullmatch(text)
     if glued is not None:
         yield glued[1], glued[2]
@@ -226,7 +226,7 @@ def quantity(value: object, field: str = "") -> float:
     Traceback (most recent call last):
     geomtorsion.errors.UnitError: the unit rpm does not fit: this is measured in m.
     """
-    # True is an int for Python, and no number for anybody else.
+    # True is an int in Python, but not a number here.
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ExpressionError(
             f'expected a number, got {value!r}. Write 9.81, "sqrt(2)/2" or "9.81 m/s^2".'

@@ -1,4 +1,4 @@
-"""Accuracy: what accuracy costs in time, measured."""
+"""Accuracy: measured cost of accuracy in time."""
 
 from geomtorsion.accuracy.cost import CostRow, CostTable, accuracy_cost
 

@@ -42,7 +42,8 @@ LONG_ENOUGH = 0.02
 class CostRow:
     """One engine at one accuracy.
 
-    asked: accuracy asked for; achieved: error against the truth; estimated: what `solve` said.
+    asked: requested accuracy; achieved: error against the truth; estimated: the estimate of
+    `solve`.
     seconds: integration of the answer;
     total_seconds: `solve` as a whole, error estimate included.
     compile_seconds: the first time, if anything was compiled.
@@ -62,15 +63,15 @@ class CostRow:
 
     @property
     def holds(self) -> bool:
-        """Whether the answer is as accurate as asked."""
+        """Whether the answer is as accurate as requested."""
         return self.achieved is not None and self.achieved <= self.asked
 
 
 @dataclass(frozen=True)
 class ProofCost:
-    """What a proof of the same motion costs.
+    """Cost of a proof of the same motion.
 
-    digits: that were asked for; seconds: of the proof alone; bits, steps: what it took.
+    digits: requested; seconds: of only the proof; bits, steps: used by the proof.
     holds: whether the error that was estimated for the finest row holds; None: not decided.
     note: why there is no proof, or nothing.
     """
@@ -95,11 +96,11 @@ class ProofCost:
 
 @dataclass(frozen=True)
 class CostTable:
-    """What accuracy costs for one problem.
+    """Cost of accuracy for one problem.
 
-    problem: what was solved; t: how far; truth: what errors were measured against.
+    problem: its name; t: end time; truth: the reference for errors.
     rows: one per engine and accuracy.
-    proof: what a proof costs, where it was asked for.
+    proof: cost of a proof, where requested.
     """
 
     problem: str
@@ -132,7 +133,7 @@ class CostTable:
     @property
     def recommendation(self) -> str:
         """One line: which engine, how fast, and how much faster than the next."""
-        # From the finest on: the first that an engine reaches is what is recommended.
+        # From the finest on: the first accuracy that an engine reaches is recommended.
         finest = sorted({row.asked for row in self.rows})
         for asked in finest:
             good = [r for r in self.rows if r.asked == asked and r.holds and r.total_seconds]
@@ -161,7 +162,7 @@ class CostTable:
         MissingExtraError
             matplotlib is not installed.
         """
-        # Whoever reads tables alone needs no matplotlib.
+        # Users of only the tables need no matplotlib.
         from geomtorsion.pictures.costs import work_precision_picture
 
         return work_precision_picture(self)
@@ -185,7 +186,7 @@ def accuracy_cost(
     progress: Callable[[float], object] = lambda _: None,
     proved: bool = False,
 ) -> CostTable:
-    """Measure what each accuracy costs with each engine.
+    """Measure the cost of each accuracy with each engine.
 
     Parameters
     ----------
@@ -196,13 +197,13 @@ def accuracy_cost(
     engines
         Taylor() (if installed) and RungeKutta() if not given.
     accuracies
-        what to ask `solve` for.
+        accuracies to request from `solve`.
     exact
         function of times that gives the true states, where a closed form is known.
     progress
         called with the part that is done, from 0 to 1.
     proved
-        whether a row says what a proof of 15 digits costs; see `prove`.
+        whether a row gives the cost of a proof of 15 digits; see `prove`.
 
     Returns
     -------
@@ -253,7 +254,7 @@ def _proof(
             except ProofError as error:
                 return ProofCost(digits, note=str(error).split(". ")[0])
             except GeomtorsionError:
-                # No solution of this row: it says so itself.
+                # This row has no solution, as its note reports.
                 continue
             return ProofCost(digits, proof.seconds, proof.bits, proof.steps, proof.holds)
     return ProofCost(digits, note="there is no solution to prove")
@@ -268,7 +269,7 @@ def _row(
     except GeomtorsionError as error:
         note = str(error).split(". ")[0]
         return CostRow(engine.name, accuracy, None, None, None, None, 0.0, 0, 0, note)
-    # The first solve may have compiled: its time is not that of the next ones.
+    # The first solve may have compiled: its time is not representative.
     best: Solution = first
     total = float("inf")
     began = time.perf_counter()
@@ -291,7 +292,7 @@ def _row(
     )
 
 
-# As far below the rounding of doubles as that is below 1, and above that of quadruple numbers.
+# The square of double rounding, which is above the rounding of quadruple numbers.
 QUADRUPLE_TOLERANCE = EPS * EPS
 # Function of times that gives exact states, one row for each time.
 States = Callable[[np.ndarray], Any]
@@ -299,9 +300,9 @@ States = Callable[[np.ndarray], Any]
 
 @dataclass(frozen=True)
 class Truth:
-    """The best that is known about a motion.
+    """Best known solution of a motion.
 
-    name: what it is; trajectory: states at the times at which solutions are asked for.
+    name: its source; trajectory: states at the times of the requested solutions.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Loops: what accuracy costs for closed paths, rules x number of points -> error and time."""
+"""Loops: cost of accuracy for closed paths, rules x number of points -> error and time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its parts on first use
 import sympy as sp
 from mpmath.libmp import prec_to_dps
 
@@ -33,7 +33,7 @@ POINTS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 RULES = ("trapezoid", "Gauss", "Clenshaw-Curtis", "scipy.quad", "flux", "burgers_vector")
 # Points on a ray from the centre, as the flux rule takes them at first.
 RAYS = integrals.RAYS[0][1]
-# Some fifty: whatever a double has, and what cancels on the way.
+# Some fifty: the digits of a double, and those lost by cancellation.
 DIGITS = prec_to_dps(CONSTANT_BITS)
 Nodes = Callable[[int], tuple[np.ndarray, np.ndarray]]
 
@@ -44,7 +44,7 @@ class LoopCost:
 
     rule: its name; points: evaluations of the coframe (of its curl, for the flux).
     error: measured relative error of the largest component; seconds: best wall time.
-    asked: the accuracy asked for, where the rule is adaptive.
+    asked: requested accuracy, where the rule is adaptive.
     claimed: the error that the rule itself states, relative; None where it states none.
     """
 
@@ -58,7 +58,7 @@ class LoopCost:
 
 @dataclass(frozen=True)
 class LoopCosts:
-    """What accuracy costs on one loop.
+    """Cost of accuracy on one loop.
 
     name: which loop in which frame; rows: rule by rule, points rising.
     reference: b^i to 50 digits, as mpmath numbers.
@@ -133,7 +133,7 @@ def loop_costs(
         raise LoopError(f"there is no rule {unknown[0]!r}; known are {', '.join(RULES)}.")
     truth = reference(frame, loop, parameters)
     largest = max(abs(x) for x in truth)
-    # What half of the digits do not tell from nothing is rounding.
+    # Values that half of the digits do not distinguish from zero are rounding.
     if largest <= loop.size * mpmath.mpf(10) ** (-_digits(loop) // 2):
         raise LoopError("the Burgers vector of this loop vanishes: it has no relative error.")
     rows: list[LoopCost] = []
@@ -201,7 +201,7 @@ def _runs(
     parameters: Mapping[Any, Any] | None,
     points: Sequence[int],
 ) -> list[tuple[Callable[[], tuple[Any, int, float | None]], int, float | None]]:
-    """Ready calls of one rule, with their number of points and the accuracy asked for."""
+    """Ready calls of one rule, with their number of points and the requested accuracy."""
     if rule == "burgers_vector":
         return [(partial(_ours, frame, loop, parameters, asked), 0, asked) for asked in ACCURACIES]
     if rule == "scipy.quad":

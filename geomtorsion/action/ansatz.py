@@ -55,7 +55,7 @@ def right_invariant(frame: Frame) -> list[list[sp.Expr]] | None:
         ]
         if not ready:
             return None
-        # Those on which others depend must wait: they are moved last.
+        # Variables on which others depend are moved last.
         mu = max(ready, key=lambda m: sum(e.has(q[nu]) for e in columns[m] for nu in left - {m}))
         order.append(mu)
         left.discard(mu)

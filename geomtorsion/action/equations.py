@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reduced:
-    """Rates of u^k in u, t and parameters, as on a Lie group, and what they keep.
+    """Rates of u^k in u, t and parameters, as on a Lie group, and their invariants.
 
     rates: name of a velocity -> its rate.
     invariants: name -> f(u, t).
@@ -107,7 +107,7 @@ class EquationsOfMotion:
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
-        """The quasi-velocities that move: all of them, or those that constraints leave."""
+        """The moving quasi-velocities: all of them, or those free under constraints."""
         return tuple(self.hamel.bundle.symbols.velocities[i] for i in self.hamel.free)
 
     @property
@@ -167,12 +167,12 @@ class EquationsOfMotion:
 
     @cached_property
     def agrees(self) -> bool | None:
-        """Whether both derivations say the same, decided by exact zero; None: not decided."""
+        """Whether both derivations agree, decided by exact zero; None: not decided."""
         return self.lagrange.agrees(self.hamel)
 
     @cached_property
     def torsion_force(self) -> tuple[sp.Expr, ...]:
-        """C_kj^i u^j p_i in the frame: what Hamilton's principle has and Kleinert's has not.
+        """C_kj^i u^j p_i in the frame: the term of Hamilton's principle that Kleinert's lacks.
 
         With p_i = eta_ij u^j it is minus the torsion force 2 S_a^c_b q'^a q'^b.
         """
@@ -206,12 +206,12 @@ class EquationsOfMotion:
 
     @cached_property
     def reduced(self) -> Reduced:
-        """The rates of the velocities alone, where no coordinate occurs in them.
+        """Rates of only the velocities, where no coordinate occurs in them.
 
         Raises
         ------
         LagrangianError
-            The velocities do not stand alone.
+            The rates of the velocities depend on coordinates.
         """
         return reduced(self.rates, self.invariants, self.frame.coordinates)
 
@@ -221,7 +221,7 @@ class EquationsOfMotion:
         """The equations to first order around a steady motion; see `geomtorsion.linearized`.
 
         at: the steady motion: name of a coordinate, velocity or parameter -> value.
-        parameters: names that may occur in texts there besides those of the equations.
+        parameters: further names that may occur in texts there.
 
         Examples
         --------
@@ -278,7 +278,7 @@ def equations_of_motion(
     --------
     d/dt p_k = A_kj^i u^j p_i + E_k^mu dL/dq^mu + F_k,  p_i = dL/du^i       (Boltzmann, Hamel)
     with A_kj^i = 2 S_kj^i of the frame for closed_in_coordinates    [FizievKleinert1994], (17);
-    A = 0 for naive; for closed_in_image the torsion of the image goes off.
+    A = 0 for naive; for closed_in_image the torsion of the image is subtracted.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ def equations_of_motion(
         coefficient is constant.
     parameters
         names or symbols that may occur besides. In sympy expressions all other symbols are
-        parameters unless a list is given; a text knows those and what is listed.
+        parameters unless a list is given; a text may use only known and listed names.
     connection
         whose torsion the image has for closed_in_image; the Cartan connection of the frame.
 
@@ -307,7 +307,7 @@ def equations_of_motion(
     LagrangianError
         An unknown symbol, or a complex frame.
     KineticMatrixError
-        The accelerations are not determined; the message says which.
+        The accelerations are not determined; the message names them.
     ConstraintError
         A constraint is not linear in u, or follows from the others.
     ShapeError
@@ -433,7 +433,7 @@ class Lagrange:
         return found
 
     def _read(self, where: str, expression: sp.Expr) -> Element:
-        """An expression in q, u, t read with the coordinate velocities in place of u."""
+        """An expression in q, u, t read with coordinate velocities instead of u."""
         return self.bundle.frame.read([(where, expression.xreplace(self.velocities))])[0]
 
     @cached_property
@@ -459,7 +459,7 @@ class Lagrange:
         return tuple(field.sum(row) for row in terms)
 
     def _torsion(self) -> HamelCoefficients:
-        """X_mu nu^la, what the principle takes off."""
+        """X_mu nu^la, the term that the principle subtracts."""
         principle, frame = self.principle, self.bundle.frame
         if principle.frame_curl and not principle.image_torsion:
             return {}
@@ -469,7 +469,7 @@ class Lagrange:
     def agrees(self, hamel: Hamel) -> bool | None:
         """Whether E_k^mu times these equals the equations in quasi-velocities, for free k.
 
-        Decided by exact zero, after q' = E u and q'' = d/dt (E u) are put in.
+        Decided by exact zero, after q' = E u and q'' = d/dt (E u) are inserted.
         """
         field, symbols = hamel.bundle.field, hamel.bundle.symbols
         field.declare(symbols.accelerations)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Jet:
-    """Value, first and second derivatives with respect to numbered variables; zeros are left out.
+    """Value, first and second derivatives with respect to numbered variables; zeros are omitted.
 
     first: i -> df/dx_i; second: (i, j) with i <= j -> d2f/dx_i dx_j.
     """
@@ -41,7 +41,7 @@ class Expansion:
 
     field: of the coefficients.
     variables: symbols with respect to which is differentiated.
-    values: symbol -> expression over the symbols of the field; all others stand for themselves.
+    values: symbol -> expression over the symbols of the field; all others are kept.
 
     Examples
     --------
@@ -142,7 +142,7 @@ class Expansion:
         """The chain rule for a function of any number of arguments."""
         moving = [k for k, jet in enumerate(jets) if jet.first or jet.second]
         names = {k: sp.Dummy(f"a{k}") for k in moving}
-        # Constants stand in it as they are: x**4 has a second derivative at 0, x**n may have none.
+        # Constants keep their values in it: x**4 has a second derivative at 0, x**n may have none.
         function = part.func(*(names.get(k, jet.value.sympy) for k, jet in enumerate(jets)))
         table = {name: jets[k].value.sympy for k, name in names.items()}
         slopes = {k: self._at(function.diff(names[k]), table, part) for k in moving}
@@ -169,7 +169,7 @@ class Expansion:
 
     def _at(self, term: sp.Expr, table: Mapping[sp.Symbol, sp.Expr], part: sp.Expr) -> Element:
         """A derivative at the point."""
-        # Of an unknown function no derivative has a value.
+        # Derivatives of an unknown function have no value.
         if term.has(sp.Derivative, sp.Subs):
             raise self._not_smooth(part)
         found = term.xreplace(dict(table)).doit()

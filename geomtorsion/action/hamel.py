@@ -72,7 +72,7 @@ def quotients(field: Field, matrix: Matrix, right: Sequence[Element]) -> list[Qu
 def _part(
     matrix: Matrix, rows: Sequence[int], columns: Sequence[int]
 ) -> dict[tuple[int, int], Element]:
-    """The matrix of some rows and columns, numbered anew."""
+    """The submatrix of some rows and columns, renumbered."""
     return {
         (r, c): matrix[row, column]
         for r, row in enumerate(rows)
@@ -91,8 +91,8 @@ def coefficients_of(
 
     u^i = e^i_mu q'^mu gives  delta u^i - d/dt (e^i_mu dq^mu)
     = (d_mu e^i_nu - d_nu e^i_mu) dq^mu q'^nu: the curl of the coframe, in the frame C_kj^i.
-    Where the image closes, the torsion 2 S_kj^i of its connection goes off again: all of it for
-    the Cartan connection of the frame, which is taken if none is given.
+    Where the image closes, the torsion 2 S_kj^i of its connection is subtracted again: all of it
+    for the Cartan connection of the frame, which is taken if none is given.
     """
     if not principle.frame_curl:
         return {}
@@ -104,7 +104,7 @@ def coefficients_of(
 
 
 def torsion_over(frame: Frame, connection: Connection | None) -> Tensor:
-    """2 S_ab^c of a connection, slots ddu, over a frame that may live in another field."""
+    """2 S_ab^c of a connection, slots ddu, over a frame that may have another field."""
     if connection is None:
         return cartan(frame).torsion.T
     torsion = connection.torsion.T
@@ -139,7 +139,7 @@ class Hamel:
 
     @cached_property
     def velocities(self) -> tuple[Element, ...]:
-        """u^i as elements, with the values of those that are fixed."""
+        """u^i as elements, with the values of the fixed ones."""
         every = enumerate(self.bundle.velocities)
         return tuple(self.fixed.get(i, value) for i, value in every)
 
@@ -159,7 +159,7 @@ class Hamel:
         return tuple(field.sum(row) for row in terms)
 
     def kinetic(self, rows: Sequence[int]) -> dict[tuple[int, int], Element]:
-        """M_kl = dp_k/du^l at (place of k in rows, place of l among the free ones)."""
+        """M_kl = dp_k/du^l at (index of k in rows, index of l among the free velocities)."""
         symbols = [self.bundle.symbols.velocities[i] for i in self.free]
         found = {}
         for place, k in enumerate(rows):
@@ -236,7 +236,7 @@ class Hamel:
 
     @cached_property
     def whole_matrix(self) -> dict[tuple[int, int], Element]:
-        """M_kl at (k, place of l among the free ones), for all k."""
+        """M_kl at (k, index of l among the free velocities), for all k."""
         return self.kinetic(range(self.bundle.dimension))
 
     @cached_property
@@ -374,7 +374,7 @@ def adapted_frame(
 ) -> AdaptedFrame:
     """The frame adapted to constraints that are linear in the velocities.
 
-    Each constraint takes the place of one form: of one with a constant coefficient if there is
+    Each constraint replaces one form: a form with a constant coefficient if there is
     any, so that the adapted frame ends where the given one does; the last such.
 
     Raises
@@ -432,7 +432,7 @@ def _coefficients(bundle: TangentBundle, where: str, value: Element) -> tuple[Ro
 
 
 def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) -> list[int]:
-    """For each constraint the form that it replaces, such that what results is a frame."""
+    """For each constraint the form that it replaces, such that the result is a frame."""
     field, done = bundle.field, []
     places: list[int] = []
     for name, row in zip(names, rows, strict=True):
@@ -451,7 +451,7 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
                 f"{name} follows from the constraints before it, or contradicts them. Leave it "
                 "out: each constraint must take away one velocity."
             )
-        # A pivot that may vanish would end the adapted frame where the given one goes on.
+        # A pivot that may vanish would end the adapted frame where the given frame continues.
         place = min(reduced, key=lambda i: (_rank(bundle, reduced[i]), -i))
         scale = reduced[place].inverse()
         done.append((place, {i: value * scale for i, value in reduced.items()}))
@@ -460,7 +460,7 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
 
 
 def _rank(bundle: TangentBundle, value: Element) -> int:
-    """0 for a number, 1 for a parameter, 2 for what may vanish somewhere."""
+    """0 for a number, 1 for a parameter, 2 for a function that may vanish somewhere."""
     if value.is_rational:
         return 0
     return 2 if value.symbols & set(bundle.frame.coordinates) else 1

@@ -1,4 +1,4 @@
-"""Invariants: what a motion keeps, each proved by exact zero."""
+"""Invariants: constants of a motion, each proved by exact zero."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def momenta(hamel: Hamel, frame: Frame, base: Frame) -> Iterator[Candidate]:
         yield _along(hamel, f"body momentum {i + 1}", {i: exact.one})
     for number, row in enumerate(right_invariant(frame) or (), 1):
         components = exact.read_all([("field", value) for value in row])
-        # The fields are found in the frame that was given; the momenta are those of the other.
+        # The fields are found in the given frame; the momenta belong to the adapted one.
         if adapted is not base:
             components = _turned(components, base, adapted)
         yield _along(hamel, f"space momentum {number}", dict(enumerate(components)))
@@ -151,7 +151,7 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
     coefficients = hamel.bundle.frame.anholonomy.components.nonzero
     if not coefficients or any(not value.is_rational for value in coefficients.values()):
         return
-    # Any n independent symbols can stand for the momenta here.
+    # Any n independent symbols can represent the momenta here.
     u = hamel.bundle.velocities
     operator = {(j, k): exact.zero for j in range(n) for k in range(n)}
     for (j, k, i), value in coefficients.items():
@@ -175,7 +175,7 @@ def casimirs(hamel: Hamel) -> Iterator[Candidate]:
 
 @dataclass
 class _Found:
-    """What is kept so far; a candidate that adds nothing new is passed over."""
+    """Invariants kept so far; a candidate that adds nothing new is skipped."""
 
     hamel: Hamel
     kept: dict[str, Element] = field(default_factory=dict)
@@ -183,7 +183,7 @@ class _Found:
     def add(self, one: Candidate, products: Sequence[Element] = ()) -> bool:
         """Keep a value if its derivative is exactly zero and others do not make it up.
 
-        products: of values that are kept, which make up others also.
+        products: of kept values, of which others may consist.
         """
         value = one.value
         if value.is_rational or one.change(self.hamel).is_zero is not True:
@@ -241,7 +241,7 @@ class ConservedQuantities(Mapping[str, sp.Expr]):
 def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
     """Name -> f(q, u, t) that does not change along the motion.
 
-    Tried are: the energy p_i u^i - L, of driven systems also without what is driven; momenta
+    Candidates: the energy p_i u^i - L, for driven systems also without the driven part; momenta
     p_i xi^i along coordinate lines, along legs, along right-invariant fields of a Lie group, and
     along f(q) E_k and f(q) d_mu for a few functions f; rational combinations of these; the
     quadratic Casimirs of the legs; and, without constraints, f(q) p_k p_l for the terms f of which
@@ -264,7 +264,7 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
     functions, words = powers(frame)
     _combine(found, coordinate_candidates(hamel, functions), "killing")
     ansatz.append(f"sums of c*f(q)*p(q), the momenta of coordinates, f {words}")
-    # L.L of a body is no news where each component of L is kept.
+    # L.L of a body adds nothing where each component of L is kept.
     inside = set(hamel.bundle.frame.coordinates)
     squares = [x * x for x in found.kept.values() if not x.symbols & inside]
     constant = list(casimirs(hamel))

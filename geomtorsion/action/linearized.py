@@ -122,7 +122,7 @@ def _values(
     used: Sequence[int],
     extra: Collection[sp.Symbol],
 ) -> tuple[dict[sp.Symbol, sp.Expr], dict[sp.Symbol, sp.Expr]]:
-    """Values of coordinates and parameters, which may stand for themselves, and of u."""
+    """Values of coordinates and parameters, which may be themselves, and of u."""
     symbols, frame = motion.bundle.symbols, motion.bundle.frame
     free = set().union(*(x.free_symbols for x in motion.terms))
     inside = {*symbols.coordinates, *symbols.velocities}

@@ -10,10 +10,10 @@ from geomtorsion.errors import UnknownNameError
 
 @dataclass(frozen=True)
 class Principle:
-    """A way to vary: what closes, and what of curl and torsion enters.
+    """A way to vary: the variations with fixed ends, and which of curl and torsion enters.
 
-    name: how it is asked for.
-    closes: what has fixed ends.
+    name: its name in requests.
+    closes: the variations with fixed ends.
     leads_to: the curves that it gives for a kinetic energy.
     frame_curl: share of C_kj^i, the object of anholonomy of the frame.
     image_torsion: share of T_kj^i = 2 S_kj^i, the torsion of the connection of the image.

@@ -35,7 +35,7 @@ class Linearization:
     """x' = matrix x for small deviations x from a steady motion.
 
     states: names of the coordinates and velocities that deviate. Coordinates that no force depends
-        on, such as the place on a plane, are omitted: they follow by integration.
+        on, such as the position on a plane, are omitted: they follow by integration.
     matrix: over numbers and the parameters that have no value.
     """
 
@@ -62,7 +62,7 @@ class Linearization:
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Roots of the characteristic polynomial, complex, those that grow fastest first.
+        """Complex roots of the characteristic polynomial, the fastest growing first.
 
         Zeros are exact and keep their number; others are rounded once.
 
@@ -117,13 +117,13 @@ class Linearization:
 
 
 def exactly(value: sp.Expr) -> sp.Expr:
-    """An expression with fractions in the place of its floats."""
+    """An expression with fractions instead of its floats."""
     return value.xreplace({x: sp.Rational(x) for x in value.atoms(sp.Float)})
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What moves, before it is expanded anywhere.
+    """Lagrangian, forces and constraints of a motion, before expansion at a point.
 
     bundle: frame and symbols; lagrangian, forces, constraints: in q, u and parameters.
     coefficients: A_kj^i of the principle.
@@ -172,7 +172,7 @@ class Point:
     used: Sequence[int]
 
     def read(self, element: Element) -> Element:
-        """An element of the bundle at the place."""
+        """An element of the bundle at the point."""
         return self.field.read(element.sympy.xreplace(dict(self.place)))
 
     def jets(self, terms: Sequence[sp.Expr], speeds: Sequence[sp.Expr]) -> list[Jet]:
@@ -226,7 +226,7 @@ class Point:
         velocities: Sequence[sp.Symbol | str] | None,
         given: Mapping[sp.Symbol, sp.Expr],
     ) -> list[int]:
-        """Numbers of the velocities that are independent: those asked for, else those given."""
+        """Numbers of the independent velocities: the requested ones, else the given ones."""
         u = self.state.bundle.symbols.velocities
         names = [symbol.name for symbol in u]
         if velocities is not None:
@@ -345,7 +345,7 @@ class Point:
     def sloped(
         self, entries: Mapping[tuple[int, ...], Element], shape: tuple[int, ...]
     ) -> tuple[Grid, list[Grid]]:
-        """Elements of the bundle at the place, and their slopes along the coordinates used."""
+        """Elements of the bundle at the point, and their slopes along the coordinates used."""
         found = self.array(np.zeros(shape))
         slopes = [self.array(np.zeros(shape)) for _ in self.used]
         for index, element in entries.items():

@@ -105,7 +105,8 @@ class TangentBundle:
 
     The frame that a user gave keeps its own field: mechanics adds nothing to it.
 
-    frame: coordinates q^mu and coframe e^i_mu of the given frame; all else is a parameter of it.
+    frame: coordinates q^mu and coframe e^i_mu of the given frame; all other symbols are parameters
+    of it.
     symbols: the symbols of velocities and time.
     """
 
@@ -143,7 +144,7 @@ class TangentBundle:
         return self.field.sum([(1, value, slope) for value, slope in pairs])
 
     def change(self, element: Element, rates: Sequence[Element]) -> Element:
-        """d_t f + q'^mu d_mu f: what f(q, u, t) changes by while the velocities stay."""
+        """d_t f + q'^mu d_mu f: rate of f(q, u, t) at constant velocities."""
         pairs = zip(self.frame.coordinates, rates, strict=True)
         terms = [(1, rate, element.diff(symbol)) for symbol, rate in pairs]
         return self.field.sum([(1, element.diff(self.symbols.time)), *terms])

@@ -1,4 +1,4 @@
-"""Validation: what a user gives for equations of motion, checked once and read exactly."""
+"""Validation: user input for equations of motion, checked once and read exactly."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _listed(values: object, what: str) -> list[Any]:
 
 
 def check_frame(frame: Frame, connection: Connection | None, *, complex_too: bool = False) -> None:
-    """Refuse a connection of another frame, and complex frames: their velocities are no motion."""
+    """Refuse a connection of another frame, and complex frames: they describe no motion."""
     checks.instance(frame, Frame, "frame")
     if connection is not None:
         checks.instance(connection, Connection, "connection")
@@ -93,14 +93,14 @@ def expressions(
     """Texts, numbers or sympy expressions in q, u, t and parameters as sympy expressions.
 
     Symbols are known by their names. In a sympy expression every other symbol is a parameter
-    unless parameters are listed; in a text it must be listed, or stand in such an expression.
+    unless parameters are listed; in a text it must be listed, or occur in such an expression.
 
     Raises
     ------
     LagrangianError
         A symbol is none of these, or cannot be one (u7 where there are three velocities).
     ExpressionError
-        A text is no expression.
+        A text is not an expression.
     """
     symbols = symbols_of(frame)
     own = (*frame.coordinates, *frame.parameters, symbols.time, *symbols.velocities)
@@ -151,7 +151,7 @@ def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, sp.Sym
 def _check_parameter(
     where: str, name: str, symbols: MotionSymbols, table: Mapping[str, sp.Symbol], listed: bool
 ) -> None:
-    """Refuse a symbol that can be no parameter."""
+    """Refuse a symbol that cannot be a parameter."""
     stem = symbols.velocities[0].name.rstrip("0123456789")
     velocity = bool(re.fullmatch(rf"{stem}\d+", name))
     rate = any(name == s.name for s in (*symbols.rates, *symbols.accelerations))

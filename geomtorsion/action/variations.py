@@ -85,11 +85,11 @@ class Variation:
 
     @cached_property
     def gap_rates(self) -> tuple[sp.Expr, ...]:
-        """d/dt b^i, with b^i = 0 at the start: what a closed variation fails to close by.
+        """d/dt b^i, with b^i = 0 at the start: b^i is the gap of a variation that should close.
 
         closed_in_coordinates: zero. closed_in_image: - T_kj^i u^j dPhi^k - C_kj^i u^j b^k; at the
-        end b is a Burgers vector. naive: the same with b left out of the reckoning; its dq^mu are
-        no variation of the path unless this vanishes.
+        end b is a Burgers vector. naive: the same, but b is ignored; its dq^mu are not a variation
+        of the path unless this vanishes.
         """
         n = self.frame.dimension
         if self.principle == "closed_in_coordinates":
@@ -104,9 +104,9 @@ class Variation:
 
     @cached_property
     def proved(self) -> bool | None:
-        """Whether these changes follow from those of the path, by exact zero.
+        """Whether these changes follow from the changes of the path, by exact zero.
 
-        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are worked out by the chain rule and put
+        delta (e^i_mu q'^mu) and d/dt (e^i_mu dq^mu) are computed by the chain rule and put
         together with the gap. False for the naive variation over an anholonomic frame.
         """
         verdicts = [value.is_zero for value in self._defects()]
@@ -115,7 +115,7 @@ class Variation:
         return None if None in verdicts else True
 
     def _defects(self) -> list[Element]:
-        """delta (e q') as claimed minus as worked out, with q' = E u and dq = E (dPhi + b)."""
+        """delta (e q') as claimed minus as computed, with q' = E u and dq = E (dPhi + b)."""
         bundle = bundle_over(self.frame, [])
         field, frame = bundle.field, bundle.frame
         field.declare((*self.images, *self.image_rates, *self.gaps))
@@ -171,7 +171,7 @@ class Variation:
         return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
     def _rows(self) -> list[tuple[sp.Symbol, sp.Symbol, Any]]:
-        """Velocity, image and what is added to the rate of the image."""
+        """Velocity, image and the term added to the rate of the image."""
         pairs = zip(self.velocities, self.images, self.image_rates, self.changes, strict=True)
         return [(u, image, change - rate) for u, image, rate, change in pairs]
 

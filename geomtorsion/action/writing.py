@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def by_powers(element: Element, velocities: Sequence[sp.Symbol]) -> sp.Expr:
     """An element as a sum over products of velocities, where it is at most quadratic in them.
 
-    Each coefficient is as short as it can be alone, as in u2*u3*(I2 - I3)/I1 - k*x/I1.
+    Each coefficient is by itself as short as possible, as in u2*u3*(I2 - I3)/I1 - k*x/I1.
 
     Examples
     --------

@@ -29,7 +29,7 @@ def numpy_function(
     Parameters
     ----------
     elements
-        what to compute, k of them.
+        the outputs, k of them.
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
@@ -41,15 +41,15 @@ def numpy_function(
     Function of len(symbols) numbers or arrays of one shape; it returns an array of shape
     (k, *shape).  Its source is kept in the attribute `source`.  Values are right to 1e-12 of
     themselves: where rounding may leave fewer digits, as beside a removable singularity or a zero,
-    they are worked out with as many more as it takes.
+    they are computed with as many more as needed.
 
     Raises
     ------
     MissingValueError
         an element contains a symbol that is not among the arguments.
     ArgumentError
-        (from the function, too) a symbol comes twice; an argument is no number and no array of real
-        ones, or, if values are to be right, not finite.
+        (also from the function) a symbol comes twice; an argument is neither a real number nor an
+        array of them, or, if values are to be right, not finite.
     BranchError
         (from the function) a root has not the sign with which it was read, see `Frame.branches`.
     SingularPointError
@@ -112,13 +112,13 @@ def numpy_function(
                 raise SingularPointError(_where_singular(lost, given, elements, symbols))
         return result
 
-    # Functions have room for attributes of their own, which types do not say.
+    # Functions accept attributes of their own, which their type does not declare.
     function.source = made.python_source()  # type: ignore[attr-defined]
     return function
 
 
 def _argument(name: str, value: ArrayLike, is_finite: bool) -> ArrayLike:
-    """An argument as floats; they are left as they came where they are."""
+    """An argument as floats; floats are returned unchanged."""
     is_float = type(value) is float or (type(value) is np.ndarray and value.dtype == np.float64)
     if is_float and not (is_finite and not np.isfinite(value).all()):
         return value
@@ -146,11 +146,11 @@ def _where_singular(
     )
 
 
-# Points that are worked out at once: what stands between stays in the cache of the processor, and
-# no bit of a result depends on it.
+# Points computed at once: intermediate values stay in the cache of the processor. No bit of a
+# result depends on it.
 BLOCK = 8192
 
-# What makes a value anew where balls do not: (output, point) -> value, or None.
+# Fallback that computes a value where balls fail: (output, point) -> value, or None.
 LastResort = Callable[[int, tuple[float | complex, ...]], float | complex | None]
 
 
@@ -158,8 +158,8 @@ LastResort = Callable[[int, tuple[float | complex, ...]], float | complex | None
 class Settled:
     """The values of a graph on arrays, each right to 1e-12 of itself.
 
-    Beside each value runs a bound of what rounding does to it. Where that is too large, or the
-    value is not finite, it is made anew by ball arithmetic.
+    Each value carries a bound of its rounding error. Where that is too large, or the
+    value is not finite, ball arithmetic computes it again.
     """
 
     graph: Graph
@@ -206,7 +206,7 @@ class Settled:
         arguments: tuple[ArrayLike, ...],
         last_resort: LastResort,
     ) -> tuple[int, ...] | None:
-        """Make doubtful values anew, in place; the index of the first for which that fails."""
+        """Recompute doubtful values in place; return the index of the first that fails."""
         dtype = values.dtype
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=dtype) for x in arguments))
         for place in np.argwhere(doubtful.any(axis=0)):
@@ -226,9 +226,9 @@ class Settled:
 def _blocks(
     arrays: list[np.ndarray], shape: tuple[int, ...]
 ) -> Iterator[tuple[list[np.ndarray], Callable[[np.ndarray], np.ndarray]]]:
-    """Parts of arrays that are worked out at once, and what takes that part of an array."""
+    """Parts of arrays that are computed at once, and the function that takes each part."""
     count = int(np.prod(shape))
-    # Arrays that are still to be stretched are small: they are worked out before that.
+    # Arrays that are still to be broadcast are small: they are computed before that.
     if count <= BLOCK or any(array.shape not in ((), shape) for array in arrays):
         yield arrays, lambda whole: whole
         return
@@ -244,7 +244,7 @@ class Bounds:
     """Steps for values and for bounds of their errors, in units of one rounding.
 
     relative: of each output, where it is the same at all points; None where it is not.
-    absolute: sign and place of the bound of each other output.
+    absolute: sign and position of the bound of each other output.
     """
 
     steps: tuple[Step, ...]
@@ -256,7 +256,7 @@ class Bounds:
 def rounding_bounds(
     steps: Sequence[Step], outputs: Sequence[Signed], *, is_complex: bool = False
 ) -> Bounds:
-    """A running error analysis: each step's bound from those of its operands, to first order.
+    """A running error analysis: each step's bound from its operands' bounds, to first order.
 
     Arguments count as exact. A product of exact numbers is right to one rounding wherever it is
     evaluated, and so is a sum of terms of one sign; only where terms may cancel does the bound
@@ -276,7 +276,7 @@ def rounding_bounds(
 
 @dataclass(frozen=True)
 class _Error:
-    """An error of at most so many roundings of the value, and what else there is (a step)."""
+    """An error of at most so many roundings of the value, plus a further error (a step)."""
 
     roundings: int
     rest: int | None = None
@@ -288,7 +288,7 @@ class _Error:
 
 
 class _Analysis:
-    """Steps with bounds; places of the first steps are those of the old ones."""
+    """Steps with bounds; the old steps come first and keep their positions."""
 
     def __init__(self, steps: Sequence[Step]) -> None:
         self.forward = Forward(steps, ())

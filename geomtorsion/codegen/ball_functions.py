@@ -1,4 +1,4 @@
-"""Ball functions: what graphs call, on balls (arb, acb) and on power series in balls (arb_series).
+"""Ball functions: functions in graphs, on balls (arb, acb) and power series in balls (arb_series).
 
 Complex functions take a flag `analytic`: where it is true they have a value only where they are
 analytic, and are not a number elsewhere. FLINT itself does so for logarithms, roots and powers.
@@ -14,7 +14,7 @@ from flint import acb, arb, arb_series, ctx
 
 from geomtorsion.exact.special_values import VALUES
 
-# An arb, acb or arb_series; python-flint does not tell its types.
+# An arb, acb or arb_series; python-flint does not declare its types.
 Ball: TypeAlias = Any
 
 # -- complex functions -----------------------------------------------------------------------------
@@ -85,7 +85,7 @@ def _complex_power(base: acb, exponent: acb, analytic: bool) -> acb:
 
 
 def _complex_size(x: acb, analytic: bool) -> acb:
-    """|x| of real numbers goes on as x or -x; of complex ones it is analytic nowhere."""
+    """|x| of real numbers continues as x or -x; for complex numbers it is nowhere analytic."""
     return x.real_abs(analytic=True) if analytic else acb(abs(x))
 
 
@@ -161,7 +161,7 @@ def _first(x: Ball) -> arb:
 def _real(
     name: str, series: Callable[[arb_series], arb_series] | None = None
 ) -> Callable[[Ball], Ball]:
-    """A method of arb; of series the method of that name, or the given function."""
+    """A method of arb; for series the method of that name, or the given function."""
     method = getattr(arb, name)
     on_series = series or getattr(arb_series, name, None) or (lambda x: undefined())
     return lambda x: method(x) if isinstance(x, arb) else on_series(x)
@@ -192,7 +192,7 @@ def _series_cosh(x: arb_series) -> arb_series:
 
 
 def _step_value(x: arb_series, value: arb) -> Ball:
-    """A function that is constant between its jumps, off which the series lies."""
+    """A function that is constant between its jumps, for a series away from them."""
     return value if value.is_exact() and value.is_finite() else undefined()
 
 

@@ -1,6 +1,6 @@
 """Balls: a graph as functions of balls (arb, acb) and of power series in balls (arb_series).
 
-A ball contains the true value, whatever rounding does.
+A ball contains the true value despite rounding.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def exact_ball(value: Any) -> arb:
     if isinstance(value, arb):
         return value
     if hasattr(value, "_mpf_"):
-        # The sign stands apart from the mantissa in numbers of mpmath, and in floats of sympy.
+        # Numbers of mpmath and floats of sympy store the sign apart from the mantissa.
         return _dyadic(*value._mpf_[:3])
     if type(value) is np.longdouble:
         return arb(fmpq(*value.as_integer_ratio()))
@@ -86,7 +86,7 @@ def expression_ball(value: sp.Expr) -> arb:
 
 @lru_cache(maxsize=256)
 def _constant(value: sp.Expr, bits: int) -> arb:
-    """A number that is not rational, at so many bits, which are those in use."""
+    """An irrational number, to the number of bits in use."""
     assert bits == ctx.prec
     if value in _CONSTANTS:
         return _CONSTANTS[value]()
@@ -247,7 +247,7 @@ def integral(function: Callable[[acb, bool], acb], tolerance: arb, most: int | N
     found = NAN
 
     def guarded(s: acb, analytic: bool) -> acb:
-        # What is raised inside of FLINT would come out as a SystemError.
+        # An error raised inside of FLINT would come out as a SystemError.
         if raised:
             return NAN
         try:
@@ -267,7 +267,7 @@ def integral(function: Callable[[acb, bool], acb], tolerance: arb, most: int | N
 
 
 def innermost(error: BaseException) -> BaseException:
-    """What was raised inside of FLINT, out of the SystemErrors around it."""
+    """The error raised inside of FLINT, out of the SystemErrors around it."""
     while isinstance(error, SystemError) and error.__cause__ is not None:
         error = error.__cause__
     return error
@@ -279,8 +279,8 @@ def innermost(error: BaseException) -> BaseException:
 def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | complex | None]:
     """Values that are right to the last digit but one of a float; None where there is none.
 
-    The precision is doubled until the balls are small enough. What cannot be told from zero with
-    the largest is zero where its ball is below the smallest float.
+    The precision is doubled until the balls are small enough. A value indistinguishable from zero
+    at the largest is zero if its ball is below the smallest float.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Evaluation: steps at one point, exactly or as numbers of so many bits."""
+"""Evaluation: steps at one point, exactly or as numbers of a given precision."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Exact = Fraction | mpmath.mpf
 def exact_values(
     steps: Sequence[Step], outputs: Sequence[Signed], arguments: Sequence[Any], bits: int
 ) -> list[Exact]:
-    """Outputs as fractions where they are rational, else as mpmath's numbers of so many bits."""
+    """Outputs as fractions where they are rational, else as mpmath numbers of a given precision."""
     with working_precision(bits):
         given = [exact_number(value, bits) for value in arguments]
         made: list[Exact] = []
@@ -30,7 +30,7 @@ def exact_values(
 
 
 def _exact(step: Step, given: Sequence[Exact], made: Sequence[Exact]) -> Exact:
-    """One step; whatever meets an mpmath number becomes one."""
+    """One step; if any operand is an mpmath number, the result is one."""
     kind, detail = step.kind, step.detail
     if kind == "argument":
         return given[detail]
@@ -84,7 +84,7 @@ def rational(value: Any) -> Fraction | None:
 
 
 def exact_number(value: Any, bits: int) -> Exact:
-    """A number of any kind as a fraction, or as mpmath number of so many bits.
+    """A number of any kind as a fraction, or as an mpmath number of a given precision.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def exact_number(value: Any, bits: int) -> Exact:
     (Fraction(1, 2), '3.141592653589793238462643')
     """
     with working_precision(bits):
-        # numpy's long floats give their digits as text alone; so do heyoka's.
+        # Long floats of numpy and heyoka give their digits only as text.
         if type(value).__name__ in ("longdouble", "real128", "real"):
             return mpmath.mpf(str(value))
         known = rational(value)

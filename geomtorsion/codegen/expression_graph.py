@@ -59,12 +59,12 @@ def graph(
     Parameters
     ----------
     arguments
-        names in order; symbols and unknown functions go by what str makes of them.
+        names in order; symbols and unknown functions by their str.
     outputs
         k of them; elements of several fields, sympy expressions and sums of products may mix.
     constants
-        those arguments that do not change while the others do: work with them alone is done
-        once, and products with them cost little.
+        those arguments that do not change while the others do: work with only them is done once,
+        and products with them cost little.
     factor
         whether what terms share is pulled out of them. Sums that are too long for that stay as
         they are.
@@ -102,8 +102,8 @@ class Graph:
     """Values computed one after another, each once; two graphs are equal where their code is.
 
     arguments: names, in order.
-    steps: values in order; those that no output needs are left out.
-    outputs: sign and place of each.
+    steps: values in order; values that no output needs are omitted.
+    outputs: sign and position of each.
     is_complex: whether values may be complex where arguments are real.
     """
 
@@ -122,7 +122,7 @@ class Graph:
 
     @cached_property
     def key(self) -> str:
-        """What two graphs share exactly when their code is the same, but for names of arguments."""
+        """Key that two graphs share exactly when their code is the same up to argument names."""
         lines = [f"{len(self.arguments)} {self.is_complex} {self.outputs}"]
         for step in self.steps:
             parts = (step.kind, step.detail, step.operands, step.signs, step.constant)
@@ -217,7 +217,7 @@ class Graph:
         return all(name == "power" or FUNCTIONS[name].heyoka for name in called)
 
     def exactly(self, values: Sequence[Any], bits: int = EXACT_BITS) -> list[Fraction | mpmath.mpf]:
-        """Values at one point: fractions where they are rational, else numbers of so many bits.
+        """Values at one point: fractions where rational, else numbers of a given precision.
 
         Examples
         --------
@@ -248,7 +248,7 @@ class Graph:
         return Graph(self.arguments, *term_sizes(self.steps, self.outputs))
 
     def above_rounding(self) -> Graph:
-        """The outputs less what rounding in doubles may add; of roots what is under them.
+        """The outputs (for roots, the radicands) minus what rounding in doubles may add.
 
         Examples
         --------
@@ -264,7 +264,7 @@ class Graph:
     ) -> Graph:
         """The same with factors in front of arguments and outputs: further arguments, constant.
 
-        arguments: name of an argument -> that of its factor; outputs: names of factors, one for
+        arguments: name of an argument -> name of its factor; outputs: names of factors, one for
         each output, or none; more: names of all factors in order.
 
         Examples
@@ -293,9 +293,9 @@ class Graph:
         return Graph((*self.arguments, *more), *builder.needed(found), self.is_complex)
 
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
-        """The same over constants that are worked out once, and the graph that makes these.
+        """The same over constants that are computed once, and the graph that computes these.
 
-        first: position of the first constant argument; all after it are constant, too, and are
+        first: position of the first constant argument; all after it are also constant, and are
         the arguments of the second graph; name: of the new arguments, which are numbered.
 
         Examples
@@ -314,7 +314,7 @@ class Graph:
         )
 
     def derivative(self, names: Sequence[str]) -> Graph:
-        """All derivatives with respect to arguments, those of the first output first.
+        """All derivatives with respect to arguments, ordered by output.
 
         Examples
         --------
@@ -329,14 +329,14 @@ class Graph:
 
 
 # Two readings of one root that differ by more than this part of their size are of two branches.
-# Between branches lies a sign, or a part of a turn; rounding is smaller than both.
+# Branches differ by a sign, or a part of a turn; rounding is smaller than both.
 APART = 1e-3
 
 
 def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck | None:
     """The check of all branches on which elements of some fields rely; None where there is none.
 
-    names: of the arguments; what depends on others, no element in these arguments relies on.
+    names: of the arguments; elements in these do not rely on branches that depend on others.
     """
     known = set(names)
     found = [
@@ -371,7 +371,7 @@ class BranchCheck:
 
     @cached_property
     def _graph(self) -> Graph:
-        """For each branch the root as it stands and as it was read, or what has to be positive."""
+        """For each branch the root as written and as read, or a quantity that must be positive."""
         outputs: list[Element | sp.Expr] = []
         for is_complex, branch in self.branches:
             if branch.holds is not None and not is_complex:

@@ -1,6 +1,6 @@
-"""Printers: steps as Python source or heyoka expressions; what functions are called where.
+"""Printers: steps as Python source or heyoka expressions; names of functions in each.
 
-The one place where text becomes a function.
+The only module in which text becomes a function.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def python_source(arguments: int, body: Body) -> str:
 
 
 class _PythonWriter:
-    """Writes steps: those needed once in place, others as statements before."""
+    """Writer of steps: steps needed once are inlined, others are statements before."""
 
     def __init__(self, steps: Sequence[Step], outputs: Sequence[Signed]) -> None:
         self.lines: list[str] = []
@@ -193,7 +193,7 @@ def _smallest(*values: np.ndarray) -> np.ndarray:
     return reduce(np.minimum, values)
 
 
-# Special functions, some of which math has, too, are of their own file.
+# Special functions, some of which math also has, come from their own file.
 _FLOATS: dict[str, Any] = {
     **{x.math: getattr(math, x.math, None) for name, x in FUNCTIONS.items() if name not in VALUES},
     **{name: of_floats(name) for name in VALUES},
@@ -219,7 +219,7 @@ def compiled(
 ) -> Callable[..., Any]:
     """A function of source text that this package has written, by its name there.
 
-    numbers: what its functions take; floats go to those of the math module, which make no arrays.
+    numbers: type of its arguments; floats go to functions of the math module, not of numpy.
 
     Examples
     --------
@@ -244,7 +244,7 @@ def function_of(source: str, table: dict[str, Any], name: str = "values") -> Cal
 
 
 class Expression(Protocol):
-    """An expression of heyoka, which does not tell its types."""
+    """An expression of heyoka, which does not declare its types."""
 
     def __neg__(self) -> Expression:
         """Its opposite."""
@@ -269,7 +269,7 @@ def heyoka_expressions(
     arguments: Sequence[Expression | None],
     number: Number,
 ) -> list[Expression]:
-    """Outputs as expressions of those that stand for the arguments."""
+    """Outputs as expressions of the arguments' expressions."""
     writer = _HeyokaWriter(steps, arguments, number)
     return [writer.made[place] if sign > 0 else -writer.made[place] for sign, place in outputs]
 
@@ -325,6 +325,6 @@ class _HeyokaWriter:
     def _quotient(self, step: Step, above: Expression, below: Expression) -> Expression:
         first = self.steps[step.operands[0]]
         if is_one(first):
-            # Of 1/x heyoka makes the power -1, of -1/x a quotient, which costs two thirds.
+            # heyoka turns 1/x into the power -1, but -1/x into a quotient, which costs two thirds.
             return -self.heyoka.prod([self.number(-1, 1), below**-1.0])
         return above / below

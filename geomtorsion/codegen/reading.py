@@ -1,6 +1,6 @@
 """Reading: elements, their products and sympy expressions as sums over literals, and as steps.
 
-Sums of cosh and sinh are merged into powers of exp on the way.
+Sums of cosh and sinh are merged into powers of exp.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from geomtorsion.exact.generators import Generator
 from geomtorsion.exact.lengths import short_of
 from geomtorsion.exact.polynomials import as_fmpq
 
-# What is left of a monomial without hyperbolic functions of some argument; powers of exp of it.
+# A monomial without hyperbolic functions of some argument; powers of exp of that argument.
 Merged = tuple[Monomial, tuple[tuple[Generator, int], ...]]
 
 
@@ -92,7 +92,7 @@ def _powers(even: int, odd: int) -> dict[int, fmpq]:
 def never_negative(tree: sympy.Expr) -> bool:
     """Whether an expression is zero or more wherever it has a value: sums of even powers.
 
-    sympy itself says nothing of y**2/x**2, which has no value at x = 0.
+    sympy itself does not decide y**2/x**2, which has no value at x = 0.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def never_negative(tree: sympy.Expr) -> bool:
 
 # A sum of products: pairs (element, names of the arguments that multiply it).
 Products = tuple[tuple[Element, tuple[str, ...]], ...]
-# What may be an output of a graph.
+# Types of outputs of a graph.
 Output = Element | Products | sp.Expr | int | Fraction
 
 # Up to this exponent, powers are spelt out, so that factoring sees what they share.
@@ -128,7 +128,7 @@ _OF_INVERSES = {"acot": "atan", "acoth": "atanh", "asec": "acos", "acsc": "asin"
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a literal is that is neither a sum nor a pair of others.
+    """Meaning of a literal that is neither a sum nor a pair of others.
 
     kind: argument, digits, imaginary, root, power or call.
     detail: position, number, degree, exponent or name of the function.
@@ -152,7 +152,7 @@ class Reader:
         self.is_complex = False
         self.arguments: dict[str, Term] = {}
         self._known: dict[object, Term] = {}
-        # Literal of a root -> degree and what stands below it.
+        # Literal of a root -> degree and radicand.
         self._roots: dict[int, tuple[int, Term]] = {}
         # Literals of exp(-x) where x is never negative: exp(x) overflows above and below a line.
         self._falling: dict[int, None] = {}
@@ -167,7 +167,7 @@ class Reader:
             return self.sums.entered([self._element(entry)])
         if isinstance(entry, tuple):
             return self.sums.entered([self._product(element, names) for element, names in entry])
-        # A sum is not read as one literal: as an output nobody else need share it.
+        # A sum is not read as one literal: an output need not be shared.
         terms = sp.Add.make_args(expression(entry))
         for term in terms:
             for part in inside_out(term, attrgetter("args"), self._known.__contains__):
@@ -225,7 +225,7 @@ class Reader:
         return (ONE if number is ONE else number**exponent, spelt, other)
 
     def _times(self, terms: Iterable[Term]) -> Term:
-        """A product of terms; a root as often as its degree is what stands below it."""
+        """A product of terms; a root as often as its degree gives its radicand."""
         number, constants, rest = ONE, list[int](), list[int]()
         for value, some, others in terms:
             # Most numbers are one, and products of fractions are slow.
@@ -254,7 +254,7 @@ class Reader:
     # Elements.
 
     def _product(self, element: Element, names: tuple[str, ...]) -> Term:
-        """An element times arguments, those that it divides by left out."""
+        """An element times arguments, without those that it divides by."""
         number, constants, rest = self._element(element)
         left, below = list[Term](), list(rest)
         for term in (self.arguments[name] for name in names):
@@ -311,7 +311,7 @@ class Reader:
         return self._known[base]
 
     def _made_of(self, base: Generator | Sum) -> list[Generator | Sum]:
-        """What is read before a generator or a sum."""
+        """Generators and sums that are read before a generator or a sum."""
         if isinstance(base, Sum):
             return list(dict.fromkeys(g for _, monomial in base.terms for g, _ in monomial))
         if str(base.shown) in self.arguments:
@@ -332,7 +332,7 @@ class Reader:
         return self._sum(terms)
 
     def _sum(self, terms: list[Term]) -> Term:
-        """A sum as one term, with what grows like exp(y**2) in front of it."""
+        """A sum as one term, with factors that grow like exp(y**2) in front of it."""
         front: Term = (ONE, (), ())
         for literal in self._falling:
             growth = max([rest.count(-literal) for _, _, rest in terms], default=0)
@@ -412,7 +412,7 @@ class Reader:
         raise ExpressionError(f"{tree} has no numerical form here; write it in other functions")
 
     def _tree_power(self, base: sp.Basic, below: Term, above: Term) -> Term:
-        """A power: of whole and half numbers by products and square roots."""
+        """A power: for whole and half exponents by products and square roots."""
         if base is sp.E:
             return self._call("exp", above)
         number, constants, rest = above
@@ -437,7 +437,7 @@ class Emitter:
         self._done: dict[int, Signed] = {}
 
     def outputs(self, numbers: Sequence[int]) -> list[Signed]:
-        """Sign and place of some of the sums."""
+        """Sign and position of some of the sums."""
         found = []
         for number in numbers:
             for needed in self._of_sum(number):
@@ -527,7 +527,7 @@ class Emitter:
         return sign, above if below is None else self.builder.quotient(above, below)
 
     def _split(self, literals: tuple[int, ...]) -> tuple[int, int | None, int | None]:
-        """Sign, and places of what stands above and below the line, None for nothing."""
+        """Sign, and positions of numerator and denominator, None if absent."""
         sign, above, below = 1, list[int](), list[int]()
         for literal in literals:
             turn, place = self._done[abs(literal)]
@@ -536,7 +536,7 @@ class Emitter:
         return sign, self._chain(above), self._chain(below)
 
     def _chain(self, places: Sequence[int]) -> int | None:
-        """The product of places, equal ones as powers."""
+        """The product of steps, equal ones as powers."""
         if len(places) < 2:
             return places[0] if places else None
         count: dict[int, int] = {}
@@ -550,5 +550,5 @@ class Emitter:
 
 
 def _in_front(terms: Iterable[Term]) -> int:
-    """How many numbers and constants stand in front of terms."""
+    """How many numbers and constants are in front of terms."""
     return sum(len(some) + (abs(number) != 1) for number, some, _ in terms)

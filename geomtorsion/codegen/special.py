@@ -14,12 +14,12 @@ from flint import acb, arb
 from geomtorsion.exact.special_values import VALUES
 from geomtorsion.precision import ball_precision
 
-# Names in scipy.special of what it has in double precision, to a few roundings, for all arguments.
+# Functions of scipy.special that are right to a few double roundings for all arguments.
 _OF_SCIPY = {
     "besselj": "jv", "bessely": "yv", "besseli": "iv", "besselk": "kv", "erf": "erf",
     "erfc": "erfc", "erfi": "erfi", "gamma": "gamma", "beta": "beta", "Ei": "expi",
 }  # fmt: skip
-# More than any of NumPy's own numbers has.
+# More bits than any number type of NumPy has.
 _BITS = 128
 
 
@@ -50,7 +50,7 @@ def _values(name: str, *arguments: Any) -> np.ndarray:
     arrays = np.broadcast_arrays(*arguments)
     kind = np.result_type(*arrays, float)
     if name in _OF_SCIPY and kind in (np.float64, np.complex128):
-        # Few expressions need it, and loading scipy.special costs more than all else here.
+        # Few expressions need it, and loading scipy.special costs more than everything else here.
         return getattr(import_module("scipy.special"), _OF_SCIPY[name])(*arrays)
     result = np.empty(arrays[0].shape, dtype=kind)
     is_real = not np.issubdtype(kind, np.complexfloating)

@@ -17,10 +17,10 @@ from geomtorsion.exact.special_values import VALUES
 # So many quotients by one value make its inverse pay: a product costs less than a quotient.
 MANY_QUOTIENTS = 6
 
-# What slopes of special functions are made of besides these.
+# Further functions that occur in slopes of special functions.
 _EVERYDAY = (sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.sinh, sympy.cosh)
 
-# Sign and place of a step.
+# Sign and position of a step.
 Signed = tuple[int, int]
 
 
@@ -30,11 +30,11 @@ class Step:
 
     kind: argument, number (rational), digits (pi and its kind), imaginary (the unit), sum,
         product, square, quotient, root or call.
-    operands: places of earlier steps.
-    signs: of each operand of a sum; nothing elsewhere.
+    operands: positions of earlier steps.
+    signs: of each operand of a sum; otherwise empty.
     detail: the position of an argument, the number, the degree of a root, the name of a function
         (sympy's, or power).
-    constant: whether the step changes with constant arguments alone.
+    constant: whether the step changes only with constant arguments.
     """
 
     kind: str
@@ -60,7 +60,7 @@ class Builder:
         signs: tuple[int, ...] = (),
         constant: bool | None = None,
     ) -> int:
-        """The place of a step; constant: None where its operands tell."""
+        """The position of a step; constant: None where its operands decide."""
         key = (kind, operands, signs, detail)
         found = self._known.get(key)
         if found is None:
@@ -92,7 +92,7 @@ class Builder:
         return sign, self.add("sum", operands, signs=signs)
 
     def product(self, first: int, second: int) -> int:
-        """A product, constants in front; of equal factors a square."""
+        """A product, constants in front; equal factors make a square."""
         if first == second:
             return self.add("square", (first,))
         one, two = self.steps[first], self.steps[second]
@@ -117,7 +117,7 @@ class Builder:
         return self.product(square, place) if exponent % 2 else square
 
     def needed(self, outputs: Sequence[Signed]) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-        """The steps that outputs need; inverses where many quotients share what is below."""
+        """The steps that outputs need; inverses where many quotients share a denominator."""
         count: dict[int, int] = {}
         for step in self.steps:
             if step.kind == "quotient" and not step.constant:
@@ -163,16 +163,16 @@ def uses(steps: Sequence[Step], outputs: Sequence[Signed]) -> list[int]:
     return count
 
 
-# Derivatives that are not zero: which argument -> sign and place.
+# Derivatives that are not zero: argument -> sign and position.
 Slopes = dict[int, Signed]
 
 
 def jacobian(
     steps: Sequence[Step], outputs: Sequence[Signed], positions: Sequence[int]
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-    """Steps and outputs for d output / d argument, those of the first output first.
+    """Steps and outputs for d output / d argument, ordered by output.
 
-    Derivatives are carried forward from step to step; what is zero is never written.
+    Derivatives are carried forward from step to step; derivatives that are zero are never written.
     """
     work = Forward(steps, positions)
     for place, step in enumerate(steps):
@@ -188,7 +188,7 @@ def jacobian(
 
 
 class Forward:
-    """Steps with their derivatives; places of the first steps are those of the old ones."""
+    """Steps with their derivatives; the old steps come first and keep their positions."""
 
     def __init__(self, steps: Sequence[Step], positions: Sequence[int]) -> None:
         self.builder: Builder = Builder()
@@ -383,7 +383,7 @@ class Forward:
         return self._sum(parts)
 
 
-# What costs an engine nothing: it stays where it is.
+# Steps that cost an engine nothing: they stay where they are.
 _GIVEN = ("argument", "number", "digits")
 Part = tuple[tuple[Step, ...], tuple[Signed, ...]]
 
@@ -407,7 +407,7 @@ def hoisted(
     positions: dict[int, int] = {}
 
     def further(place: int) -> int:
-        """An argument for a constant, by its place in `made`."""
+        """An argument for a constant, by its position in `made`."""
         if place not in positions:
             positions[place] = width + len(found)
             found.append((1, place))
@@ -438,14 +438,14 @@ def hoisted(
     return rest.needed(results), made.needed(found)
 
 
-# A value that is smaller than so many roundings of its terms has no sign of its own.
+# A value smaller than this many roundings of its terms has no definite sign.
 ROUNDINGS = 8
 
 
 def term_sizes(
     steps: Sequence[Step], outputs: Sequence[Signed]
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
-    """Steps and outputs for the sizes, which are what roundings of terms are measured by."""
+    """Steps and outputs for the sizes, by which roundings of terms are measured."""
     builder, sizes = _with_sizes(steps)
     return builder.needed([(1, sizes[place]) for _, place in outputs])
 
@@ -455,7 +455,7 @@ def above_rounding(
 ) -> tuple[tuple[Step, ...], tuple[Signed, ...]]:
     """Steps and outputs that are positive only where rounding in doubles leaves no doubt of it.
 
-    Of roots what is under them stands here: it has the same sign as long as there is a root.
+    A root is replaced by its radicand, which has the same sign as long as there is a root.
     """
     builder, sizes = _with_sizes(steps)
     share = builder.number(Fraction(ROUNDINGS, 2**52))
@@ -468,10 +468,10 @@ def above_rounding(
 
 
 def _with_sizes(steps: Sequence[Step]) -> tuple[Builder, list[int]]:
-    """All steps, and for each the place of its size."""
+    """All steps, and for each the position of its size."""
     builder = Builder()
     sizes: list[int] = []
-    # First all old steps, so that their places stay.
+    # First all old steps, so that their positions stay.
     for step in steps:
         builder.add(step.kind, step.operands, step.detail, signs=step.signs, constant=step.constant)
     for place, step in enumerate(steps):

@@ -1,10 +1,10 @@
-"""Sums: polynomials over literals, made short by pulling out what they share.
+"""Sums: polynomials over literals, shortened by pulling out common factors.
 
 A literal is an argument, a function or another sum.  Only the distributive law is used, and only
-from the sum to the product: nothing is expanded, and nothing is divided by that was not divided by
-before.  The method is greedy.  Of all pairs of terms (what both share comes out in front, what is
-left becomes a literal) and of all pairs of factors (their product becomes a literal), over all sums
-together, the one that saves most is taken, again and again.
+from the sum to the product: nothing is expanded, and no new divisors appear.  The method is greedy.
+Among all pairs of terms (their common factor comes out in front, the rest becomes a literal) and of
+all pairs of factors (their product becomes a literal), over all sums together, the one that saves
+most is taken, again and again.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from itertools import combinations, pairwise
 from math import gcd, lcm
 from typing import Any
 
-# Number, constants, literals.  A literal is an integer k > 0, and -k stands for its inverse; the
+# Number, constants, literals.  A literal is an integer k > 0, and -k is its inverse; the
 # two tuples are sorted, with repetition.
 Term = tuple[Fraction, tuple[int, ...], tuple[int, ...]]
 ONE = Fraction(1)
@@ -26,10 +26,10 @@ class Sums:
     """All sums of a graph.
 
     sums: the terms of each sum, by its number.
-    named: literal -> the number of the sum that it stands for.
+    named: literal -> the number of the sum that it represents.
     pairs: literal -> the two literals whose product (or quotient) it is.
     constant: literals that do not change while the variable arguments do.
-    known: terms of a sum -> the literal that stands for it.
+    known: terms of a sum -> the literal that represents it.
     """
 
     def __init__(self) -> None:
@@ -103,12 +103,12 @@ class Sums:
 
 
 def order(term: Term) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Where a term stands in its sum."""
+    """Sort key of a term in its sum."""
     return (term[2], term[1])
 
 
 def collected(terms: Iterable[Term]) -> list[Term]:
-    """Terms in order, those that differ in their number alone added up."""
+    """Terms in order, those that differ only in their number added up."""
     found: dict[tuple[tuple[int, ...], tuple[int, ...]], Fraction] = {}
     for number, constants, rest in terms:
         key = (rest, constants)
@@ -126,7 +126,7 @@ def content(one: Fraction, two: Fraction) -> Fraction:
 
 
 def shared(one: tuple[int, ...], two: tuple[int, ...]) -> tuple[int, ...]:
-    """What two sorted tuples have in common, with repetition."""
+    """Common elements of two sorted tuples, with repetition."""
     found, i, j = list[int](), 0, 0
     while i < len(one) and j < len(two):
         if one[i] == two[j]:
@@ -150,11 +150,11 @@ def without(whole: tuple[int, ...], part: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(rest)
 
 
-# What an operation on Taylor series costs, as measured with heyoka at order 20: a product of two
+# Cost of an operation on Taylor series, measured with heyoka at order 20: a product of two
 # series convolves them; its square needs half the convolution, a product with a constant none.
 # On plain numbers all this costs the same, and fewer products are still better.
 PRODUCT, SQUARE, QUOTIENT, SCALE = 100, 40, 130, 10
-# More comparisons than this take tens of milliseconds: what is found by then has to do.
+# More comparisons than this take tens of milliseconds: the best result by then is used.
 MOST_COMPARED = 12_000
 
 # A pair of terms without common factor, or a pair of factors (integers).
@@ -162,7 +162,7 @@ Divisor = tuple[Any, Any]
 
 
 def factor(sums: Sums) -> None:
-    """Pull out what saves most, as long as something saves anything.
+    """Pull out the divisor that saves most, as long as one saves anything.
 
     Where there is more to compare than is worth the time, the sums stay as they are.
     """
@@ -175,14 +175,14 @@ def factor(sums: Sums) -> None:
 
 
 class _Search:
-    """Divisors of all sums, with what each would save; terms and divisors go by numbers.
+    """Divisors of all sums, with the saving of each; terms and divisors go by numbers.
 
-    divided: two terms -> divisor, front, and what the two save.
+    divided: two terms -> divisor, front, and the saving of the two.
     factors: a term -> its pairs of factors, and how often each could be taken.
     literal: divisor -> the literal that it has become; own: sum -> the divisor that it is.
     where: divisor -> sum -> pairs of terms, or how often a pair of factors is there; of: the
         same by sums.
-    heap: gains with their divisors; what is no longer the gain of its divisor is passed over.
+    heap: gains with their divisors; outdated gains are skipped.
     """
 
     def __init__(self, sums: Sums) -> None:
@@ -210,7 +210,7 @@ class _Search:
         self.heap: list[tuple[int, bool, int]] = []
 
     def run(self) -> None:
-        """Pulls out the best until nothing is left that saves."""
+        """Pull out the best divisor until none saves anything."""
         changed = list(range(len(self.sums)))
         while changed and self.compared < MOST_COMPARED:
             self._update(changed)
@@ -237,7 +237,7 @@ class _Search:
         return found
 
     def _update(self, changed: list[int]) -> None:
-        """Finds divisors and gains anew for the sums that changed."""
+        """Find divisors and gains again for the sums that changed."""
         touched: dict[int, None] = {}
         for number in changed:
             before, after = self.of.get(number, {}), self._found(number)
@@ -258,7 +258,7 @@ class _Search:
                 self.gain.pop(divisor, None)
             elif gain != self.gain.get(divisor):
                 self.gain[divisor] = gain
-                # Of equal gains sums come first: a common factor may go with more terms later.
+                # Among equal gains sums come first: a common factor may go with more terms later.
                 heappush(self.heap, (-gain, self._is_pair(divisor), divisor))
 
     def _is_pair(self, divisor: int) -> bool:
@@ -266,7 +266,7 @@ class _Search:
         return isinstance(self.divisors[divisor][0], int)
 
     def _found(self, number: int) -> dict[int, Any]:
-        """All divisors of a sum, with their places."""
+        """All divisors of a sum, with their positions."""
         found: dict[int, Any] = {}
         terms, own = self.sums[number], self.own.get(number)
         self.compared += len(terms) * (len(terms) + 1) // 2
@@ -282,7 +282,7 @@ class _Search:
         return found
 
     def _compared(self, one: int, two: int) -> tuple[int, int, int]:
-        """Divisor (-1 where no state occurs) and front of two terms, and what they save."""
+        """Divisor (-1 where no state occurs) and front of two terms, and their saving."""
         key = (one, two)
         if key not in self.divided:
             divisor, front = divided(self.terms[one], self.terms[two])
@@ -292,7 +292,7 @@ class _Search:
                 after = (number, constants, (*rest, some))
             else:
                 after = (number, (some,), rest)
-            # Constants are worked out once: nothing is gained by factoring what holds no state.
+            # Constants are computed once: factoring terms without states gains nothing.
             states = divisor[0][2] or divisor[1][2] or rest
             saved = self.costs[one] + self.costs[two] - cost(after)
             place = self._divisor(divisor) if states else -1
@@ -310,14 +310,14 @@ class _Search:
         return self.factors[number]
 
     def _known(self, divisor: int) -> int:
-        """The divisor under which a literal is kept: inverse factors as those below the line."""
+        """The divisor that represents a literal: inverse factors as factors of a denominator."""
         pair = self.divisors[divisor]
         if isinstance(pair[0], int) and pair[1] < 0:
             return self._divisor((-pair[1], -pair[0]))
         return divisor
 
     def _gained(self, divisor: int) -> int:
-        """What pulling out a divisor saves."""
+        """Saving of pulling out a divisor."""
         where, known = self.where[divisor], self._known(divisor) in self.literal
         one, two = self.divisors[divisor]
         if isinstance(one, int):
@@ -330,7 +330,7 @@ class _Search:
         return total
 
     def _pulled(self, divisor: int) -> list[int]:
-        """Puts one literal in the place of a divisor everywhere; the sums that changed."""
+        """Replace a divisor by one literal everywhere; return the sums that changed."""
         one, two = self.divisors[divisor]
         known = self.literal.get(self._known(divisor))
         changed = sorted(self.where[divisor])
@@ -368,7 +368,7 @@ class _Search:
 
 
 def cost(term: Term) -> int:
-    """What one term costs."""
+    """Cost of one term."""
     number, constants, literals = term
     if not literals:
         return 0
@@ -399,7 +399,7 @@ def divided(one: Term, two: Term) -> tuple[tuple[Term, Term], Term]:
 
 
 def paired(literals: tuple[int, ...], a: int, b: int, literal: int) -> tuple[int, ...]:
-    """A product with one literal in the place of the pair a, b, as often as it is there."""
+    """A product in which one literal replaces each occurrence of the pair a, b."""
     times = literals.count(a) // 2 if a == b else min(literals.count(a), literals.count(b))
     if not times:
         return literals

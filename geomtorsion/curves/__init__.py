@@ -1,4 +1,4 @@
-"""Curves: geodesics, autoparallels and what is carried along them, over an atlas."""
+"""Curves: geodesics, autoparallels and quantities carried along them, over an atlas."""
 
 from geomtorsion.curves.atlas import Atlas, Chart, TransitionMap
 from geomtorsion.curves.constructors import (

@@ -99,14 +99,14 @@ class ElementMatrix:
     def applied(self, point: Mapping[str, Real | np.ndarray], vectors: np.ndarray) -> np.ndarray:
         """The matrix at many points times a vector at each: shapes (columns, m), (rows, m)."""
         result = np.zeros((self.shape[0], vectors.shape[1]))
-        # Where a chart ends entries are infinite; what becomes of them is looked at afterwards.
+        # Entries are infinite where a chart ends; the caller checks the result.
         with np.errstate(all="ignore"):
             for (i, j), number in zip(self.entries, self.values(point), strict=True):
                 result[i] += number * vectors[j]
         return result
 
     def precisely(self, point: Mapping[str, Real], vector: Sequence[Real], bits: int) -> list[Real]:
-        """The matrix at one point times a vector, in numbers of so many bits."""
+        """The matrix at one point times a vector, in numbers of the given precision."""
         if bits <= 53:
             column = np.array([[float(x)] for x in vector])
             return self.applied(point, column)[:, 0].tolist()
@@ -128,12 +128,12 @@ class Chart:
     coordinates: symbols; more than the dimension of the space in a redundant chart.
     legs: for each coordinate the pairs (i, E[mu, i]) that do not vanish: q'^mu = E[mu, i] u^i.
     frame: the frame written in these coordinates; None for a redundant chart.
-    keeps_frame: whether its legs are the same fields as those of the home chart.
-    edge: an element that vanishes where the chart ends; None if the frame itself tells.
+    keeps_frame: whether its legs are the fields of the home chart's frame.
+    edge: an element that vanishes where the chart ends; None if the frame itself defines its edges.
     margin: below this value of |edge| the solver moves over to another chart.
     kept: an element that equals one everywhere (redundant charts).
     antipodal: indices of coordinates whose signs may all change without another point being meant.
-    end: where motions end that do not come to the edge, in words.
+    end: where motions end that do not reach the edge, in words.
     """
 
     name: str
@@ -152,7 +152,7 @@ class Chart:
 
     @cached_property
     def edges(self) -> tuple[Edge, ...]:
-        """What is positive as long as the chart holds: its edge, or those of its frame."""
+        """Quantities that are positive while the chart holds: its edge, or its frame's edges."""
         if self.edge is not None:
             return (Edge(self.edge, f"{self.edge.sympy} = 0", f"{self.edge.sympy} > 0"),)
         if self.frame is None:
@@ -285,7 +285,7 @@ class TransitionMap:
     expressions: the coordinates of the target, in symbols of the source and parameters.
     angles: indices of target coordinates that count modulo 2 pi.
     sample: values of symbols where the map is defined, to choose branches of roots and logs.
-    written: the same map in a form in which no digits cancel; None: as the expressions say.
+    written: the same map in a form in which no digits cancel; None: the expressions as they are.
     """
 
     source: str
@@ -340,14 +340,14 @@ class TransitionMap:
         ShapeError
             There is not one number, or one array, for each coordinate.
         ArgumentError
-            One is no real number, or a parameter is not among the values.
+            A coordinate is not a real number, or a parameter is not among the values.
         """
         numbers = {name: float(x) for name, x in self._numbers(parameters).items()}
         place = self._places(coordinates)
         if self.written is None:
             return self._function(*place, *numbers.values())
         place = [checks.array(x, "coordinates", ArgumentError, infinite=None) for x in place]
-        # Outside of the source chart there are no values; whoever asked looks at what came.
+        # The map has no values outside of the source chart; the caller checks the result.
         with np.errstate(all="ignore"):
             return np.array(np.broadcast_arrays(*self.written(FLOATS, place, numbers)))
 
@@ -369,7 +369,7 @@ class TransitionMap:
         return found
 
     def _numbers(self, parameters: Mapping[Any, Real]) -> dict[str, Real]:
-        """The values of the parameters; those of others are left out."""
+        """The values of the parameters; others are omitted."""
         given = checks.by_name(parameters, "parameters")
         missing = [p.name for p in self.parameters if p.name not in given]
         if missing:
@@ -385,7 +385,7 @@ class TransitionMap:
     def precisely(
         self, values: Sequence[Real], parameters: Mapping[Any, Real], bits: int
     ) -> list[mpmath.mpf]:
-        """Target coordinates of one point as mpmath numbers of so many bits; see `__call__`."""
+        """Target coordinates of one point as mpmath numbers of a precision; see `__call__`."""
         checks.count(bits, "bits", ArgumentError, 2)
         place = checks.numbers(self._places(values), None, "coordinates", ArgumentError)
         names = [symbol.name for symbol in self.coordinates]
@@ -407,7 +407,7 @@ GAIN = 1.5
 
 
 class MovingPoint(NamedTuple):
-    """Coordinates, velocities u^i in units of the speed, and what is carried along."""
+    """Coordinates, velocities u^i in units of the speed, and carried quantities."""
 
     coordinates: list[Real]
     velocities: list[Real]
@@ -421,7 +421,7 @@ class MovingPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Charts of one space and the maps between them, made when they are first asked for.
+    """Charts of one space and the maps between them, made when they are first used.
 
     home: name of the chart of the frame that the user works with.
     makers: name -> function without arguments that makes the chart.
@@ -480,7 +480,7 @@ class Atlas:
         return self.order or tuple(self.makers)
 
     def only(self, *names: str) -> Atlas:
-        """The same space with these charts alone."""
+        """The same space with only these charts."""
         for name in names:
             if name not in self.makers:
                 self.chart(name)
@@ -559,11 +559,11 @@ class Atlas:
         *,
         starting: bool = False,
     ) -> str | None:
-        """The first of some charts far from its edge, or else the one that is furthest from it.
+        """The first of some charts far from its edge, or else the furthest from its edge.
 
-        Of those that are far from their edges none in which the motion is much faster than in
-        another: behind a horizon, ingoing coordinates run away from what comes out of it, and
-        outgoing ones from what falls in.
+        A chart is skipped if the motion is much faster in it than in another chart far from its
+        edge: behind a horizon, ingoing coordinates run away from outgoing motions, and outgoing
+        ones from infalling motions.
         """
         best, score = None, 0.0
         far: list[tuple[str, float]] = []
@@ -591,7 +591,7 @@ class Atlas:
 
 
 def _same(value: Any) -> Any:
-    """What it is given: a maker of something that is made already."""
+    """The given object: a maker for an object that exists already."""
     return value
 
 

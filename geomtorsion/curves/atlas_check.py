@@ -1,8 +1,8 @@
 """Atlas check: whether maps between charts keep the metric, the frame, and lead there and back.
 
-Everything is worked out from exact elements at generic points, to 400 bits: what agrees there in
-half of them is equal, and what differs is shown with its component. Shipped atlases are checked by
-the tests, those of users where they are given as `atlas=`.
+Everything is computed from exact elements at generic points, to 400 bits: two sides that agree at
+half of them are equal, and a difference is shown with its component. The tests check shipped
+atlases; `atlas=` checks a user's atlas.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from geomtorsion.geometry.validation import candidate_points
 from geomtorsion.ode.numbers import Real, mpf
 from geomtorsion.precision import EXACT_BITS, working_precision
 
-# Half of the bits may be lost in between: two analytic functions that agree in so many are equal.
+# Half of the bits may be lost: analytic functions that agree in the other half are equal.
 EQUAL = mpmath.mpf(2) ** (-EXACT_BITS // 2)
 
 Row = list[mpmath.mpf]
@@ -28,13 +28,14 @@ Point = tuple[Row, dict[str, Real]]
 
 
 def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
-    """How often a map was found right: each of them at so many points of the domain of a frame.
+    """Number of points of the domain at which each map of an atlas was found right.
 
     Raises
     ------
     CoordinateError
-        the home chart is not that of the frame; a map does not pull the metric (or the frame, where
-        its charts claim to keep it) back, does not lead back, or has no value at any point tried.
+        the home chart is not the chart of the frame; a map does not pull the metric (or the frame,
+        where its charts claim to keep it) back, does not lead back, or has no value at any point
+        tried.
     ShapeError
         a map has not one expression for each coordinate of its target.
 
@@ -220,7 +221,7 @@ def _compare_points(
     points: tuple[Row, Row],
     numbers: dict[str, Real],
 ) -> None:
-    """Going there and back leads to the same point, if perhaps by another name of it."""
+    """A round trip leads to the same point, perhaps with other coordinates of it."""
     point, there = points
     found = _mapped(back, there, numbers)
     if found is None or _first_gap(back, point, found) is None:

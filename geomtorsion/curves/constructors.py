@@ -1,4 +1,4 @@
-"""Constructors: the curves one can ask for, each by its maker."""
+"""Constructors: one function for each kind of curve."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def autoparallel(
     connection
         any connection; for the Cartan connection u is constant.
     start
-        q^mu, shape (n,); None on a Lie group where only u is wanted.
+        q^mu, shape (n,); None on a Lie group where only u is needed.
     velocity, frame_velocity
         q'^mu, or u^i = e^i_mu q'^mu, shape (n,): exactly one of them.
     parameters
@@ -82,7 +82,7 @@ def autoparallel(
     ShapeError
         a list has not one number per coordinate.
     CoordinateError
-        a map of the atlas given is wrong, or a value contradicts what was declared of a parameter.
+        a map of the given atlas is wrong, or a value contradicts the declaration of a parameter.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def geodesic(
     atlas: Atlas | None = None,
     stop: object = None,
 ) -> CurveProblem:
-    """A shortest line: of the metric of the frame, or of a kinetic metric G_ij e^i e^j.
+    """A shortest line for the metric of the frame, or for a kinetic metric G_ij e^i e^j.
 
     Equation
     --------
@@ -136,7 +136,7 @@ def geodesic(
     Parameters
     ----------
     space
-        the frame; of a connection only its frame is used.
+        the frame; a connection contributes only its frame.
     start, velocity, frame_velocity, parameters, causal, atlas, stop
         as in `autoparallel`.
     metric
@@ -181,7 +181,7 @@ def parallel_transport(
     vectors
         frame components w^k at the start: shape (n,) or (number, n).
     connection
-        what parallel means; the Levi-Civita connection of the frame if not given.
+        the connection of the transport; the Levi-Civita connection of the frame if not given.
 
     Examples
     --------
@@ -321,7 +321,7 @@ def _written(frame: Frame, key: str) -> dict[str, Any]:
 
 
 def law_key(law: Law) -> str:
-    """What two laws share exactly when they have the same equations."""
+    """Key that two laws share exactly when they have the same equations."""
     if isinstance(law, Autoparallel):
         # The law holds its connection, so that this number stays its own.
         return f"equations of {id(law.connection)}"

@@ -32,19 +32,19 @@ def distance_apart(
     one, two
         solutions over the same space.
     chart
-        chart in whose coordinates to measure; that of the problem if not given.
+        chart in whose coordinates to measure; the chart of the problem if not given.
     angles
-        names of its coordinates that count modulo 2 pi; None: those of which the space says so, by
-        a map into the chart or by a domain of one turn over which the frame repeats itself.
+        names of its coordinates that count modulo 2 pi; None: those that the space declares, by a
+        map into the chart or by a domain of one turn over which the frame repeats itself.
 
     Returns
     -------
     Array, shape (m,): the length of e^i_mu (q_two - q_one)^mu, with the coframe half way between;
     where angles wrap, the least of the lengths to all images of the second point, so that nothing
     jumps. With a positive definite metric this is the distance in the metric where the two are
-    close. With an indefinite one it is no distance, and no invariant: all signs of the metric are
-    taken as positive, so that it is the size that the difference has for observers who carry the
-    frame; points apart by a null vector are apart.
+    close. With an indefinite one it is no distance, and no invariant: all signs of the metric
+    are taken as positive, so that it is the size that the difference has for observers who carry
+    the frame; points apart by a null vector are apart.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def _gaps(
     place = problem.atlas.chart(name)
     turning = angles_of(problem, name) if angles is None else _places(place.names, angles)
     first = one.in_chart(name).astype(float)
-    # Not by way of the home chart, beyond which both may lie.
+    # Not by way of the home chart: both may be outside of it.
     second = at_times(two.problem, two.trajectory, one.times, name).astype(float)
     steps = second - first
     steps[:, turning] = np.remainder(steps[:, turning] + np.pi, 2 * np.pi) - np.pi
@@ -106,7 +106,7 @@ def _gaps(
 
 
 def angles_of(problem: CurveProblem, chart: str) -> list[int]:
-    """Coordinates of a chart that count modulo 2 pi, as maps into it or its domain say."""
+    """Coordinates of a chart that count modulo 2 pi, according to maps into it or its domain."""
     routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
     found = {k for route in routes if route for k in route[-1].angles}
     frame = problem.atlas.chart(chart).frame

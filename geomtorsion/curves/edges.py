@@ -1,4 +1,4 @@
-"""Edges: where the coordinates of a frame end, told from its domain, its roots and its branches."""
+"""Edges: where the coordinates of a frame end, from its domain, its roots and its branches."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ _REAL = ("symbol", "cos", "sin", "cosh", "sinh", "exp", "log")
 
 @dataclass(frozen=True)
 class Edge:
-    """What is positive as long as the coordinates hold.
+    """A quantity that is positive as long as the coordinates hold.
 
-    element: an exact element; a motion that lets it fall through zero has come to the edge.
-    words: what happens there, for messages; condition: what has to hold inside.
+    element: an exact element; a motion on which it falls through zero has reached the edge.
+    words: event at the edge, for messages; condition: relation that holds inside.
     is_root: whether it is a root of the frame, so that rates have no value beyond it.
     """
 
@@ -43,8 +43,8 @@ class Edge:
 def edges_of(frame: Frame) -> tuple[Edge, ...]:
     """All edges of a frame: its declared domain, roots that vanish, branches that end.
 
-    A root is watched itself, not what is under it: motions that come to rest on the edge touch it,
-    and there the radicand has a double zero, which rounding hides, but its root a simple one.
+    A root is watched itself, not its radicand: motions that come to rest on the edge touch it, and
+    there the radicand has a double zero, which rounding hides, but its root a simple one.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
 
 
 def _of_domain(frame: Frame) -> Iterator[Edge]:
-    """Relations of the domain, but for those that bound an angle."""
+    """Relations of the domain, except bounds of an angle."""
     turns = {symbol for symbol in frame.coordinates if is_angle(frame, symbol)}
     for relation in frame.domain:
         if not isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan | sp.Ge | sp.Le):
@@ -102,7 +102,7 @@ def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:
 def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:
     """The lower bound of a coordinate whose domain is as long as a full turn; None of others."""
     above: sp.Expr | None = None
-    # Of a symbol that is declared positive sympy takes phi > 0 for said.
+    # For a symbol declared positive sympy drops the condition phi > 0.
     below: sp.Expr | None = sp.S.Zero if symbol.is_nonnegative else None
     for relation in frame.domain:
         if relation.free_symbols != {symbol} or not hasattr(relation, "gts"):
@@ -117,7 +117,7 @@ def full_turn(frame: Frame, symbol: sp.Symbol) -> sp.Expr | None:
 
 
 def _of_branches(frame: Frame) -> Iterator[Edge]:
-    """Where the sign with which a root was read is not that of the root any more."""
+    """Edges beyond which a root no longer has the sign with which it was read."""
     for branch in frame.branches:
         if branch.holds is not None:
             yield Edge(branch.holds, str(branch), str(branch))
@@ -171,7 +171,7 @@ def _is_sum_of_squares(element: Element | None) -> bool:
 def _has_a_kink(frame: Frame, root: Generator) -> bool:
     """Whether the root of a sum of squares may vanish, and the metric is odd in it.
 
-    Series go on with its other sign beyond the place where it vanishes.
+    Series continue with its other sign beyond the point where it vanishes.
     """
     tail = root.tail
     assert tail is not None

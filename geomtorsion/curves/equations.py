@@ -72,7 +72,7 @@ class CartanAutoparallel:
         return None
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
-        """Nothing besides the velocities themselves."""
+        """Nothing except the velocities themselves."""
         return {}
 
 
@@ -225,7 +225,7 @@ def _square(frame: Frame, metric: Any, names: Sequence[str]) -> Products:
 
 
 def _is_bi_invariant(frame: Frame) -> bool:
-    """Whether C_kj^i = - C_ij^k: then the sum of p_k^2 is kept, whatever G."""
+    """Whether C_kj^i = - C_ij^k: then the sum of p_k^2 is constant for any G."""
     twist = frame.anholonomy.components
     if not twist.nonzero:
         return False
@@ -256,7 +256,7 @@ def inverted(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """A law in a chart: coordinates first, then velocities (unless constant), then what is carried.
+    """A law in a chart: coordinates first, then velocities (unless constant), then carried states.
 
     chart: the chart, or None if only velocities are followed.
     states, parameters: names, as in a `System`.
@@ -283,7 +283,7 @@ class Equations:
 
     @cached_property
     def system(self) -> System:
-        """What engines integrate, with the margin of the chart as guard."""
+        """Equations for the engines, with the margin of the chart as guard."""
         arguments = (*self.states, *self.parameters)
         rates = graph(arguments, self.rates, self.parameters)
         margin, end = self.guard_terms
@@ -294,13 +294,13 @@ class Equations:
 
     @property
     def guard_terms(self) -> tuple[list[Any], list[Any]]:
-        """What falls through zero at the margin of the chart, and at its very end."""
+        """Functions that fall through zero at the margin of the chart, and at its very end."""
         if self.chart is None or not self.chart.edges:
             return [], []
         edges = [edge.element for edge in self.chart.edges]
         margin = Fraction(self.chart.margin)
         inner = [((edge, ()), (edge.field.rational(-margin), ())) for edge in edges]
-        # At the very end only the sign matters: quotients and even powers are left out. But
+        # At the very end only the sign matters: quotients and even powers are omitted. But
         # engines want to watch something that moves.
         shorter = [of_same_sign(edge) for edge in edges]
         ends = [one if one.symbols else edge for one, edge in zip(shorter, edges, strict=True)]
@@ -319,7 +319,7 @@ class Equations:
     def numbers(
         self, parameters: Mapping[str, Number], velocities: Sequence[Number]
     ) -> list[Number | Fraction]:
-        """Values of the parameters in order: of the space, of the law, and constant velocities."""
+        """Parameter values in order: space, law, constant velocities."""
         table: dict[str, Number | Fraction] = {**parameters, **self.constants}
         if not self.moves:
             table |= dict(zip(self.velocities, velocities, strict=True))
@@ -366,7 +366,7 @@ def velocity_names(frame: Frame) -> tuple[str, ...]:
 
 
 def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
-    """A law in a chart of the space of a frame; chart None: velocities alone."""
+    """A law in a chart of the space of a frame; chart None: only velocities."""
     names = velocity_names(frame)
     base = chart.frame if chart is not None and chart.frame is not None else frame
     home = base is frame
@@ -413,7 +413,7 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
 def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
     """Coordinates that are measured together: all of them, but time, which grows without bound.
 
-    Time stands in the place of the one leg whose square has the other sign.
+    Time corresponds to the one leg whose square has the other sign.
     """
     places = tuple(range(len(chart.coordinates)))
     if chart.frame is None:
@@ -440,7 +440,7 @@ def _is_constant(products: Products, frame: Frame) -> bool:
 
 
 def _need_constant(rates: Sequence[Products], frame: Frame, chart: Chart | None) -> None:
-    """Refuse to leave out the coordinates where the velocities depend on them."""
+    """Refuse to omit the coordinates where the velocities depend on them."""
     if all(_is_constant(products, frame) for products in rates):
         return
     what = "start=None (velocities alone)" if chart is None else f"chart {chart.name!r}"

@@ -1,4 +1,4 @@
-"""Exponential map and holonomy: what an autoparallel does to a point, and a path to a frame."""
+"""Exponential map and holonomy: end of an autoparallel, and a frame carried along a path."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def holonomy(
     Parameters
     ----------
     connection
-        what parallel means.
+        the connection of the transport.
     path
         a motion, followed up to t; or expressions q^mu(s) as a list of sympy expressions in one
         symbol s, followed from s = 0 to s = t.

@@ -23,7 +23,8 @@ def closed_form(
     """Chart and function of times that gives exact states in it; None if none is known.
 
     Known: linear equations with constant coefficients. These are the one-parameter subgroups of
-    the rotations in quaternions, straight lines in Cartesian coordinates, and velocities alone.
+    the rotations in quaternions, straight lines in Cartesian coordinates, and velocities without
+    coordinates.
 
     Examples
     --------

@@ -64,10 +64,10 @@ def log_map(
     end under full turns of periodic coordinates, and the motion follows it. Second, a fan of
     motions of the length found so far leaves the start, and Newton's iteration continues from the
     points nearest to the end. `guarantee` states among how many motions the answer is the
-    shortest. It is the shortest of all where the frame is constant. In general nobody can prove so
-    much from finitely many motions, but a geodesic with a conjugate point before its end, which is
-    never the shortest, is refused. Where two motions have the least length, the end lies on the cut
-    locus, and an error reports both.
+    shortest. It is the shortest of all where the frame is constant. In general this cannot be
+    proved from finitely many motions, but a geodesic with a conjugate point before its end, which
+    is never the shortest, is refused. Where two motions have the least length, the end is on the
+    cut locus, and an error reports both.
 
     Lengths and misses are measured with eta in the frame, so units of coordinates do not matter.
     With an indefinite metric no motion is the shortest: the answer has the least frame velocity,
@@ -106,7 +106,7 @@ def log_map(
     checked_engine(engine)
     problem = autoparallel(connection, start, frame_velocity=[0] * n, parameters=parameters)
     target = np.array([float(x) for x in checked_start(frame, end, problem.parameters)])
-    # A motion of many steps runs towards an edge without end, and does not hit.
+    # A motion with this many steps approaches an edge forever, and does not hit.
     solver = engine or (Taylor(max_steps=STEPS_AT_ONCE) if is_available() else RungeKutta())
     shooter = Shooter(problem, solver, solver.first(accuracy / 10))
     search = Search(shooter, shooter.aim(target), accuracy)
@@ -151,7 +151,7 @@ class _Choice:
         return answer
 
     def shortest(self, target: np.ndarray) -> LogMap:
-        """The shortest motion of those found."""
+        """The shortest of the motions found."""
         at_start = self.search.shooter.measured(
             np.zeros(len(target)),
             self.search.shooter.home,
@@ -173,7 +173,7 @@ class _Choice:
         exhaustive = complete and self.is_geodesic and followed[0].hit is not None
         directions = [] if exhaustive else self.search.directions(found)
         found += self.search.fan(directions, reach_of(followed, lines), found)
-        # Of equal motions the first is kept, which took the fewest differences of coordinates.
+        # Among equal motions the first is kept, which took the fewest differences of coordinates.
         found = sorted(self.search.apart(found), key=lambda hit: hit.length)
         if not found:
             raise EndpointError(
@@ -244,7 +244,7 @@ class _Choice:
         return answer
 
     def answer(self, found: Hit, guarantee: str) -> LogMap | None:
-        """A motion solved to the accuracy; None if that cannot be had or its end misses."""
+        """A motion solved to the accuracy; None if that fails or its end misses."""
         shooter, velocity = self.search.shooter, self.search.shooter.velocity(found.vector)
         problem = shooter.problem.with_start(frame_velocity=velocity)
         solution = tried(solve, problem, [1.0], self.search.accuracy / 10, self.engine)

@@ -68,14 +68,14 @@ if TYPE_CHECKING:
 class CurveProblem:
     """A curve to be solved for: law, frame, start; made by `geodesic`, `autoparallel`, ...
 
-    name: what the curve is called.
+    name: of the curve.
     frame: its coordinates and frame vectors are those in which start and answer are given.
     law: how the frame velocities change.
-    start: coordinates q^mu at t = 0; None where only velocities are asked for.
+    start: coordinates q^mu at t = 0; None where only velocities are requested.
     frame_velocity: u^i = e^i_mu q'^mu at t = 0.
     parameters: name -> number.
     atlas: charts of the space.
-    carried: what is carried along: transported vectors or a deviation.
+    carried: quantities carried along: transported vectors or a deviation.
     coordinate_velocity: q'^mu at t = 0 where that was given; more digits of u^i come from it.
     stops: conditions that end the curve where they fall through zero.
 
@@ -109,13 +109,13 @@ class CurveProblem:
     def __getstate__(self) -> dict[str, object]:
         return only_fields(self)
 
-    # What files call it.
+    # Its name in files.
     kind = "curve"
 
-    # -- what is to be solved --------------------------------------------------------------------
+    # -- equations ---------------------------------------------------------------------------------
 
     def equations(self, chart: str | None = None) -> Equations:
-        """The equations in a chart (the home chart if none is named), worked out once."""
+        """The equations in a chart (the home chart if none is named), computed once."""
         name = "" if self.start is None else chart or self.atlas.home
         if name not in self._written:
             place = self.atlas.chart(name) if name else None
@@ -150,7 +150,7 @@ class CurveProblem:
 
     @property
     def time_name(self) -> str:
-        """What the curve parameter is called in messages."""
+        """Name of the curve parameter in messages."""
         return "t"
 
     @property
@@ -188,7 +188,7 @@ class CurveProblem:
         velocity: Numbers | None = None,
         frame_velocity: Numbers | None = None,
     ) -> CurveProblem:
-        """The same law from another start; nothing is compiled anew.
+        """The same law from another start; nothing is compiled again.
 
         Examples
         --------
@@ -272,7 +272,7 @@ class CurveProblem:
     # -- for the solver --------------------------------------------------------------------------
 
     def check_start(self) -> None:
-        """Refuse a start beyond an edge that the frame itself tells, and find the first chart."""
+        """Refuse a start beyond an edge of the frame, and find the first chart."""
         if self.start is None:
             self._check_stops({})
             return
@@ -304,7 +304,7 @@ class CurveProblem:
         return self._stages[key]
 
     def _beginning(self, precision: int) -> tuple[str, MovingPoint]:
-        """The chart in which to begin, and the point there, worked out once."""
+        """The chart in which to begin, and the point there, computed once."""
         if precision in self._beginnings:
             return self._beginnings[precision]
         velocities = [divided(u, self.time_unit) for u in self._starting_velocity(precision)]
@@ -326,7 +326,7 @@ class CurveProblem:
         return name, point
 
     def _starting_velocity(self, precision: int) -> Sequence[Real]:
-        """u^i at the start, worked out from q'^mu where more digits are needed."""
+        """u^i at the start, computed from q'^mu where more digits are needed."""
         given = self.coordinate_velocity
         if precision <= 53 or given is None or self.start is None:
             return self.frame_velocity
@@ -337,7 +337,7 @@ class CurveProblem:
     def _stage(
         self, label: str, point: MovingPoint, begin: float, precision: int, perturbation: float
     ) -> Stage:
-        """The motion in one chart from a time on, and what comes where the chart ends."""
+        """The motion in one chart from a time on, and the stage after it where the chart ends."""
         equations = self.equations(label)
         moving = point.velocities if equations.moves else []
         states: Sequence[Real] | np.ndarray = [*point.coordinates, *moving, *point.carried]
@@ -364,7 +364,7 @@ class CurveProblem:
         return terms_in_chart(self.stops, self.atlas, label, equations, self.time_unit)
 
     def system(self, label: str) -> System:
-        """What engines integrate in a chart, with the conditions that end the curve."""
+        """Equations for the engines in a chart, with the conditions that end the curve."""
         if label not in self._systems:
             equations, single = self.equations(label), len(self.charts) == 1
             system = equations.system.to_the_end if single else equations.system
@@ -378,7 +378,7 @@ class CurveProblem:
     def _follower(
         self, label: str, velocities: Sequence[Real], precision: int, perturbation: float
     ) -> Callable[[float, State], Stage | None]:
-        """What comes after a chart: the motion in the next one."""
+        """The stage after a chart: the motion in the next one."""
 
         def follow(time: float, state: State) -> Stage | None:
             point = self._taken_apart(label, state, velocities)
@@ -393,7 +393,7 @@ class CurveProblem:
     def _ender(
         self, label: str, start: Sequence[float]
     ) -> Callable[[float, State], tuple[str, str]]:
-        """How a motion ends at the edge of its chart: of several edges, at the nearest."""
+        """How a motion ends at the edge of its chart, at the nearest one if there are several."""
 
         def ending(_: float, state: State) -> tuple[str, str]:
             edges = self.atlas.chart(label).edges if label else ()
@@ -410,7 +410,7 @@ class CurveProblem:
         return ending
 
     def _taken_apart(self, label: str, state: State, velocities: Sequence[Real]) -> MovingPoint:
-        """Coordinates, velocities and what is carried, out of a vector of states."""
+        """Coordinates, velocities and carried quantities, from a vector of states."""
         equations, values = self.equations(label), list(state)
         width, n = equations.width, len(velocities)
         if equations.moves:
@@ -442,8 +442,8 @@ class CurveProblem:
     def _edge_approached(self, trajectory: Trajectory) -> Edge | None:
         """The edge to which a motion only tends: rounding errors have carried it across.
 
-        What is left of such an edge shrinks by a part in each time, so that a rounding error of it
-        lasts as long as the motion did. A motion that reaches an edge uses it up at once.
+        The distance to such an edge shrinks by a fixed fraction per time, so that a rounding error
+        in it lasts as long as the motion did. A motion that reaches an edge crosses it at once.
         """
         segment = trajectory.segments[-1]
         chart = self.atlas.chart(segment.label) if segment.label else None
@@ -466,7 +466,7 @@ class CurveProblem:
         return chart.edges[k] if change <= EPS ** (-1 / 4) * room[k] else None
 
     def stuck_error(self, trajectory: Trajectory) -> ChartEdgeError | AccuracyError:
-        """Where a motion ended, why, and what can be done."""
+        """Error that reports where and why a motion ended, with a remedy."""
         edge = self._edge_approached(trajectory)
         if edge is not None:
             return AccuracyError(
@@ -499,7 +499,7 @@ class CurveProblem:
             )
         elif len(self.atlas.makers) > 1:
             advice = f"Allow another chart of {', '.join(self.atlas.makers)}, or stop earlier."
-        # A coordinate may be called t, too.
+        # A coordinate may also be called t.
         which = " (the curve parameter), in coordinates" if "t" in names else ","
         return ChartEdgeError(
             f"the motion stops at t = {trajectory.reached / self.time_unit:.6g}{which} at {place}: "
@@ -517,7 +517,7 @@ class CurveProblem:
         bits: int,
         names: Collection[str] | None = None,
     ) -> Moment:
-        """Coordinates, velocities and what is carried, in the home chart; or some of these."""
+        """Coordinates, velocities and carried quantities, in the home chart; or some of these."""
         if names is not None and not set(names) - {*self.coordinates, *self.parameters, "t"}:
             return readout.places(self, times, pieces, shape)
         return readout.moment(self, times, pieces, shape, bits)
@@ -528,7 +528,7 @@ class CurveProblem:
         return readout.in_chart(self, trajectory, name)
 
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
-        """Relative change of each invariant at each sample, counted anew in each chart."""
+        """Relative change of each invariant at each sample, counted separately in each chart."""
         return readout.invariant_changes(self, trajectory)
 
     def term(self, term: object) -> Term:
@@ -693,7 +693,7 @@ def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
     try:
         values = atlas.chart(atlas.home).frame_vectors.values(point)
     except (KeyError, GeomtorsionError):
-        # What is missing, exact work says by name.
+        # Exact work names the missing value.
         return False
     branches = branch_check([frame.field], list(point))
     kept = branches is None or not branches.broken(*point.values()).any()
@@ -726,7 +726,7 @@ def frame_velocities(
 
 
 def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> None:
-    """Refuse a velocity that has not the causal character asked for."""
+    """Refuse a velocity without the requested causal character."""
     if causal is None:
         return
     if causal not in CAUSAL:
@@ -737,7 +737,7 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
         raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
     u = np.array([float(x) for x in velocity])
     norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
-    # Null as far as rounding can tell: the norm is nothing against its terms.
+    # Null up to rounding: the norm is negligible against its terms.
     is_null = abs(norm) <= CALCULATED * size
     # Time is the one direction whose square has the other sign; in two dimensions the negative one.
     time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1

@@ -114,7 +114,7 @@ def converted(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and frame velocities of many points in another chart.
 
-    Numbers are of the type in which the engine of so many bits calculates.
+    Numbers have the type in which an engine of this precision calculates.
     """
     if bits == 53:
         q, u = np.asarray(q, dtype=float), np.asarray(u, dtype=float)
@@ -159,7 +159,7 @@ def _turned(problem: CurveProblem, source: str, target: str, q: np.ndarray) -> n
 
 
 def _long_rows(rows: Sequence[Sequence[Real]], bits: int) -> np.ndarray:
-    """Rows of numbers in the type in which the engine of so many bits calculates."""
+    """Rows of numbers in the type in which an engine of this precision calculates."""
     return np.array([Taylor(bits).array(row) for row in rows])
 
 
@@ -208,7 +208,7 @@ def _placed(problem: CurveProblem, segment: Segment, states: np.ndarray, name: s
 
 
 def invariant_changes(problem: CurveProblem, trajectory: Trajectory) -> dict[str, np.ndarray]:
-    """Relative change of each invariant at each sample, counted anew in each chart."""
+    """Relative change of each invariant at each sample, counted separately in each chart."""
     pieces: dict[str, list[np.ndarray]] = {}
     done = 0
     for segment in trajectory.segments:

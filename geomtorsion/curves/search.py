@@ -15,7 +15,7 @@ SHOTS = 40
 # Below this singular value of the slopes the end hardly depends on one direction: a conjugate
 # point.
 CONJUGATE = 1e-6
-# Slopes are taken anew where a shot misses by more than this part of the last miss.
+# Slopes are computed again where a shot misses by more than this part of the last miss.
 STALE = 0.05
 
 
@@ -49,7 +49,7 @@ class Followed:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What is needed to find motions from a start to an end.
+    """Search for motions from a start to an end.
 
     shooter: the motions; aim: the end; accuracy: relative to the length of a motion.
     """
@@ -89,7 +89,7 @@ class Search:
                 within = float(lengths_of(move)) / 2
                 for first in (vector + inverse @ gap, _turned(vector, inverse @ gap)):
                     ahead = ahead or self.hit(aim, first, inverse, within, enough)
-            # What is longer than the line up to here is another motion than the shortest.
+            # A motion longer than the line up to here is not the shortest.
             bound = (1 + STALE) * (at + step) if shooter.is_definite else np.inf
             if ahead is None or ahead.length > bound:
                 step /= 2

@@ -104,8 +104,8 @@ def weights_of(frame: Frame) -> np.ndarray:
 class Shooter:
     """Motions from one point, as a function of the weighted initial velocity v = W u.
 
-    The length of v is that of the motion where eta is definite. Lengths of differences are measured
-    in the frame at the target, so that units of coordinates do not matter.
+    The length of v is the length of the motion where eta is definite. Lengths of differences are
+    measured in the frame at the target, so that units of coordinates do not matter.
 
     problem: the law and the start; engine, tolerance: how motions are followed.
     """
@@ -184,7 +184,7 @@ class Shooter:
         return self.measured(vector, *self.end(vector), aim)
 
     def measured(self, vector: np.ndarray, label: str, place: np.ndarray, aim: Aim) -> Shot:
-        """A motion that is at a place, with its distance from the target."""
+        """A motion at a position, with its distance from the target."""
         with np.errstate(all="ignore"):
             gaps = self._wrapped(aim.label, self._in(label, aim.label, place) - aim.names)
             rows = np.einsum("kij,kj->ki", aim.frames, gaps)
@@ -195,7 +195,7 @@ class Shooter:
         return Shot(vector, rows[name, : len(vector)], float(sizes[name]), name)
 
     def distances(self, places: Sequence[tuple[str, np.ndarray]], aim: Aim) -> np.ndarray:
-        """Distances of many places from the target, infinite where they have no coordinates."""
+        """Distances of many positions from the target, infinite where they have no coordinates."""
         sizes = np.full(len(places), np.inf)
         for label in {label for label, _ in places}:
             chosen = [k for k, (name, _) in enumerate(places) if name == label]
@@ -304,7 +304,7 @@ class Shooter:
         return Line(self.start, end, np.concatenate(([0.0], np.cumsum(steps))))
 
     def step(self, place: np.ndarray, difference: np.ndarray) -> np.ndarray:
-        """Weighted frame components of a coordinate difference at a place of the home chart."""
+        """Weighted frame components of a coordinate difference at a position in the home chart."""
         return self._rows(place[None, :], difference[None, :])[0]
 
     def _rows(self, points: np.ndarray, differences: np.ndarray) -> np.ndarray:
@@ -364,7 +364,7 @@ class Shooter:
         """Smallest singular value of d q(t) / (t d v) at parts of the motion, in the frame.
 
         It is 1 at the start, and 0 where neighbouring motions meet: at a conjugate point. Empty
-        where rounding errors of coordinates hide what is between two parts. Also whether motions
+        where rounding errors of coordinates hide the separation of two parts. Also whether motions
         meet between the last two parts: there a direction of the slopes is reversed.
         """
         h = self.difference(vector, aim)
@@ -396,7 +396,7 @@ class Shooter:
 
 
 def _turned(place: np.ndarray, turning: Sequence[int], turns: np.ndarray) -> np.ndarray:
-    """A place after whole turns of its periodic coordinates."""
+    """A position after whole turns of its periodic coordinates."""
     found = place.copy()
     found[list(turning)] += TURN * turns
     return found

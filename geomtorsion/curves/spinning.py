@@ -38,7 +38,7 @@ def spinning(
     k = p_i p^i                              [Papapetrou1951], [Tulczyjew1959], [YasskinStoeger1980]
 
     The velocity u follows from the condition S^ij p_j = 0, which the motion then keeps, as it keeps
-    p_i p^i and S_ij S^ij. Without spin this is a geodesic, whatever the torsion.
+    p_i p^i and S_ij S^ij. Without spin this is a geodesic, for any torsion.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ class _Motion:
 
 
 def _free_name(name: str, taken: list[str]) -> str:
-    """A name that nothing else has."""
+    """A unique name."""
     while name in taken:
         name += "_"
     return name

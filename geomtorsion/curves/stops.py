@@ -120,7 +120,7 @@ def with_stops(
     """Equations in a chart whose guard has the conditions after the edges of the chart.
 
     unit: frame velocities are states in units of it.
-    single: whether there is no other chart, so that the motion goes on to the very end.
+    single: whether there is no other chart, so that the motion continues to the very end.
     """
     margin, end = equations.guard_terms
     terms = [term + TINY for term in terms_in_chart(stops, atlas, chart, equations, unit)]
@@ -158,7 +158,7 @@ def stopped(
         np.array(system.guard.numpy()(*floats(list(row)), *floats(list(numbers))))
         for row in (last, start)
     )
-    # A condition may be zero at the start, but for rounding, and has no share that could be left.
+    # A condition may be zero at the start up to rounding; then no share of it can remain.
     left = np.abs(here) / np.maximum(before, HALF)
     place = int(np.argmin(np.nan_to_num(left, nan=0.0))) - (len(here) - len(stops))
     return stops[place].text if place >= 0 else None

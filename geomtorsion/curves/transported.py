@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class TransportedVectors:
     """Vectors w^j carried parallel: w'^k = - omega_ij^k u^i w^j.
 
-    connection: what parallel means.
+    connection: defines the transport.
     vectors: frame components at the start, one row per vector.
     """
 
@@ -103,7 +103,7 @@ Carried: TypeAlias = TransportedVectors | Deviation
 
 
 def carrying(plain: Equations, carried: Carried) -> Equations:
-    """The equations with what is carried along added as states."""
+    """The equations with the carried quantities added as states."""
     names = carried.names()
     groups = (*plain.groups, *_groups(carried, len(plain.states)))
     states, rates = (*plain.states, *names), carried.rates(plain)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
-    """first + sign * second; slots and frame must agree, numbers are added to scalars alone."""
+    """first + sign * second; slots and frame must agree, numbers add only to scalars."""
     if not isinstance(second, type(first)):
         if first.slots or not _is_scalar(second):
             raise TensorIndexError(
@@ -128,7 +128,7 @@ def equals_scalar(tensor: Tensor, other: object) -> bool:
 
 
 def _is_scalar(value: object) -> bool:
-    """Whether a value is one number or expression, and nothing that only looks like one."""
+    """Whether a value is really one number or expression."""
     found = checks.plain(value)
     if isinstance(found, bool) or getattr(found, "is_Matrix", False):
         return False

@@ -55,7 +55,7 @@ class Map:
 
 
 def coordinate_map(frame: Frame, new: object, old: object, count: int | None = None) -> Map:
-    """A map from what users give, checked.
+    """Checked map from a user's input.
 
     old: {old coordinate: expression or text}, or expressions in the order of the old coordinates.
     A coordinate without an expression is one of the new ones, or constant on a surface.
@@ -112,7 +112,7 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
 
 
 def moved_domain(frame: Frame, way: Map, domain: object) -> list[sp.Basic]:
-    """Relations of the old coordinates in the new ones, and those that are added."""
+    """Relations of the old coordinates in the new ones, and added relations."""
     found = []
     for relation in frame.domain:
         moved = relation.subs(dict(zip(way.old, way.functions, strict=True)), simultaneous=True)

@@ -1,6 +1,6 @@
 """Components: sparse arrays of exact elements, each computed on first use; products and inverses.
 
-Of components that a symmetry makes equal up to sign only one is computed.
+If a symmetry makes components equal up to sign, only one of them is computed.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Orbits:
     """Components that determine each other.
 
     canonical: index -> (sign, representative), sign 0 where the component must vanish;
-    None stands for the identity.
+    None for the identity.
     representatives: one index for each independent component.
     members: representative -> the indices of all components that it determines.
     """
@@ -168,7 +168,7 @@ def effective(symmetry: Symmetry, slots: str) -> Symmetry:
 
 
 def shifted(symmetry: Symmetry, by: int) -> Symmetry:
-    """The same symmetry of the later slots after new slots were put in front.
+    """The same symmetry for the later slots after new slots were added in front.
 
     Examples
     --------
@@ -198,7 +198,7 @@ class Components:
     """Sparse array with a symmetry; a component that vanishes is the zero of the field.
 
     field: the exact field of the components.
-    rule: index -> Element, asked once for each representative index and only when needed.
+    rule: index -> Element, called once for each representative index and only when needed.
     bulk: all representatives at once, where that is cheaper than one by one.
     source: the array that bulk takes whole.
     """
@@ -223,9 +223,9 @@ class Components:
         self._orbits = orbits(rank, dimension, symmetry)
         self._canonical = self._orbits.canonical
         self._known: dict[Index, Element] = {}
-        # What was found to vanish, so that it can be told how sure that is.
+        # Components found to vanish, from which the certainty of each zero is estimated.
         self.zeros: dict[Index, Element] = {}
-        # What may vanish or not: it is kept like what does not.
+        # Undecided components: they are kept like nonzero ones.
         self.open: dict[Index, Element] = {}
 
     @classmethod
@@ -237,7 +237,7 @@ class Components:
         values: Mapping[Index, Element],
         symmetry: Symmetry = (),
     ) -> Components:
-        """Array whose representatives are all given; what is not listed vanishes."""
+        """Array whose representatives are all given; components not listed vanish."""
         verdicts = {index: value.is_zero for index, value in values.items()}
         kept = {index: value for index, value in values.items() if not verdicts[index]}
         found = cls(
@@ -263,7 +263,7 @@ class Components:
         values: Mapping[Index, Element],
         symmetry: Symmetry = (),
     ) -> Components:
-        """The same of values at any index of each orbit, of which one is kept."""
+        """Array of values at any index of each orbit; one value per orbit is kept."""
         probe = cls.known(field, rank, dimension, {}, symmetry)
         found: dict[Index, Element] = {}
         for index, value in values.items():
@@ -273,7 +273,7 @@ class Components:
         return cls.known(field, rank, dimension, found, symmetry)
 
     def mapped(self, field: Field, change: Callable[[Index, Element], Element]) -> Components:
-        """Each component that does not vanish changed, when it is asked for; the symmetry stays.
+        """Each nonzero component changed, when it is first read; the symmetry stays.
 
         field: the field of the changed components.
         """
@@ -292,7 +292,7 @@ class Components:
             return self._compute(index)
 
     def _compute(self, index: Index) -> Element:
-        """Ask the rule at a representative, take the rest from there; the answer is kept."""
+        """Evaluate the rule at a representative, derive the rest from it; the value is cached."""
         zero = self.field.zero
         canonical = self._canonical
         sign, representative = (1, index) if canonical is None else canonical[index]
@@ -303,7 +303,7 @@ class Components:
             if sign < 0:
                 value = -value
         elif "independent" in self.__dict__:
-            # All representatives are known by now: what is missing vanishes.
+            # All representatives are known by now: components not listed vanish.
             value = self.independent.get(index, zero)
         else:
             value = self._rule(index)
@@ -319,7 +319,7 @@ class Components:
             for one in inside_out(self, _sources, _is_filled):
                 if one is not self:
                     _ = one.nonzero
-            # What was asked for before is not computed again.
+            # Components computed before are not computed again.
             zero = self.field.zero
             found = {i: v for i, v in self._known.items() if v is not zero and self._is_own(i)}
             found |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
@@ -345,7 +345,7 @@ class Components:
 
     @cached_property
     def undecided(self) -> dict[Index, Element]:
-        """Those of the independent components of which it is not known whether they vanish."""
+        """Independent components for which it is not known whether they vanish."""
         return {index: x for index, x in self.independent.items() if index in self.open}
 
     @cached_property
@@ -369,7 +369,7 @@ class Components:
 
     @cached_property
     def rows(self) -> tuple[Row, ...]:
-        """Of a matrix: for each first index the pairs (second index, element), without zeros."""
+        """Rows of a matrix: for each first index the nonzero pairs (second index, element)."""
         found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
         for (i, j), value in self.nonzero.items():
             found[i].append((j, value))
@@ -377,7 +377,7 @@ class Components:
 
     @cached_property
     def columns(self) -> tuple[Row, ...]:
-        """Of a matrix: for each second index the pairs (first index, element)."""
+        """Columns of a matrix: for each second index the pairs (first index, element)."""
         found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
         for (i, j), value in self.nonzero.items():
             found[j].append((i, value))
@@ -390,7 +390,7 @@ class Components:
 
     @property
     def computed(self) -> int:
-        """How many components have been worked out so far."""
+        """How many components have been computed so far."""
         return len(self._known)
 
     def representative(self, index: Index) -> tuple[int, Index]:
@@ -453,7 +453,7 @@ def joined(
     wanted: str,
     symmetry: Symmetry,
 ) -> Components:
-    """Product of one or two arrays, summed over the letters that are not wanted."""
+    """Product of one or two arrays, summed over all other letters."""
     summed = [letter for letter in dict.fromkeys("".join(groups)) if letter not in wanted]
     everything = list(wanted) + summed
     places = [[everything.index(letter) for letter in group] for group in groups]

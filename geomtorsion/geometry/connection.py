@@ -1,4 +1,4 @@
-"""Connection: coefficients of any affine connection and what follows from them."""
+"""Connection: coefficients of any affine connection and the quantities derived from them."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ class Connection:
 
     frame: the frame it is made from.
     coefficients: Gamma_ab^c, slots ddu, a the direction of differentiation.
-    name: what it is called.
+    name: its name in messages.
     kind: "cartan" or "levi-civita" where a shorter way to its curvature is known, "metric" where
         it is metric compatible by its construction, else "general".
-    maker: function that makes it from the frame alone, if there is one: copies are made so.
+    maker: function that makes it from only the frame, or None; copies and pickles use it.
 
     Examples
     --------
@@ -152,7 +152,7 @@ class Connection:
 
     @cached_property
     def contortion_from_torsion(self) -> Tensor:
-        """The contortion by its definition in terms of the torsion, whatever the connection."""
+        """The contortion by its definition in terms of the torsion, for any connection."""
         return contortion_of(self.torsion.S)
 
     @cached_property
@@ -193,7 +193,7 @@ class Connection:
 
     @cached_property
     def spin_connection(self) -> Tensor:
-        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; the first index alone may change its basis."""
+        """omega_ai^j = e^j_m D_a E_i^m, slots dDU; only the first index may change its basis."""
         deviation = self.coframe_deviation
         free = Tensor(self.frame, "ddU", deviation.components, (), "\\omega", "spin connection")
         turned = free._with_slot(1, "D")
@@ -283,7 +283,7 @@ class Connection:
         return contract(f"a{summed}->{rest}", derivative)
 
     def laplacian(self, tensor: Tensor) -> Tensor:
-        """g^{ab} D_a D_b of a tensor, slots as given; of a scalar the Laplace-Beltrami operator.
+        """g^{ab} D_a D_b of a tensor, slots as given; for a scalar the Laplace-Beltrami operator.
 
         With a Lorentzian metric this is the d'Alembertian. It is the rough Laplacian: curvature
         terms, as in the Laplacian of Hodge, are not added.
@@ -318,7 +318,7 @@ class Connection:
     # -- forms -----------------------------------------------------------------------------------
 
     def torsion_form(self, *index: int) -> Form:
-        """T^k = d e^k + omega_i^k ^ e^i; all of them, or that of one leg.
+        """T^k = d e^k + omega_i^k ^ e^i; for all legs, or for one leg k.
 
         Examples
         --------
@@ -334,7 +334,7 @@ class Connection:
         return torsion_form(self).part(*index) if index else torsion_form(self)
 
     def curvature_form(self, *index: int) -> Form:
-        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k; all of them, or that of two legs i, j.
+        """R_i^j = d omega_i^j + omega_k^j ^ omega_i^k, for all legs or for two legs i, j.
 
         Examples
         --------
@@ -351,7 +351,7 @@ class Connection:
         return curvature_form(self).part(*index) if index else curvature_form(self)
 
     def connection_form(self, *index: int) -> Form:
-        """omega_i^j = omega_ai^j dq^a; all of them, or that of two legs i, j.
+        """omega_i^j = omega_ai^j dq^a, for all legs or for two legs i, j.
 
         Examples
         --------
@@ -420,7 +420,7 @@ class Connection:
         return self.torsion.S.is_zero
 
     def __reduce__(self) -> tuple[object, ...]:
-        # The frame gives its own connections anew, which is shorter, and the same to the bit.
+        # The frame can make its own connections again, bit for bit; that pickle is shorter.
         if self.maker is not None:
             return self.maker, (self.frame,)
         return type(self), (self.frame, self.coefficients, self.name, self.kind)

@@ -28,7 +28,7 @@ def _coefficients(frame: Frame, source: Source, symbol: str, name: str) -> Tenso
 def cartan(frame: Frame | Connection) -> Connection:
     """The connection in which the legs of the frame are parallel (Cartan, Weitzenboeck).
 
-    Of a connection its frame is taken.
+    A connection contributes its frame.
 
     Equation
     --------
@@ -61,7 +61,7 @@ def _cartan(frame: Frame) -> Connection:
 def levi_civita(frame: Frame | Connection) -> Connection:
     """The torsion-free connection of the metric of the frame.
 
-    Of a connection its frame is taken: the contortion is what the two differ by.
+    A connection contributes its frame: the contortion is the difference of the two.
 
     Equation
     --------
@@ -191,7 +191,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     Raises
     ------
     TensorIndexError
-        K_abc is not antisymmetric in b and c, so that it is no contortion.
+        K_abc is not antisymmetric in b and c, as a contortion must be.
 
     Examples
     --------
@@ -235,7 +235,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
     Raises
     ------
     TensorIndexError
-        S_ab^c is not antisymmetric in a and b, so that it is no torsion.
+        S_ab^c is not antisymmetric in a and b, as a torsion must be.
 
     Examples
     --------

@@ -69,7 +69,7 @@ def from_metric(
 
 
 def maker(cls: type[Frame], shape: str) -> Callable[..., Frame]:
-    """What makes a frame of coordinates and a matrix: a coframe, legs or a metric."""
+    """Function that makes a frame from coordinates and a coframe, legs or a metric."""
     return {"coframe": cls, "legs": cls.from_frame, "metric": cls.from_metric}[shape]
 
 
@@ -78,7 +78,7 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
     n = frame.dimension
     eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
     given: dict[str, Any] = {
-        # A metric is asked for signs, one for each row.
+        # A metric takes a list of signs, one for each row.
         "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
         "parameters": frame.parameters,
         "domain": frame.domain,
@@ -114,13 +114,13 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     given = keywords(frame, shape) | {
         "parameters": [one for one in frame.parameters if one not in put.symbols],
         "domain": domain,
-        # What is no root any more has no branch.
+        # A root that the substitution removed has no branch.
         "branches": {root: value for root, value in roots.items() if root.is_Pow},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
     found = maker(type(frame), shape)(frame.coordinates, rows, **given)
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
-    # What is a number now needs no name.
+    # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}
     return found.named(**names) if names else found
 
@@ -134,7 +134,7 @@ def named(frame: Frame, meanings: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> Fram
     found = object.__new__(type(frame))
     found.fill(opened, frame.name, frame.given, frame._plain)
     found.__setstate__({**frame.attached, "names": dict(meanings)})
-    # Bad names are told at once.
+    # This raises at once for bad names.
     found.written(frame.field.zero)
     return found
 

@@ -16,7 +16,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     """Contract tensors by index letters, as numpy.einsum does, with the index positions checked.
 
     A letter that occurs twice is summed over; one of the two must be up and the other down,
-    both coordinate or both frame indices. A letter that occurs once stands in the result.
+    both coordinate or both frame indices. A letter that occurs once is an index of the result.
 
     Equation
     --------
@@ -56,7 +56,7 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     field = frame.field
     current, current_letters = tensors[0].components, groups[0]
     for position in range(1, len(groups)):
-        # Letters that nobody needs later are summed at once: the arrays stay small.
+        # Letters that are not needed later are summed at once: the arrays stay small.
         later = set("".join(groups[position + 1 :])) | set(wanted)
         merged = _free(current_letters + groups[position], later)
         if position == len(groups) - 1:
@@ -95,7 +95,7 @@ def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
 def _check(
     text: str, groups: Sequence[str], wanted: str, tensors: Sequence[Tensor]
 ) -> dict[str, str]:
-    """Slots of the letters that stay; an error for whatever does not fit."""
+    """Slots of the remaining letters; an error if anything does not fit."""
     if any(tensor.frame is not tensors[0].frame for tensor in tensors):
         raise ShapeError("Tensors of different frames were contracted. Build all over one frame.")
     seen: dict[str, list[tuple[str, str]]] = defaultdict(list)

@@ -54,7 +54,7 @@ class Curvature:
 
     @property
     def _is_riemannian(self) -> bool:
-        """Whether the connection is that of the metric."""
+        """Whether the connection is the Levi-Civita connection."""
         return self.connection.kind == "levi-civita"
 
     @cached_property
@@ -120,7 +120,7 @@ class Curvature:
 
     @cached_property
     def scalar(self) -> Tensor:
-        """g^{nl} R_nl, rank 0; of the metric of a dense frame from its anholonomy."""
+        """g^{nl} R_nl, rank 0; for the metric of a dense frame from its anholonomy."""
         frame = self.connection.frame
 
         def rule() -> Element:
@@ -276,7 +276,7 @@ class Curvature:
 
 
 def curvature_rule(connection: Connection) -> Rule:
-    """R_mnl^k from the coefficients alone: right for any connection.
+    """R_mnl^k from only the coefficients: valid for any connection.
 
     The rule differentiates each coefficient once.
     """
@@ -296,7 +296,7 @@ def curvature_rule(connection: Connection) -> Rule:
 
 
 def scalar_from_anholonomy(frame: Frame) -> Element:
-    """The curvature scalar of the metric, from C_ij^k alone.
+    """Curvature scalar of the metric, from only C_ij^k.
 
     R_bar = - T_scalar - 2 D_bar_a v^a with v_i = C_ij^j and D_bar_a v^a = E_i(v^i) + v_i v^i
     """

@@ -49,7 +49,7 @@ def at_points(
     # See at_point.
     import numpy as np
 
-    # By rows, since an array would lose its mask, and what is masked is not known.
+    # By rows: a plain array would lose the mask, and masked values are unknown.
     columns = [np.array(checks.rows(value), dtype=object) for value in several.values()]
     try:
         columns = np.broadcast_arrays(*columns)
@@ -91,7 +91,7 @@ def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
 
 
 def numbers_at(tensor: Tensor, point: Point, bits: int = 53) -> dict[Index, Number]:
-    """The independent components at a point; those that are equal are evaluated once."""
+    """The independent components at a point; equal ones are evaluated once."""
     values = _named_values(tensor, point)
     _check_branches(tensor.frame, values)
     known: dict = {}
@@ -120,7 +120,7 @@ def _opposite(number: complex | mpmath.mpf) -> complex | mpmath.mpf:
 
 
 def sign_of(frame: Frame, symbol: sp.Symbol) -> int:
-    """The sign that was declared of a coordinate, 1 or -1, if the frame may rely on it; else 0.
+    """Declared sign of a coordinate, 1 or -1, if the frame may rely on it; else 0.
 
     sympy has written x for Abs(x) and sqrt(x**2) then. Where the frame repeats itself after a full
     turn of the coordinate, or does not depend on it, there was nothing to be written otherwise.
@@ -200,7 +200,7 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
 
 
 def _single(number: Number) -> Number:
-    """A number, also where it stands in an array without axes; what is masked is not known."""
+    """A number, also from an array without axes; a masked one becomes nan."""
     return checks.plain(number) if getattr(number, "shape", None) == () else number
 
 

@@ -43,7 +43,7 @@ def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:
 def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
     """See Frame.expanded."""
     series = TruncatedField(frame.field, symbol, order)
-    # Geometry asks for no more of a field than both have.
+    # Geometry uses only what both fields have.
     field = cast(Field, series)
     n, shape = frame.dimension, frame.shape
 
@@ -65,7 +65,7 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
         opened = validation.Opened(
             frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
         )
-        # Signs are those at zero.
+        # Signs are taken at zero.
         points = ({**point, symbol: sp.S.Zero} for point in opened.points())
         signs = [int(frame.eta[i, i]) for i in range(n)]
         rows, squares, eta = orthonormal_rows(field, matrix, n, points, signs)

@@ -36,7 +36,7 @@ Source = Mapping[Index, Scalar] | Mapping[int, Scalar] | Callable[[Index], Eleme
 class Form:
     """Differential form over a frame, with values in numbers or in tensors.
 
-    frame: the frame over which the form lives.
+    frame: the frame of the form.
     degree: number p of the form indices, which are coordinate indices.
     source: {index: component}, or a rule index -> Element asked at increasing form indices. An
         index lists the value indices first, then the p form indices; a component belongs to the

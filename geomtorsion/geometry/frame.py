@@ -1,4 +1,4 @@
-"""Frame: a field of frames and its coframe, with everything that follows from them alone."""
+"""Frame: a field of frames and its coframe, with everything that follows from them."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ class Frame:
     parameters: every other symbol, constant in all derivatives.
     domain: relations between symbols that hold where the frame is used.
     complex: whether legs may be complex (null tetrads).
-    name: what it is called in messages and pages.
-    field: the exact field in which all components live.
+    name: its name in messages and pages.
+    field: the exact field of all components.
     given: the matrices it was made from, as exact elements: eta and coframe, legs or metric.
-    attached: what does not follow from the frame: its "atlas" and "names" for printing.
+    attached: data that do not follow from the frame: its "atlas" and "names" for printing.
 
     To make one: coframe (rows i, columns mu) as nested lists or a sympy matrix; signature None
     (all +1), a tuple of signs, or a constant symmetric matrix eta; domain one relation or several;
@@ -112,7 +112,7 @@ class Frame:
     ) -> None:
         """Set the fields of a new frame, once all is checked (for makers).
 
-        plain: what it is made from (coframe, legs or metric), as it came; or a maker of frames with
+        plain: what it is made from (coframe, legs or metric), unchanged; or a maker of frames with
             its arguments, where that is shorter.
         """
         for key in ("coordinates", "parameters", "domain", "complex", "field"):
@@ -124,9 +124,9 @@ class Frame:
         object.__setattr__(self, "_derived", {})
         object.__setattr__(self, "attached", {})
         object.__setattr__(self, "_plain", plain)
-        # Whatever else is read into the field later, this frame does not rely on it.
+        # The frame does not rely on anything read into the field later.
         self.field.settle()
-        # A frame that is adapted to another one lives in its field.
+        # A frame that is adapted to another frame shares its field.
         self.field.owner = self.field.owner or self
 
     if TYPE_CHECKING:
@@ -172,9 +172,9 @@ class Frame:
     ) -> Frame:
         """Orthonormal frame of a metric g_{mu nu}, by completing squares (Lagrange, LDL).
 
-        The metric is kept as given, so that Levi-Civita quantities never see the square roots; they
-        are taken when the coframe itself is asked for.
-        Without a signature the rows have the signs that the metric has in the domain.
+        The metric is kept as given, so that Levi-Civita quantities never see the square roots; the
+        roots are taken when the coframe itself is first read. Without a signature the rows have the
+        signs that the metric has in the domain.
 
         Raises
         ------
@@ -241,7 +241,7 @@ class Frame:
 
     @property
     def shape(self) -> str:
-        """What the frame was made from: "coframe", "legs" or "metric"."""
+        """Origin of the frame: "coframe", "legs" or "metric"."""
         return next(shape for shape in ("metric", "legs", "coframe") if shape in self.given)
 
     # -- matrices -------------------------------------------------------------------------------
@@ -300,7 +300,7 @@ class Frame:
         symbol: str = "f",
         name: str = "scalar",
     ) -> Tensor:
-        """A scalar (rank 0): of an expression, or of a rule that is followed when it is asked for.
+        """A scalar (rank 0), from an expression or from a rule that runs when the scalar is read.
 
         Examples
         --------
@@ -348,7 +348,7 @@ class Frame:
         return tensor_from_array(self, "u", components, "vector", symbol="v")
 
     def coframe_form(self, *index: int) -> Form:
-        """e^i as a one-form: that of one leg, or all of them as a form with values in the frame.
+        """e^i as a one-form, for one leg or, with values in the frame, for all legs.
 
         Examples
         --------
@@ -365,7 +365,7 @@ class Frame:
 
     @property
     def branches(self) -> tuple[Branch, ...]:
-        """The signs with which roots were read, where the domain alone does not settle them."""
+        """Signs chosen for roots whose sign does not follow from the domain."""
         return self.field.branches
 
     @cached_property
@@ -403,7 +403,7 @@ class Frame:
         return known_quantity(name).make(self)
 
     def plan(self, name: str) -> DependencyGraph:
-        """What would be computed for a named quantity, in order, and what is left out."""
+        """Steps that compute a named quantity, in order, and the quantities they omit."""
         # See quantity.
         from geomtorsion.geometry.quantities import DependencyGraph
 
@@ -414,8 +414,8 @@ class Frame:
     def subs(self, values: Values) -> Frame:
         """The frame with values for parameters, and expressions for unknown functions.
 
-        All are put in at once, and everything that follows is as exact as before. Equal values
-        give the same frame, so that tensors with equal values can be added.
+        All replacements are simultaneous, and all later results are as exact as before. Equal
+        values give the same frame, so that tensors with equal values can be added.
 
         Parameters
         ----------
@@ -449,7 +449,7 @@ class Frame:
     def in_coordinates(self, new: object, old: object, domain: object = None) -> Frame:
         """This frame in other coordinates.
 
-        The legs stay what they are. A frame made from a metric is made from it again, so that its
+        The legs stay the same. A frame made from a metric is made from it again, so that its
         legs may be others. `tensor.in_coordinates` and `connection.in_coordinates` go with it.
 
         Parameters
@@ -460,7 +460,7 @@ class Frame:
             {old coordinate: expression of the new ones}, or expressions in the order of the old
             ones; text is read. A coordinate without an expression stays.
         domain
-            Relations of the new coordinates, besides those of the frame, which are translated.
+            Relations of the new coordinates; the frame's own relations are translated and added.
 
         Raises
         ------
@@ -493,7 +493,7 @@ class Frame:
         symbol
             A parameter of the frame, which has to be regular where it is zero.
         order
-            The last power that is kept.
+            The highest power kept.
 
         Raises
         ------
@@ -520,15 +520,15 @@ class Frame:
 
     @property
     def names(self) -> dict[sp.Symbol, sp.Expr]:
-        """What the names stand for with which quantities are printed; none without `named`."""
+        """Meaning of each name used to print quantities; empty without `named`."""
         return dict(self.attached.get("names", {}))
 
     def named(self, /, **quantities: sp.Expr | str) -> Frame:
-        """This frame, its tensors printed with names for what occurs often in them.
+        """This frame, with tensors printed by names for quantities that occur often in them.
 
         Texts, tables, HTML, LaTeX and `to_sympy(short=True)` have names where that is shorter;
         `.subs(frame.names)` takes them out. Components themselves stay in coordinates. A quantity
-        is an expression or text, of what the frame knows and of names given before.
+        is an expression or text over the symbols of the frame and earlier names.
 
         Raises
         ------
@@ -552,7 +552,7 @@ class Frame:
     # -- copies ---------------------------------------------------------------------------------
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Made again from what it was made from, so that every result is the same to the bit."""
+        """Made again from its original input, so that every result is the same to the bit."""
         shape, entries = self._plain
         if not isinstance(shape, str):
             return shape, entries, self.attached

@@ -117,7 +117,7 @@ class ParallelRows:
 
 @derived
 def parallel_rows(frame: Frame) -> ParallelRows:
-    """Rows to make a connection with parallel legs from: the factors f_i drop out of it."""
+    """Rows to make a connection with parallel legs from: the factors f_i cancel."""
     if "rows" not in frame.given:
         legs_, derivative = frame.legs.components, frame.coframe_derivative
         return ParallelRows(frame.coframe.components, legs_, derivative)
@@ -125,7 +125,7 @@ def parallel_rows(frame: Frame) -> ParallelRows:
     rows, squares = frame.given["rows"], frame.given["squares"]
     lowered = {(i, a): value * squares[i, i] for (i, a), value in rows.items()}
     duals = _raised(frame, Components.known(field, 2, n, lowered))
-    # d_a(f r) / f = d_a r + (d_a f / f) r, and d_a f / f is half that of q = f**2: no root.
+    # d_a(f r) / f = d_a r + (d_a f / f) r, and d_a f / f = (d_a q / q) / 2 for q = f**2: no root.
     halves = [squares[i, i].inverse() * HALF for i in range(n)]
 
     def rule(index: Index) -> Element:
@@ -214,8 +214,8 @@ def anholonomy(frame: Frame) -> Tensor:
 def is_dense(frame: Frame) -> bool:
     """Whether the coframe is given and at most half as long as the metric.
 
-    Then what follows from the anholonomy in the frame is shorter than what follows from the metric,
-    also with the way back to coordinates.
+    Then quantities computed from the anholonomy in the frame are shorter than from the metric, even
+    with the conversion back to coordinates.
     """
     if "metric" in frame.given:
         return False

@@ -79,7 +79,7 @@ def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
 
 
 def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.Symbol]:
-    """Coordinates: those given, or x1 ... xn."""
+    """The given coordinates, or x1 ... xn."""
     if coordinates is None:
         return [sp.Symbol(f"x{k + 1}") for k in range(n)]
     found = named_symbols(coordinates)
@@ -91,7 +91,7 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
 
 
 def _listed(values: object) -> list[Any]:
-    """The entries of one level of the constants; none for what has none."""
+    """The entries of one level of the constants; an empty list if it is not a list."""
     return list(values) if isinstance(values, list | tuple) else []
 
 

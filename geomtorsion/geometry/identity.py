@@ -20,11 +20,11 @@ from geomtorsion.geometry.frame import Frame
 class IdentityCheck:
     """Result of one check.
 
-    name, equation: what was checked.
+    name, equation: of the identity that was checked.
     holds: True, False, or None where it cannot be decided.
     checked: how many components were compared.
     worst: index of the first component that fails, or else is undecided; None if all hold.
-    certainty: how sure it is that what was found to vanish does.
+    certainty: how certain it is that the components found to vanish do vanish.
     """
 
     name: str
@@ -56,7 +56,7 @@ class IdentityChecks(list[IdentityCheck]):
 
 
 def identities(connection: Connection | Frame) -> IdentityChecks:
-    """Check the identities that apply to a connection, exactly; of a frame, its Cartan connection.
+    """Check the identities that apply to a connection, exactly; for a frame, its Cartan connection.
 
     Metricity is a property rather than an identity: it fails for a connection that does not keep
     lengths. The scalar identity is checked for metric connections; on a flat one it reads
@@ -112,7 +112,7 @@ def decomposition(connection: Connection) -> IdentityCheck:
 
 
 def first_bianchi(connection: Connection) -> IdentityCheck:
-    """Cyclic sum of R_abl^k equals that of D_a T_bl^k + T_ab^t T_tl^k."""
+    """Cyclic sum of R_abl^k equals the cyclic sum of D_a T_bl^k + T_ab^t T_tl^k."""
     n = connection.frame.dimension
     riemann = connection.curvature.riemann.components.get
     torsion = connection.torsion.T

@@ -64,7 +64,7 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
 
     Returns
     -------
-    Tensor with the slots of the given one; of a connection a tensor with slots ddu, which
+    Tensor with the slots of the given one; for a connection a tensor with slots ddu, which
     vanishes exactly where the flow of xi keeps the connection.
 
     Raises

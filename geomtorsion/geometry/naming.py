@@ -20,7 +20,7 @@ Meanings = Mapping[sp.Symbol, sp.Expr]
 def meanings(
     field: Field, before: Meanings, given: Mapping[str, object]
 ) -> dict[sp.Symbol, sp.Expr]:
-    """What each name stands for, in coordinates and parameters; those before included."""
+    """Meaning of each name in coordinates and parameters, earlier names included."""
     taken = {s.name for s in field.symbols} | set(FUNCTIONS) | set(CONSTANTS)
     taken |= {str(g.argument[0]) for g in field.generators if g.kind == "jet"}
     found = dict(before)

@@ -30,7 +30,7 @@ Where = Mapping[int, int | str]
 # others their number is given.
 SHOWN = 12
 SHOWN_LATEX = 60
-# What is written behind a component of which it is not known whether it vanishes.
+# Mark printed after a component that may or may not vanish.
 OPEN = "(undecided)"
 
 
@@ -96,7 +96,7 @@ def component(
 def named(
     tensor: Tensor, index: tuple[int, ...], value: Element, write: Callable[[Element], sp.Expr]
 ) -> sp.Expr:
-    """A component as an expression; an error tells which component is too long."""
+    """A component as an expression; an error names the component that is too long."""
     try:
         return write(value)
     except AllowanceError:
@@ -107,7 +107,7 @@ def named(
 
 
 def written(tensor: Tensor, *, are_open: bool) -> dict[tuple[int, ...], sp.Expr]:
-    """Components that may vanish or not, or those that do not; with what follows by symmetry."""
+    """Undecided or nonzero components, with those that follow by symmetry."""
     components = tensor.components
     chosen = [i for i in components.independent if (i in components.undecided) == are_open]
     own = {i: named(tensor, i, components.independent[i], plain) for i in chosen}
@@ -148,7 +148,7 @@ def open_count(tensor: Tensor) -> int:
 
 
 def open_mark(tensor: Tensor, index: tuple[int, ...]) -> str:
-    """What is written behind a component that may vanish or not."""
+    """Mark printed after a component that may or may not vanish."""
     _, first = tensor.components.representative(index)
     return f"  {OPEN}" if first in tensor.components.undecided else ""
 
@@ -235,17 +235,17 @@ def latex(tensor: Tensor) -> str:
 
 
 def sympy_latex(tensor: Tensor, _: object) -> str:
-    """What `sympy.latex` gives: the same without dollars."""
+    """Output of `sympy.latex`: the same without dollars."""
     return latex(tensor).removeprefix(r"$\displaystyle ").removesuffix("$")
 
 
 def sympy_text(tensor: Tensor, _: object) -> str:
-    """What `sympy.sstr` gives."""
+    """Output of `sympy.sstr`."""
     return text(tensor)
 
 
 def sympy_pretty(tensor: Tensor, _: object) -> prettyForm:
-    """What `sympy.pprint` shows: the text, whose lines it would centre if they were not as long."""
+    """Output of `sympy.pprint`: the text, padded since pprint would centre shorter lines."""
     lines = text(tensor).splitlines()
     return prettyForm("\n".join(line.ljust(max(map(len, lines))) for line in lines))
 
@@ -292,7 +292,7 @@ def _one_form(frame: Frame, i: int, write: Callable[[sp.Expr], str], gap: str) -
 class ComponentRow:
     """One component.
 
-    index: its place, as in tensor[index].
+    index: its position, as in tensor[index].
     label: symbol with the names of its indices.
     value: exact.
     """
@@ -307,8 +307,8 @@ class ComponentTable:
     """Components of a tensor that do not vanish: prints one a line, and is a table in notebooks.
 
     tensor: whose components.
-    names: what its indices are called, one name for each coordinate.
-    chosen: whether these names are others than those of the coordinates.
+    names: names of its indices, one for each coordinate.
+    chosen: whether these names differ from the names of the coordinates.
     indices: of the rows, in order.
     hidden: how many more follow from these by symmetry.
 
@@ -373,7 +373,7 @@ class ComponentTable:
 
     @property
     def heading(self) -> str:
-        """What the tensor is, and how many components do not vanish."""
+        """Name of the tensor, and how many components do not vanish."""
         name = f"{self.tensor.name or 'tensor'} {self.tensor.label}".strip()
         return f"{name}: {self.count}" if self.count else name
 
@@ -418,7 +418,7 @@ def table(tensor: Tensor, names: Names | None, where: Where | None, every: bool)
 
 
 def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
-    """A name for each coordinate: those given, or those of the coordinates."""
+    """A name for each coordinate: the given name, or its own."""
     coordinates = [symbol.name for symbol in tensor.frame.coordinates]
     if names is None:
         return tuple(coordinates)

@@ -21,7 +21,7 @@ def numpy_function(
     Parameters
     ----------
     elements
-        what to compute: a tensor over n coordinates, or k elements.
+        the outputs: a tensor over n coordinates, or k elements.
     symbols
         the arguments in order: sympy symbols, or unknown functions such as f(r).
     check
@@ -29,17 +29,17 @@ def numpy_function(
 
     Returns
     -------
-    Function of len(symbols) numbers or arrays of one shape. Of a tensor it returns an array of
-    shape (*shape, n, ..., n), one axis for each index; of elements one of shape (k, *shape). Its
-    source is kept in the attribute `source`. Values are right to 1e-12 of themselves.
+    Function of len(symbols) numbers or arrays of one shape. For a tensor it returns an array of
+    shape (*shape, n, ..., n), one axis for each index; for elements an array of shape (k, *shape).
+    Its source is kept in the attribute `source`. Values are right to 1e-12 of themselves.
 
     Raises
     ------
     MissingValueError
         a symbol occurs that is not among the arguments.
     ArgumentError
-        (from the function, too) a symbol comes twice; an argument is no number and no array of real
-        ones, or, if values are to be right, not finite.
+        (also from the function) a symbol comes twice; an argument is neither a real number nor an
+        array of them, or, if values are to be right, not finite.
     SingularPointError
         (from the function) a value is not finite, or drowns in rounding; the message names it.
 
@@ -68,6 +68,6 @@ def numpy_function(
             result[(..., *index)] = sign * found[rows[place]]
         return result
 
-    # Functions have room for attributes of their own, which types do not say.
+    # Functions accept attributes of their own, which their type does not declare.
     function.source = inner.source  # type: ignore[attr-defined]
     return function

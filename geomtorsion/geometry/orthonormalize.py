@@ -23,8 +23,8 @@ def orthonormal_rows(
 ) -> tuple[Elements, Elements, Elements]:
     """Rows theta^i, squares q_i (diagonal) and eta with g = sum q_i theta^i theta^i.
 
-    The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs
-    are those at a point of the domain; a signature that is asked for orders the rows.
+    The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs are
+    taken at a point of the domain; a requested signature orders the rows.
     """
     asked = _asked_signs(signature, n)
     forms = completed_squares(field, metric, n)
@@ -70,7 +70,7 @@ def _direction(field: Field, rest: Entries, n: int) -> tuple[int, ...] | None:
     diagonal = [i for i in range(n) if (i, i) in rest]
     if diagonal:
         return (min(diagonal, key=lambda i: (len(_row(rest, i, n)), i)),)
-    # Of a null metric no coordinate vector has length; the sum of two that are not orthogonal has.
+    # All coordinate vectors may be null; the sum of two that are not orthogonal is not.
     return min(rest, default=None)
 
 
@@ -90,7 +90,7 @@ def _added_rows(field: Field, rows: list[Row]) -> Row:
 
 
 def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] | None:
-    """The signature that was asked for, as whole numbers."""
+    """The requested signature, as whole numbers."""
     if signature is None:
         return None
     signs = [fraction(sign) for sign in signature]
@@ -109,7 +109,7 @@ def _signs(
     signature: tuple[int, ...] | None,
     n: int,
 ) -> dict[int, int]:
-    """Signs of the squares at the first suitable point; the one asked for, if it occurs."""
+    """Signs of the squares at the first suitable point; the requested signs, if they occur."""
     usable: list[dict[int, int]] = []
     for number, point in enumerate(points):
         # A metric whose signs differ within its domain shows it at the first few points.
@@ -161,7 +161,7 @@ def _signs_of_functions(
     signature: tuple[int, ...] | None,
     n: int,
 ) -> dict[int, int] | None:
-    """Signs where unknown functions alone decide them: as asked for, else positive if possible.
+    """Signs that depend only on unknown functions: as requested, else positive if possible.
 
     For E, F, G this is the branch sqrt(E), sqrt(E*G - F**2) of surfaces. The generic point of the
     field is moved there, so that the roots are taken where the signs were read.
@@ -184,7 +184,7 @@ def _signs_of_functions(
 
 
 def _row_order(signs: dict[int, int], signature: tuple[int, ...] | None, n: int) -> dict[int, int]:
-    """New place of each row, so that the signs stand as they were asked for."""
+    """New position of each row, so that the signs have the requested order."""
     if signature is None or all(signs[i] == signature[i] for i in range(n)):
         return {i: i for i in range(n)}
     free = {sign: [i for i in range(n) if signature[i] == sign] for sign in (1, -1)}

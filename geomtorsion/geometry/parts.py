@@ -79,8 +79,8 @@ def nonmetricity_parts(nonmetricity: T) -> Mapping[str, T]:
     """Symmetric, mixed, Lambda and Weyl part of Q_abc, all indices down.
 
     Weyl: g_bc q_a / n, q_a = Q_ab^b. Lambda: of the vector L_c = (Q - g q/n)^a_ac,
-    (2 n / ((n - 1) (n + 2))) (g_a(b L_c) - g_bc L_a / n). symmetric: the totally symmetric part
-    of what is left, mixed: the rest.
+    (2 n / ((n - 1) (n + 2))) (g_a(b L_c) - g_bc L_a / n). symmetric: the totally symmetric part of
+    the remainder, mixed: the rest.
     """
     frame, n = nonmetricity.frame, nonmetricity.frame.dimension
     g = _metric(nonmetricity).components.get
@@ -226,7 +226,7 @@ def _sum(
 
 
 def _rest(whole: T, parts: Sequence[T], symmetry: Symmetry, name: str) -> T:
-    """What is left of a tensor without some parts."""
+    """Remainder of a tensor after some parts are subtracted."""
     order = tuple(range(len(whole.slots)))
     return _sum([(1, whole, order), *((-1, part, order) for part in parts)], symmetry, name)
 

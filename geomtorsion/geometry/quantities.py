@@ -1,4 +1,4 @@
-"""Quantities: by name, what each needs, and what asking for one computes."""
+"""Quantities: by name, with the dependencies of each and the computation that a request starts."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 class Quantity:
     """A node of the derivation graph.
 
-    name, meaning: how it is asked for, and what it is.
+    name, meaning: its name in requests, and its definition.
     needs: names of the quantities it is computed from.
     make: frame -> tensor, nothing computed yet.
-    products: n -> at most so many products in one component.
+    products: n -> upper bound of the number of products in one component.
     """
 
     name: str
@@ -175,7 +175,7 @@ def known_quantity(name: str) -> Quantity:
     raise UnknownNameError(f"there is no quantity called {shown(name)}. {hint}")
 
 
-# Of a dense coframe these come from the anholonomy, in the frame.
+# For a dense coframe these come from the anholonomy, in the frame.
 _IN_FRAME = {
     "contortion": ("anholonomy", "coframe", "legs"),
     "riemann_frame": ("anholonomy", "legs"),
@@ -187,7 +187,7 @@ _IN_FRAME = {
 
 
 def needs(frame: Frame, name: str) -> tuple[str, ...]:
-    """What a quantity of this frame is computed from directly."""
+    """Direct dependencies of a quantity of this frame."""
     if "metric" in frame.given:
         if name == "metric":
             return ()
@@ -227,10 +227,10 @@ class Step:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DependencyGraph:
-    """What asking for one quantity computes: its ancestors in the derivation graph, no others.
+    """Computation of one quantity: its ancestors in the derivation graph, and no others.
 
-    frame: the frame that is asked.
-    name: the quantity asked for.
+    frame: the frame that computes it.
+    name: the requested quantity.
 
     Examples
     --------
@@ -248,12 +248,12 @@ class DependencyGraph:
     name: str
 
     def __post_init__(self) -> None:
-        """Refuse a name that is no quantity."""
+        """Refuse a name that is not a quantity."""
         known_quantity(self.name)
 
     @cached_property
     def graph(self) -> nx.DiGraph[str]:
-        """Ancestors of the quantity, edges from what is needed to what needs it."""
+        """Ancestors of the quantity, edges from each quantity to those that need it."""
         # networkx is slow to load, and few who import geomtorsion need it.
         import networkx as nx
 

@@ -1,7 +1,7 @@
 """Riemannian: Christoffel symbols and curvature of the metric, from itself or in the frame.
 
-Where the coframe is shorter than the metric (`frame_matrices.is_dense`) what follows from the
-anholonomy is shorter, too: indices move by constants, and no inverse metric is needed.
+Where the coframe is shorter than the metric (`frame_matrices.is_dense`), so are quantities from the
+anholonomy: indices move by constants, and no inverse metric is needed.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def riemann(frame: Frame) -> Tensor:
              + g_ef (Gamma_lm^e Gamma_kn^f - Gamma_ln^e Gamma_km^f)
 
     The inverse metric is never differentiated, and the cyclic identity saves the third of three
-    components with four different indices. Of a dense coframe it comes from the frame.
+    components with four different indices. For a dense coframe the frame computes it.
     """
     if is_dense(frame):
         return riemann_in_frame(frame).in_coordinates()

@@ -1,4 +1,4 @@
-"""Substitution: values for parameters and unknown functions, and the ways on which a limit goes."""
+"""Substitution: values for parameters and unknown functions, and the paths of a limit."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _SIDES: Mapping[object, tuple[int, ...]] = {None: (1, -1), "+": (1,), "-": (-1,)
 
 @dataclass(frozen=True)
 class Substitution:
-    """What is put in the place of what.
+    """Replacements of symbols and functions by expressions.
 
     symbols: parameter -> value.
-    functions: unknown function -> what it is of its arguments.
+    functions: unknown function -> its value as a function of its arguments.
     """
 
     symbols: Mapping[sp.Symbol, sp.Expr]
@@ -38,17 +38,17 @@ class Substitution:
         """An expression or relation with the values in place, all at once."""
         found = expression.xreplace(dict(self.symbols))
         if self.functions:
-            # One pass for all: what one of them becomes may hold another one, which stays there.
+            # One pass for all: a replacement may contain another symbol, which stays there.
             found = found.replace(
                 lambda one: isinstance(one, AppliedUndef) and one.func in self.functions,
                 lambda one: self.functions[one.func](*one.args),
             )
-            # What was the derivative of an unknown function can be taken now.
+            # Derivatives of functions that were unknown before can be taken now.
             found = found.replace(_is_derivative, lambda one: one.doit())
         return with_roots(found)
 
     def value(self, expression: sp.Expr, where: str) -> sp.Expr:
-        """The same of an entry or component.
+        """An entry or component after the replacements.
 
         Raises
         ------
@@ -77,7 +77,7 @@ def _is_derivative(expression: sp.Basic) -> bool:
 
 
 def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field) -> Substitution:
-    """A substitution for all that lives in a field, checked (see Frame.subs)."""
+    """A checked substitution for everything in a field (see Frame.subs)."""
     parameters = [symbol for symbol in exact.symbols if symbol not in coordinates]
     functions = {g.argument[0] for g in exact.generators if g.kind == "jet"}
     names = {symbol.name: symbol for symbol in exact.symbols}
@@ -107,7 +107,7 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
 def _function_named(
     given: object, names: Mapping[str, sp.Symbol], exact: Field
 ) -> AppliedUndef | None:
-    """The unknown function, with its arguments, that is meant by its name alone."""
+    """The unknown function, with its arguments, that its bare name refers to."""
     name = given.strip() if isinstance(given, str) else getattr(given, "__name__", None)
     if not isinstance(given, str | UndefinedFunction) or name in names:
         return None
@@ -128,7 +128,7 @@ def _function_named(
 
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
-    """An expression, or text by our own reader."""
+    """An expression, or text that this package's reader reads."""
     return checks.expression(
         value, where, ArgumentError, read=lambda text: parse_expression(text, names, where=where)
     )
@@ -180,7 +180,7 @@ def _function(
     known: set[UndefinedFunction],
     coordinates: Sequence[sp.Symbol],
 ) -> sp.Lambda:
-    """What an unknown function is of its arguments."""
+    """Value of an unknown function in terms of its arguments."""
     arguments = key.args
     if key.func not in known:
         names = sorted(str(one) for one in known)
@@ -210,7 +210,7 @@ def approaches(
 ) -> tuple[Approach, ...]:
     """The ways on which a symbol can go to a point (see Tensor.limit).
 
-    Without a side both, but for those that lie outside of the domain or of what was declared.
+    Without a side both, except those outside of the domain or of the declared signs.
     """
     names = {one.name: one for one in exact.symbols}
     key = _read(symbol, names, "symbol")
@@ -251,7 +251,7 @@ def approaches(
 
 
 def _target(point: object, names: Mapping[str, sp.Symbol]) -> sp.Expr:
-    """Where a symbol goes: an expression, or infinity by name or as a float."""
+    """Limit point of a symbol: an expression, or infinity by name or as a float."""
     if isinstance(point, str) and point.strip() in _BY_NAME:
         return _BY_NAME[point.strip()]
     if isinstance(point, float) and math.isinf(point):
@@ -260,7 +260,7 @@ def _target(point: object, names: Mapping[str, sp.Symbol]) -> sp.Expr:
 
 
 def _is_inside(way: Approach, domain: Sequence[sp.Basic]) -> bool:
-    """Whether a place next to the point may lie in the domain and have the declared sign."""
+    """Whether a position next to the point may be in the domain and have the declared sign."""
     place = way.place(NEAR[0])
     inside = all(x.xreplace({way.symbol: place}) != sp.false for x in domain)
     return inside and not checks.against(way.symbol, place)

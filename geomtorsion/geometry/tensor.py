@@ -37,7 +37,7 @@ Source = Components | Mapping[Index, Scalar] | Callable[[Index], Element]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Tensor:
-    """Tensor field over a frame: exact components, each computed when first asked for.
+    """Tensor field over a frame: exact components, each computed when first read.
 
     frame: the frame whose coordinates and legs the indices refer to.
     slots: one letter per index: d, u coordinate index down, up; D, U frame index down, up.
@@ -127,7 +127,7 @@ class Tensor:
         return notation.written(self, are_open=False)
 
     def undecided(self) -> dict[Index, sp.Expr]:
-        """All components that may vanish or not, as no known relation tells: index -> expression.
+        """All components for which no known relation decides whether they vanish, by index.
 
         Examples
         --------
@@ -175,7 +175,7 @@ class Tensor:
         ----------
         point
             Value of each coordinate and parameter on which the tensor depends; keys are symbols
-            or their names. A float is what it is in binary: write Fraction(1, 10), not 0.1. Lists
+            or their names. A float has its binary value: write Fraction(1, 10), not 0.1. Lists
             and arrays are points one by one; for very many `numpy_function` is faster.
         digits
             So many right decimal digits, up to 1000, as numbers of mpmath in an array of objects;
@@ -184,8 +184,8 @@ class Tensor:
         Raises
         ------
         CoordinateError
-            A name that means nothing here, a value that is no finite number or contradicts what
-            was declared of a parameter, or digits that are no whole number from 1 to 1000.
+            A name is unknown here, a value is not a finite number or contradicts the declaration of
+            a parameter, or digits is not a whole number from 1 to 1000.
         MissingValueError
             A symbol has no value.
         ShapeError
@@ -286,7 +286,7 @@ class Tensor:
 
     @cached_property
     def _forms(self) -> dict[str, Tensor]:
-        """The forms of this tensor known so far, by their slots: the way back costs nothing."""
+        """The forms of this tensor known so far, by their slots: converting back costs nothing."""
         return {tensor.slots: tensor for tensor in self._lineage}
 
     @cached_property
@@ -359,14 +359,14 @@ class Tensor:
 
     @property
     def _sympy_(self) -> Callable[[], sp.Expr]:
-        """What sympy asks for where a tensor of rank 0 stands in the place of an expression."""
+        """Hook by which sympy reads a tensor of rank 0 as an expression."""
         if self.slots:
             raise AttributeError("a tensor with indices is no expression")
         return lambda: self[()]
 
     @property
     def _op_priority(self) -> float:
-        """What sympy asks for where a tensor stands behind an expression: Lambda * g is one."""
+        """Priority that makes sympy leave a product such as Lambda * g to the tensor."""
         if not self.slots:
             raise AttributeError("a tensor of rank 0 is an expression")
         return sp.Expr._op_priority + 1
@@ -389,7 +389,7 @@ class Tensor:
         return self._mapped(put.value, frame)
 
     def limit(self, symbol: sp.Symbol | str, point: Value, side: str | None = None) -> Tensor:
-        """Every component as a coordinate or parameter goes to a point; the frame stays.
+        """Limit of every component as a coordinate or parameter tends to a point; the frame stays.
 
         Parameters
         ----------
@@ -404,9 +404,9 @@ class Tensor:
         SingularPointError
             A component has no limit: it grows, does not settle, or has two.
         UndecidedError
-            A limit cannot be had.
+            A limit cannot be computed.
         CoordinateError, UnknownNameError
-            The symbol means nothing here, or the point lies outside of the domain.
+            The symbol is unknown here, or the point is outside of the domain.
 
         Examples
         --------
@@ -422,15 +422,16 @@ class Tensor:
     def series(self, symbol: sp.Symbol | str, point: Value, order: int) -> Tensor:
         """Every component as a sum of powers of (symbol - point), the order included.
 
-        At infinity the powers are those of 1/symbol. Powers may begin below zero, and be broken
-        where roots vanish. The last power is the one asked for: sympy's `series` ends before it.
+        At infinity the powers are powers of 1/symbol. Powers may begin below zero, and be
+        fractional where roots vanish. The requested order is included, while sympy's `series` ends
+        before it.
 
         Raises
         ------
         SingularPointError
             A component has no such series there.
         ArgumentError
-            The order is no whole number from 0 on.
+            The order is not a whole number from 0 up.
 
         Examples
         --------
@@ -472,7 +473,7 @@ class Tensor:
         frame: Frame | None = None,
         written: bool = False,
     ) -> Tensor:
-        """Every component changed, as it is asked for; change: of an expression with its name."""
+        """Every component changed when it is read; change: maps an expression and its name."""
         over = frame or self.frame
 
         def changed(index: Index, value: Element) -> Element:
@@ -510,12 +511,12 @@ class Tensor:
         Parameters
         ----------
         names
-            What the values of an index are called, one name for each coordinate: "trθφ", or a list
+            Names of the values of an index, one for each coordinate: "trθφ", or a list
             of texts. Without it coordinates have their own names and legs their numbers.
         where
             {index: its value} to see part of them: {2: "r"} has those with an r as last index.
         every
-            List those too that follow from others by symmetry.
+            Also list components that follow from others by symmetry.
 
         Raises
         ------
@@ -541,5 +542,5 @@ class Tensor:
         return notation.latex(self)
 
     _repr_html_ = drawn_by("notebook_tables", "tensor_html")
-    # What sympy asks for: by the name of the class it would take this for a tensor of its own.
+    # A hook of sympy, which would mistake this class for a sympy tensor by its name.
     _latex, _pretty, _sympystr = notation.sympy_latex, notation.sympy_pretty, notation.sympy_text

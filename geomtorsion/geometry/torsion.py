@@ -94,14 +94,14 @@ class Torsion:
 
     @cached_property
     def tensor(self) -> Tensor:
-        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: what has no trace.
+        """T_abc - T_[abc] - (v_a g_bc - v_b g_ac) / (n - 1), slots ddd: the traceless part.
 
         Its contractions and its totally antisymmetric part vanish.
         """
         frame = self.connection.frame
         lower, axial = self.T.lowered(2).components.get, self.axial.components.get
         vector, metric = self.vector.components.get, frame.metric.components.get
-        # In one dimension there is no torsion, and no trace to be taken off.
+        # In one dimension there is no torsion, and no trace to subtract.
         share = Fraction(1, max(frame.dimension - 1, 1))
 
         def rule(index: Index) -> Element:

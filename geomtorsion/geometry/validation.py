@@ -1,4 +1,4 @@
-"""Validation: what a frame is made from, checked once, and points inside its domain."""
+"""Validation: input of a frame, checked once, and points inside its domain."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from geomtorsion.precision import EPS
 Matrix = dict[tuple[int, int], Any]
 Coordinates = Sequence[sp.Symbol] | Sequence[str] | str
 
-# So many points are tried, in ranges that become ten times as wide on the way.
+# Number of points tried, in ranges that widen by a factor of ten.
 TRIES = 400
 # As fine as doubles: at small fractions two symbols may coincide, and with them two expressions
 # that differ everywhere else.
@@ -118,7 +118,7 @@ def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
 
 
 def _is_plain_zero(value: object) -> bool:
-    """Whether an entry is the number zero; what it is otherwise is found out on reading."""
+    """Whether an entry is the number zero; other entries are checked when they are read."""
     return isinstance(value, int | float | sp.Expr) and value == 0
 
 
@@ -173,7 +173,7 @@ def parameter_symbols(
     coordinates: Sequence[sp.Symbol],
     free: Iterable[sp.Symbol],
 ) -> tuple[sp.Symbol, ...]:
-    """Parameters: those given, then the remaining free symbols by name."""
+    """The given parameters, then the remaining free symbols by name."""
     free = set(free)
     given = []
     for symbol in named_symbols(() if parameters is None else parameters, free, "parameter"):
@@ -254,7 +254,7 @@ def read_matrix(field: Field, entries: Matrix, name: str) -> dict[tuple[int, int
 
 
 def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int, name: str) -> None:
-    """Refuse a matrix whose determinant vanishes; the message says which rows depend, and how."""
+    """Refuse a matrix whose determinant vanishes; the message names the dependent rows."""
     det = determinant(field, entries, n)
     if det.is_zero is None:
         raise UndecidedError(
@@ -395,7 +395,7 @@ def candidate_points(
 def broken_relations(
     relations: Iterable[sp.Basic], values: Mapping[sp.Symbol, float]
 ) -> list[sp.Basic]:
-    """Relations that a point does not satisfy, those apart on whose very edge it lies.
+    """Relations that a point does not satisfy, except those on whose very edge it is.
 
     Examples
     --------

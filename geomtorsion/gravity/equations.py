@@ -212,12 +212,12 @@ class FieldEquations:
 
     @cached_property
     def _varied(self) -> tuple[int, ...]:
-        """The connections with an equation of their own: all but those of the metric."""
+        """The connections with an equation of their own: all but the Levi-Civita ones."""
         return tuple(k for k, one in enumerate(self.connections) if one.kind != "levi-civita")
 
     @cached_property
     def connection_equations(self) -> tuple[Tensor, ...]:
-        """C of each connection; zero for the one of the metric, which is not varied alone."""
+        """C of each connection; zero for the metric's own, which is not varied separately."""
         found = []
         for number, one in enumerate(self.momenta):
             total = one.C if number in self._varied else Tensor(self.frame, "UUD", {})
@@ -458,7 +458,7 @@ def _check_geometry(theory: Lagrangian, connections: Sequence[Connection]) -> No
 
 
 def _fault(geometry: str, connections: Sequence[Connection]) -> str:
-    """What a connection is, against what its theory assumes."""
+    """Mismatch between a connection and the assumption of its theory."""
     others = [one for one in connections if one.kind != "levi-civita"]
     if geometry == "riemannian":
         return "is not that of the metric"

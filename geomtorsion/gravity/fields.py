@@ -49,7 +49,7 @@ class FrameFields:
 
     @property
     def is_riemannian(self) -> bool:
-        """Whether the connection is that of the metric, which the coframe determines."""
+        """Whether the connection is the Levi-Civita one, which the coframe determines."""
         return self.connection.kind == "levi-civita"
 
     @property
@@ -147,8 +147,8 @@ class FrameFields:
     def divergence(self, tensor: Tensor, *, paired: bool = False) -> Tensor:
         """(1/e) D_m(e X^{m...}), the first slot U; paired: X^{mn...} is antisymmetric in mn.
 
-        Of a pair in the frame E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2, where the
-        connection acts on the other indices alone.
+        Of a pair in the frame E_a(X^{an}) + C_ab^b X^{an} - C_ab^n X^{ab} / 2, where the connection
+        acts only on the other indices.
         """
         frame, n = self.frame, self.frame.dimension
         get, omega = tensor.components.get, self.omega.components.get

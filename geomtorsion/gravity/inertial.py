@@ -10,7 +10,7 @@ from geomtorsion.geometry import Connection, Frame, from_spin_connection, levi_c
 
 
 def inertial(frame: Frame, limit: Mapping) -> Connection:
-    """The flat metric connection whose spin connection is that of the limit of a coframe.
+    """The flat metric connection with the spin connection of the limit of a coframe.
 
     The limit of the coframe without gravity has turning legs only: its Levi-Civita connection is
     flat, and its spin connection omega_ai^j is taken for the coframe itself (Krssak, Saridakis

@@ -1,7 +1,7 @@
 """Invariants: scalars <X, M X> of torsion, curvature and nonmetricity X, with M self-adjoint.
 
 A table gives each name its field X and its linear map M. The momentum of <X, M X> is 2 M X. The
-maps return what has the symmetry of X, so that momenta count all components of X.
+maps return values with the symmetry of X, so that momenta count all components of X.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from geomtorsion.exact import names as words
 from geomtorsion.geometry import Frame, Tensor
 from geomtorsion.gravity.invariants import INVARIANTS
 
-# Names of matter fields, and what brings them.
+# Names of matter fields, and the functions that introduce them.
 MATTER = {
     "X": "gravity.scalar_field(phi)",
     "phi": "gravity.scalar_field(phi)",
@@ -58,7 +58,7 @@ names = Names()
 _NAME = re.compile(r"[^\W\d]\w*")
 _FAMILY = re.compile(r"[TRQPU][1-9]\d*(bar|_[2-9])?")
 _SUFFIX = re.compile(r"(.+?)(bar|_[2-9])")
-# Geometry that a theory assumes: what a connection has to be, in words.
+# Geometry that a theory assumes: the property that a connection must have, in words.
 GEOMETRIES = {
     "any": "any connection",
     "teleparallel": "a flat metric connection, such as gt.cartan(frame)",
@@ -74,7 +74,7 @@ class Lagrangian:
 
     expression: text or sympy expression in `names`, parameters and opaque functions.
     geometry: "any", "teleparallel", "symmetric teleparallel", "metric" or "riemannian".
-    name: what it is called.
+    name: of the theory, for messages.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class Lagrangian:
 
 
 def known_as(text: object) -> Lagrangian:
-    """A Lagrangian from what a user gives: text, a sympy expression, a number or a theory."""
+    """A Lagrangian from text, a sympy expression, a number or a theory."""
     if isinstance(text, Lagrangian):
         return text
     if isinstance(text, str):
@@ -161,7 +161,7 @@ class Reading:
 
 
 def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
-    """A Lagrangian for a frame; known: name in the text -> what it means.
+    """A Lagrangian for a frame; known: name in the text -> its meaning.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def _check_name(name: str, own: Mapping, known: Mapping[str, str]) -> None:
 
 
 def _check_functions(expression: sp.Expr, found: Mapping, own: Mapping) -> None:
-    """Refuse a function whose arguments hold nothing that varies, and what is no scalar."""
+    """Refuse a function without a varied argument, and anything that is not a scalar."""
     for part in sp.preorder_traversal(expression):
         if isinstance(part, sp.Indexed | sp.IndexedBase | sp.Integral | sp.MatrixBase | sp.Idx):
             raise GravityError(

@@ -37,9 +37,9 @@ class Varied(Protocol):
 
 
 class MatterField(ABC):
-    """A field with invariants of its own in the Lagrangian.
+    """A field with its own invariants in the Lagrangian.
 
-    names: what the Lagrangian may call it by.
+    names: its names in the Lagrangian.
     symbol: the name of the field.
     """
 
@@ -56,7 +56,7 @@ class MatterField(ABC):
 
     @abstractmethod
     def coframe_terms(self, equations: Varied, i: int, n: int) -> Terms:
-        """Terms of E_i^n from its invariants, but for L itself."""
+        """Terms of E_i^n from its invariants, except L itself."""
 
     @abstractmethod
     def equation(self, equations: Varied) -> Tensor:

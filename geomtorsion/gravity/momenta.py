@@ -102,7 +102,7 @@ class Momenta:
         return Tensor(frame, "DDD", rule, symmetry).raised(0).raised(1)
 
     def coframe_terms(self, i: int, n: int) -> Terms:
-        """Terms of E_i^n but for L and the divergence of P."""
+        """Terms of E_i^n except L and the divergence of P."""
         fields, dimension = self.fields, range(self.fields.frame.dimension)
         p, t = self.P.components.get, fields.torsion.components.get
         z, r = self.Z.components.get, self._curvature.components.get
@@ -120,7 +120,7 @@ class Momenta:
 
     @cached_property
     def moved(self) -> Tensor:
-        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD: what a metric connection adds.
+        """D_bar_a(C^{abc} - C^{bac} - C^{cab}) at (b, c), slots UD, for metric connections.
 
         The coframe determines that connection, so that its equation becomes part of E.
         """

@@ -25,7 +25,7 @@ def newman_penrose(frame: Frame) -> NewmanPenrose:
     Psi_4 = C_n(m_bar)n(m_bar)                                          [NewmanPenrose1962]
 
     Here C has the sign of most books for (-+++), C^a_bcd with R_bd = R^a_bad, which is minus
-    `curvature.weyl` in these index places. For (+---) both signs change, and Psi stays.
+    `curvature.weyl` at these index positions. For (+---) both signs change, and Psi stays.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ class Symmetries:
     """Vector fields along which a metric and a connection do not change.
 
     frame: the frame of the metric.
-    connection: the connection that is kept with it.
+    connection: the connection that is preserved with it.
     """
 
     frame: Frame
@@ -111,7 +111,7 @@ class Symmetries:
 
     @cached_property
     def kept(self) -> str:
-        """The geometry that is kept, in words."""
+        """The geometry that is preserved, in words."""
         if self.connection.kind == "levi-civita":
             return "the metric"
         return f"the metric and the {self.connection.name}"
@@ -143,7 +143,7 @@ class Symmetries:
 
     @property
     def isotropy(self) -> int:
-        """The number of those that leave a generic point fixed."""
+        """The number of fields that leave a generic point fixed."""
         n, echelon = self.frame.dimension, self._ranks[1]
         turns = range(n, echelon.width)
         return len(turns) - echelon.rank_of_columns(turns)
@@ -201,7 +201,7 @@ class Symmetries:
             yield self.frame.field.sum([*turning.get((b, c), ()), *negative])
 
     def _derivative(self, row: Row, a: int) -> Row:
-        """The condition that follows by d_a, with d_a xi and d_a F put in.
+        """The condition that follows by d_a, with d_a xi and d_a F inserted.
 
         d_a xi^b = F_a^b - Gamma_ac^b xi^c
         d_a F_bc = R_bcad xi^d + Gamma_ab^e F_ec + Gamma_ac^e F_be
@@ -247,7 +247,7 @@ class Symmetries:
         return tuple(found)
 
     def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
-        """Those that are not sums of others with constant coefficients.
+        """Elements that are not sums of others with constant coefficients.
 
         A symmetry is determined by its value and its derivative at one point.
         """
@@ -403,7 +403,7 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
 
 
 def _monomials(frame: Frame, degree: int) -> list[sp.Expr]:
-    """Products of so many functions of coordinates, and of fewer."""
+    """Products of up to a given number of functions of coordinates."""
     every = [(q, f) for q in frame.coordinates for f in _functions(frame, q)]
     found: list[sp.Expr] = [sp.S.One]
     if degree >= 1:

@@ -1,4 +1,4 @@
-"""Theories: Lagrangians by name; none has equations of its own."""
+"""Theories: Lagrangians by name; their equations come from the general code."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def new_gr(c1: Number, c2: Number, c3: Number) -> Lagrangian:
 def f_of(invariants: str | Sequence[str], f: object = "f") -> Lagrangian:
     """L = f(T), f(Q), f(R) or f of several invariants; f a name, a sympy function or a lambda.
 
-    f(T) is teleparallel, f(Q) symmetric teleparallel, f(R) and f(GB) are of the metric alone. All
-    else takes any connections.
+    f(T) is teleparallel, f(Q) symmetric teleparallel, f(R) and f(GB) use only the metric. All other
+    invariants accept any connections.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Translations: what the symbols of other papers and programs are here, each checked by a test."""
+"""Translations: symbols of other papers and programs in symbols of this package, each tested."""
 
 from __future__ import annotations
 
@@ -300,7 +300,7 @@ TABLE = (
 
 
 def translations() -> tuple[Translation, ...]:
-    """The symbols of other papers and programs in those of this package.
+    """Symbols of other papers and programs, written in symbols of this package.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""paper: what Fiziev and Kleinert (1994) print in equations (1) to (27), each recomputed."""
+"""paper: equations (1) to (27) of Fiziev and Kleinert (1994), each recomputed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def statements(frames: PaperFrames | None = None) -> tuple[Statement, ...]:
     Parameters
     ----------
     frames
-        the frames of rotations and of motions; those of the paper if None.
+        the frames of rotations and of motions; the frames of the paper if None.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""frames: the two frames of the paper, made from the attitude of the body alone."""
+"""frames: the two frames of the paper, made from only the attitude of the body."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ def paper_frames() -> PaperFrames:
     """Row i, column mu of dPhi is the component i of (R^T dR/dphi^mu)^vee; dX = R^T dx."""
     turn, domain = attitude(), (phi2 > 0, phi2 < sp.pi)
     spins = [turn.T * turn.diff(angle) for angle in PHI]
-    # Component i of the vee of an antisymmetric matrix stands in row i + 2, column i + 1.
+    # Component i of the vee of an antisymmetric matrix is in row i + 2, column i + 1.
     rows = [[spin[(i + 2) % 3, (i + 1) % 3] for spin in spins] for i in range(3)]
     rotations = Frame(PHI, rows, domain=domain, name="so3")
-    # First angles, then places: the paper's order is the other one, see around (21).
+    # First angles, then positions: the paper has the opposite order, see around (21).
     forms = sp.diag(rotations.coframe.to_sympy().tomatrix(), turn.T)
     return PaperFrames(rotations, Frame((*PHI, *POSITION), forms, domain=domain, name="r3xso3"))

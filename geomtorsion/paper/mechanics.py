@@ -120,7 +120,7 @@ class Mechanics:
         return [value.sympy for value in sums]
 
     def transformed(self, kinetic: sp.Matrix) -> bool:
-        """Whether the energy is q'^T K q' / 2 once u = e q' is put in."""
+        """Whether the energy is q'^T K q' / 2 once u = e q' is inserted."""
         bundle = self.right.hamel.bundle
         v = sp.Matrix(bundle.symbols.rates)
         # The energy in the coordinates minus the printed one: zero is decided, not simplified.

@@ -1,4 +1,4 @@
-"""section 1: equations (1) to (4) in the body and in space, and what is said about them."""
+"""section 1: equations (1) to (4) in the body and in space, and the statements about them."""
 
 from __future__ import annotations
 

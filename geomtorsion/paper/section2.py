@@ -75,7 +75,7 @@ def _transformation(frames: PaperFrames) -> Iterator[Statement]:
 
 
 def _metric(frame: Frame) -> Iterator[Statement]:
-    """Equation (9) and what is said about it."""
+    """Equation (9) and the statements about it."""
     inverse, size = frame.inverse_metric, frame.volume * frame.volume[()]
     unit = {(0, 0): 1, (1, 1): 1, (2, 2): 1, (0, 2): c2, (2, 0): c2}
     yield Statement(

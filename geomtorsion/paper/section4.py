@@ -59,7 +59,7 @@ def _geometry(frames: PaperFrames) -> Iterator[Statement]:
         verdict(forms == blocks and frame.metric.to_sympy().tomatrix() == metric),
         "so it is with the coordinates in the order (phi, x) and the forms (dPhi, dX)",
     )
-    # What E is in the order in which the paper names its coordinates: places first.
+    # E in the order in which the paper names its coordinates: positions first.
     other = sp.Matrix(6, 6, lambda i, mu: forms[(i + 3) % 6, (mu + 3) % 6])
     yield Statement(
         "around (21)",

@@ -1,4 +1,4 @@
-"""statement: one sentence of the paper, compared with what is computed, in its notation."""
+"""statement: one sentence of the paper, compared with the computed result, in its notation."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Statement:
     Fields
     ------
     equation
-        Number as LaTeX prints it, or the place near it.
+        Number as LaTeX prints it, or a position near it.
     says
         The statement as printed, in one line.
     verdict
-        "agrees", or "misprint: ..." with what is wrong in print.
+        "agrees", or "misprint: ..." with the error in print.
     right
         The formula as it was recomputed.
     note
@@ -55,12 +55,12 @@ class Statement:
 
 
 def verdict(holds: bool, wrong: str = "the print differs from the formula on the right") -> str:
-    """ "agrees", or what is wrong."""
+    """ "agrees", or the misprint."""
     return "agrees" if holds else f"misprint: {wrong}"
 
 
 def lost(what: str, corrected: bool) -> str:
-    """What is wrong in print, where the corrected formula was found to hold."""
+    """Description of a misprint, if the corrected formula was found to hold."""
     return f"{what} is lost" if corrected else "wrong in more than its notation"
 
 

@@ -1,6 +1,6 @@
-"""pictures: what is seen of loops, curves and costs, as matplotlib figures for a user's own code.
+"""pictures: loops, curves and costs as matplotlib figures, for a user's own code.
 
-Each function takes what is solved and returns a figure; `save` writes it. Reports and the pictures
+Each function takes a result and returns a figure; `save` writes it. Reports and the pictures
 of scenes are written by the command line and by the results of scenes.
 
 Examples
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.solutions import draw_solution
     from geomtorsion.pictures.style import can_draw, save
 
-# Imported when first asked for: who writes a formula needs no loops and no motions.
+# Imported on first use: printing a formula needs neither loops nor motions.
 _HOMES = {
     "can_draw": "style",
     "curve_pictures": "curve_files",

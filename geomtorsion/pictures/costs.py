@@ -24,17 +24,17 @@ class Row(Protocol):
 
     @property
     def asked(self) -> float:
-        """Accuracy asked for."""
+        """Requested accuracy."""
         ...
 
     @property
     def achieved(self) -> float | None:
-        """Error that was really made; None where there is no answer."""
+        """True error; None where there is no answer."""
         ...
 
     @property
     def seconds(self) -> float | None:
-        """Time of the answer alone."""
+        """Time of the answer without its error estimate."""
         ...
 
     @property
@@ -44,11 +44,11 @@ class Row(Protocol):
 
 
 class Table(Protocol):
-    """What `accuracy_cost` returns."""
+    """Result of `accuracy_cost`."""
 
     @property
     def problem(self) -> str:
-        """What was solved."""
+        """Name of the problem."""
         ...
 
     @property
@@ -58,7 +58,7 @@ class Table(Protocol):
 
     @property
     def truth(self) -> str:
-        """What errors were measured against."""
+        """Reference for the errors."""
         ...
 
     @property
@@ -68,10 +68,10 @@ class Table(Protocol):
 
 
 def work_precision_picture(table: Table) -> Figure:
-    """Time upwards, accuracy to the right: whatever is lower and further right is better.
+    """Time upwards, accuracy to the right: lower and further right is better.
 
-    Full lines: time with error estimate; thin lines: of the answer alone. A small bar leads from
-    each mark to the accuracy that was asked for.
+    Full lines: time with error estimate; thin lines: time of only the answer. A small bar leads
+    from each mark to the requested accuracy.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def work_precision_picture(table: Table) -> Figure:
 
 
 class RuleRow(Protocol):
-    """What is drawn of one rule with one number of points."""
+    """Row of a figure: one rule with one number of points."""
 
     @property
     def rule(self) -> str:
@@ -146,12 +146,12 @@ class RuleRow(Protocol):
 
     @property
     def asked(self) -> float | None:
-        """Accuracy asked for, where the rule is adaptive."""
+        """Requested accuracy, where the rule is adaptive."""
         ...
 
 
 class LoopCosts(Protocol):
-    """What `geomtorsion.accuracy.loops.loop_costs` gives."""
+    """Result of `geomtorsion.accuracy.loops.loop_costs`."""
 
     @property
     def name(self) -> str:

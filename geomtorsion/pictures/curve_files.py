@@ -1,4 +1,4 @@
-"""curve files: what `geomtorsion curve` writes: a table, what was solved, and pictures."""
+"""curve files: files that `geomtorsion curve` writes: a table, the problem, and figures."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Draw = Callable[["Pair"], "Figure"]
 
 
 def curve_pictures(pair: Pair) -> dict[str, tuple[Draw, str]]:
-    """Which pictures this pair has: name -> (how to draw it, what it shows).
+    """Figures of this pair: name -> (function that draws it, caption).
 
     Examples
     --------
@@ -101,7 +101,7 @@ def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
     """Every number with all its digits; cells of a curve that stopped early stay empty."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(map(csv_cell, table))
-    # Numbers of more than 53 bits print all their digits; floats do so by repr alone.
+    # Numbers of more than 53 bits print all their digits; floats do so only by repr.
     columns = [
         [repr(float(x)) if column.dtype == float else str(x) for x in column]
         for column in table.values()
@@ -110,7 +110,7 @@ def _write_csv(file: TextIO, table: Mapping[str, np.ndarray]) -> None:
 
 
 def metadata(pair: Pair) -> Data:
-    """What was solved, how, and how well, ready for JSON."""
+    """The problem, the method and the accuracy, ready for JSON."""
     problem = pair.problem
     return {
         "space": pair.space.name,

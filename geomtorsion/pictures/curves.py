@@ -60,10 +60,10 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     return SAFETY * found[len(found) - len(solution.times) :]
 
 
-# Where a panel stands (rows, columns, number), and curves by name.
+# Position of a panel (rows, columns, number), and curves by name.
 Place = tuple[int, int, int]
 Paths = Mapping[str, np.ndarray]
-# What the three axes of a body are called in legends.
+# Names of the three axes of a body in legends.
 NAMES = ("first axis of the body, 1", "second axis, 2", "third axis, 3")
 
 
@@ -85,12 +85,12 @@ def caption(pair: Pair) -> list[str]:
 
 
 def clock(pair: Pair) -> str:
-    """What the curve parameter is called on an axis: t, unless a coordinate has that name."""
+    """Name of the curve parameter on an axis: t, unless a coordinate has that name."""
     return "curve parameter" if "t" in pair.problem.coordinates else "$t$"
 
 
 def paths_picture(pair: Pair) -> Figure:
-    """Both paths: in the space as it lies in ordinary space, and in the chart.
+    """Both paths: in the space embedded in ordinary space, and in the chart.
 
     Raises
     ------
@@ -192,7 +192,7 @@ def _view(
     seen = [k for k in range(len(labels)) if stretch[k] > FLAT * stretch.max()]
     if len(labels) == 3 and len(seen) == 3:
         return _in_space(figure, place, paths, labels, title, equal)
-    # What does not change leaves room for what does; two directions are drawn in any case.
+    # Constant coordinates are omitted, but at least two directions are drawn.
     seen = (seen + [k for k in range(len(labels)) if k not in seen])[:2]
     axes = figure.add_subplot(*place)
     first, second = sorted(seen)
@@ -282,7 +282,7 @@ def attitude_picture(pair: Pair) -> Figure:
         space_axes(axes, 1.0, viewer)
         for axis, stroke in enumerate(SERIES[:3]):
             curve_on(axes, turn[:, :, axis], viewer, stroke, NAMES[axis])
-            # Where a curve goes round often its dashes fill up: the number stays legible.
+            # The dashes of a curve with many turns fill up: the number stays legible.
             numbered(axes, turn[0, :, axis], viewer, str(axis + 1), stroke)
         axes.set_title(name, fontsize=11)
     legend(figure, first)

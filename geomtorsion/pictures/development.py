@@ -61,7 +61,7 @@ def draw_development(
 
 
 def _plane(points: np.ndarray) -> tuple[int, int]:
-    """The two directions in which most is to be seen, that of the gap among them."""
+    """The two directions with the largest extent, one of them the direction of the gap."""
     widths, gap = np.ptp(points, axis=1), np.abs(points[:, -1] - points[:, 0])
     order = [int(k) for k in np.argsort(-widths, kind="stable")]
     first = int(gap.argmax()) if gap.max() > 0.01 * widths.max() else order[0]
@@ -131,7 +131,7 @@ def _draw_frame(
     ink: str,
     width: float,
 ) -> None:
-    """The vectors of one frame that lie in the plane of the picture."""
+    """The vectors of one frame that are in the plane of the figure."""
     a, b = plane
     x, y = path.places[a, k], path.places[b, k]
     for vector, style in ((a, "-"), (b, (0, (2, 1.2)))):
@@ -141,7 +141,7 @@ def _draw_frame(
 
 
 def _state_gap(axes: Axes, turn: Development) -> None:
-    """Gap and turn in numbers, and what lies inside."""
+    """Gap and turn in numbers, and the content of the loop."""
     size = float(np.linalg.norm(turn.burgers))
     said = f"|b| = {size:.4g}" if size > turn.error else "b = 0"
     rotated = float(np.abs(turn.motion.turn).max())

@@ -14,12 +14,12 @@ from geomtorsion.pictures.latex import FUNCTIONS as latex_functions
 from geomtorsion.pictures.latex import latex_text
 from geomtorsion.pictures.text import GREEK
 
-# LaTeX has no letters of its own for the capitals that look Latin.
+# LaTeX has no commands for capitals that look Latin.
 LETTERS = GREEK | {"epsilon": "ϵ", "varepsilon": "ε"}
 _MACROS = LETTERS | {"ldots": "…", "overline": r"\bar{#1}"}
 _WORDS = re.compile(r"(\\(?:text|mathrm|operatorname)\{[^{}]*\})")
 _CAPITAL = re.compile("<mi>([Α-Ω])</mi>")
-# Brackets round something that is no higher than they are, with no other such brackets in it.
+# Brackets around content no higher than themselves, without other such brackets inside.
 _LOW = re.compile(
     r"\\left([(\[|])((?:(?!\\left|\\right|\\[dt]?frac|\\sqrt|\\begin).)*)\\right([)\]|])"
 )
@@ -88,7 +88,7 @@ def expression_mathml(expression: object) -> str:
     return mathml(latex_text(expression))
 
 
-# What a page that promises to load nothing has to allow its own font.
+# Permission for the embedded font on a page that forbids all loading.
 FONT_SOURCE = "font-src data:"
 FAMILY = "geomtorsion math"
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Tensor
 
 _NUMBERED = re.compile(r"(\D+?)_?([0-9]+)")
-# What identities in plain text call some letters, as in Gamma_bar_ab^c.
+# Plain-text names of some letters in identities, as in Gamma_bar_ab^c.
 _NAMES = {
     "Gamma_bar": "Γ\u0304", "R_bar": "R\u0304", "D_bar": "D\u0304", "Gamma": "Γ",
     "T_scalar": "T", "omega": "ω", "eta": "η",
@@ -46,7 +46,7 @@ def latex_text(expression: object) -> str:
 
 
 def latex_name(name: str) -> str:
-    r"""A name in LaTeX: Greek letters, a trailing number or what follows _ as subscript.
+    r"""A name in LaTeX: Greek letters, a trailing number or the part after _ as subscript.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def _scripted(latex: str) -> str:
 def equation_latex(text: str) -> str:
     r"""A definition in plain text, such as S_{ab}^c = T_{ab}^c/2, in LaTeX.
 
-    Each index keeps its own column, words stand upright.
+    Each index keeps its own column, words are upright.
 
     Examples
     --------
@@ -139,7 +139,7 @@ class _Printer(PrintedOnce, LatexPrinter):
         return r"\mathrm{e}"
 
     def _print_ExpBase(self, expr: sympy.Expr, exp: str | None = None) -> str:
-        # Upright, so that it is not taken for a one-form e^1.
+        # Upright, so that it is not mistaken for a one-form e^1.
         power = rf"\mathrm{{e}}^{{{self._print(expr.args[0])}}}"
         return power if exp is None else rf"\left({power}\right)^{{{exp}}}"
 
@@ -149,7 +149,7 @@ class _Printer(PrintedOnce, LatexPrinter):
         name = type(expr).__name__
         if isinstance(expr, AppliedUndef):
             return rf"{latex_name(name)}\left({inner}\right){power}"
-        # In physics log is that of base ten to many readers; ln is no question.
+        # Many physicists read log as base ten; ln is unambiguous.
         name = {"log": "ln"}.get(name, re.sub("^a(?=sin|cos|tan)", "arc", name))
         head = rf"\{name}" if name in FUNCTIONS else rf"\operatorname{{{name}}}"
         simple = len(expr.args) == 1 and (expr.args[0].is_Symbol or expr.args[0].is_Integer)
@@ -164,7 +164,7 @@ class _Printer(PrintedOnce, LatexPrinter):
         name = latex_name(function.func.__name__)
         inner = ", ".join(self._print(argument) for argument in function.args)
         count = int(expr.derivative_count)
-        # Primes would not say by which of several arguments.
+        # Primes would not show which of several arguments is meant.
         if len(function.args) > 1:
             by = " ".join(self._print(v) for v, n in expr.variable_count for _ in range(int(n)))
             name = rf"\partial_{{{by}}} {name}"
@@ -240,7 +240,7 @@ def _places(tensor: Tensor, index: Index) -> list[tuple[str, int]]:
 
 
 def _runs(marks: Sequence[str], slots: str) -> list[tuple[bool, list[str]]]:
-    """Marks that stand side by side, with whether they stand above."""
+    """Adjacent marks, with whether they are upper ones."""
     pairs = list(zip(slots, marks, strict=True))
     runs = groupby(pairs, key=lambda pair: pair[0] in "uU")
     return [(up, [mark for _, mark in run]) for up, run in runs]

@@ -30,7 +30,7 @@ def draw_lattice(
     MissingExtraError
         matplotlib is not installed.
     ArgumentError
-        What came is no image, phases or Burgers vector.
+        The argument is not an image, phases or a Burgers vector.
     """
     checks.instance(image, LatticeImage, "image")
     checks.instance(phases, LatticePhases, "phases")
@@ -95,7 +95,7 @@ def _vector(axes: Axes, b: LatticeBurgers, step: float, length: float) -> None:
 
 
 def _sense(path: np.ndarray) -> str:
-    """The way round in which a path of pixels runs on the screen, by its area."""
+    """Sense of rotation of a path of pixels on the screen, from its signed area."""
     x, y = path.T
     area = float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum())
     return "anticlockwise" if area > 0 else "clockwise" if area < 0 else "both ways"

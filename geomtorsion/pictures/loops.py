@@ -25,8 +25,8 @@ PATH, IMAGE, GAP, START = "#0072B2", "#007a59", "#D55E00", "#222222"
 def draw_closure(b: BurgersVector) -> Figure:
     """The loop in coordinates, and its image in the frame with the gap as an arrow.
 
-    The image is the curve X^i(s), integral of e^i_mu dq^mu along the loop so far. Where the gap is
-    too small to see it is magnified, together with all that is not linear; the title says so.
+    The image is the curve X^i(s), integral of e^i_mu dq^mu along the loop so far. A gap too small
+    to see is magnified, together with everything nonlinear; the title then reports it.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def draw_closure(b: BurgersVector) -> Figure:
     Raises
     ------
     ArgumentError
-        b is no Burgers vector of a frame, such as one of measured data.
+        b is not the Burgers vector of a frame, but for example one of measured data.
     MissingExtraError
         matplotlib is not installed.
     """
@@ -147,10 +147,9 @@ def _label(axes: Axes, labels: list[str]) -> None:
 def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     """Burgers vectors per area over a grid, one panel for each component that does not vanish.
 
-    Of more than three the first three are drawn, and the title says so. Components are counted from
-    1, as in all formulas.
-    Cells that enclose a defect are ringed. relative: show instead by how much the density differs
-    from 2 S_{mn}^i at the centre of each cell.
+    If there are more than three, the first three are drawn, and the title reports it. Components
+    are counted from 1, as in all formulas. Cells that enclose a defect are ringed. relative: show
+    instead by how much the density differs from 2 S_{mn}^i at the centre of each cell.
 
     Returns
     -------
@@ -159,9 +158,9 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     Raises
     ------
     LoopError
-        The survey is no grid.
+        The survey is not a grid.
     ArgumentError
-        What came is no survey of a frame, such as a map of measured data.
+        The argument is not a survey of a frame, but for example a map of measured data.
     MissingExtraError
         matplotlib is not installed.
     """
@@ -203,7 +202,7 @@ def _extend(largest: float, limit: float) -> str:
 def _corners(
     survey: BurgersMap, names: list[str]
 ) -> tuple[tuple[np.ndarray, np.ndarray], list[str]]:
-    """Corners of the cells, and what the two axes show."""
+    """Corners of the cells, and the labels of the two axes."""
     labels, lines = [], []
     for axis in (0, 1):
         direction = survey.plane[axis]
@@ -216,7 +215,7 @@ def _corners(
 
 
 def _edges(middles: np.ndarray, areas: np.ndarray, axis: int) -> np.ndarray:
-    """Edges of cells from their middles, from the widths that the areas tell."""
+    """Edges of cells from their middles, from the widths that follow from the areas."""
     widths = np.abs(areas.sum(axis=1 - axis))
     if len(middles) > 1:
         span = middles[-1] - middles[0]
@@ -232,7 +231,7 @@ def _similar(corners: tuple[np.ndarray, np.ndarray]) -> bool:
 
 
 def _ring(axes: Axes, survey: BurgersMap, corners: tuple[np.ndarray, np.ndarray], k: int) -> None:
-    """Rings round the cells that enclose a defect, with its strength."""
+    """Rings around the cells that enclose a defect, with its strength."""
     for row, column in np.argwhere(survey.enclosed)[:40]:
         x = (corners[0][row] + corners[0][row + 1]) / 2
         y = (corners[1][column] + corners[1][column + 1]) / 2

@@ -1,4 +1,4 @@
-"""Measured: maps of |b| per area with their significance, and circuits on what was measured."""
+"""Measured: maps of |b| per area with their significance, and circuits on measured data."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Pale neighbours that differ: grains stay behind what is drawn on them.
+# Pale neighbours that differ: grains stay behind the marks drawn on them.
 GRAINS = ("#cfe3f2", "#f6dcc4", "#d5ead9", "#e9d6e6", "#f5efc3", "#dcdfe4", "#f2d3d3", "#cfe8e8")
 
 
 def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     """|b| per area with arrows of its part in the plane, and its significance beside it.
 
-    Arrows stand where |b| is more than noise explains. In the second panel white is the
-    significance that noise alone passes in one circuit of a thousand.
+    Arrows appear where |b| is more than noise explains. In the second panel white is the
+    significance that pure noise passes in one circuit of a thousand.
 
     Parameters
     ----------
     layer
-        Number of the layer; without it that of the largest |b|.
+        Number of the layer; without it the layer of the largest |b|.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def draw_survey(survey: Survey, layer: int | None = None) -> Figure:
     density = survey.laid(survey.per_area)[..., chosen]
     shades = _shades(survey, density)
     if "norm" in shades:
-        # What is below the noise floor has its colour, zero too.
+        # Values below the noise level, zero included, get its colour.
         density = np.maximum(density, shades["norm"].vmin)
     mesh = _shaded(left, corners, points, density, cmap="viridis", **shades)
     unit = f" in {survey.density_unit}" if survey.density_unit else ""
@@ -83,14 +83,14 @@ def draw_circuits(
 ) -> Figure:
     """Circuits on their source (grains, a picture, |b| per cell), with b as arrows.
 
-    In grids of three axes and more: on the section in which they lie, one panel each. Arrows are to
-    one scale, that of the longest |b|, and show the part of b in the plane.
+    In grids of three or more axes each section with circuits has its own panel. All arrows have one
+    scale, set by the longest |b|, and show the part of b in the plane.
 
     Parameters
     ----------
     refused
-        Loops that have no Burgers vector: dashed, so that one sees why. They stand in the first
-        panel, by their first two coordinates.
+        Loops that have no Burgers vector: dashed, so that the reason is visible. They are in the
+        first panel, by their first two coordinates.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def _draw_group(
     extent = max(abs(float(line[-1] - line[0])) for line in corners)
     reach = max(widest, extent / STYLE.arrows * 4) / 2
     for one in vectors:
-        # Bright below dark: seen on whatever lies under it.
+        # A bright line below a dark one is visible on any background.
         for colour, width in (("white", 3.4), (START, 1.6)):
             axes.plot(*one.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
         low, high = np.nanmin(one.path, axis=1), np.nanmax(one.path, axis=1)
@@ -221,7 +221,7 @@ def _shaded(
 
 def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, ...]) -> None:
     """Thin lines between pixels of different grains."""
-    # Whoever has axes has matplotlib.
+    # A caller with axes has matplotlib.
     from matplotlib.collections import LineCollection
 
     x, y = corners
@@ -249,7 +249,7 @@ def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
 
 
 def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
-    """The part of b in the plane, at some places where it is significant."""
+    """The part of b in the plane, at some positions where it is significant."""
     if survey.arrows is None or not survey.on_grid:
         return
     known = survey.laid(survey.significant & survey.known)[..., layer]
@@ -317,7 +317,7 @@ def _place(
 
 
 def _said(survey: Survey, layer: int) -> list[str]:
-    """What the picture shows, in numbers."""
+    """Caption of the figure, with numbers."""
     known = survey.laid(survey.known)[..., layer]
     count = int(known.sum())
     found = int((survey.laid(survey.significant)[..., layer] & known).sum())

@@ -118,13 +118,13 @@ def draw_dislocations(
 ) -> Figure:
     """Dislocation lines with sense (arrow), Burgers vector and strength (width); nodes by the rule.
 
-    Green junctions conserve b, orange ones do not and show the excess; open circles lie at the
+    Green junctions conserve b, orange ones do not and show the excess; open circles are at the
     surface.
 
     Parameters
     ----------
     positions
-        Where the nodes lie; their attribute `position`, or a spring layout, if not given.
+        Positions of the nodes; their attribute `position`, or a spring layout, if not given.
     plane
         The two coordinates that are drawn.
 
@@ -176,9 +176,9 @@ def _places(
     plane: tuple[int, int],
 ) -> dict[Hashable, tuple[float, float]]:
     """Where the nodes are drawn."""
-    import networkx as nx  # 0.15 s, and networks without places alone need it
+    import networkx as nx  # 0.15 s; only networks without positions need it
 
-    # A layout is made up only where no node has a place: half of each would mislead.
+    # A layout is invented only if no node has a position: a mixture would mislead.
     placed: dict[Hashable, Any] = {n: net.graph.nodes[n].get("position") for n in net.graph}
     given = positions or placed
     if all(place is None for place in given.values()):
@@ -192,7 +192,7 @@ def _places(
 
 
 def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
-    """Two different coordinates of so many, by number."""
+    """Two different coordinates, by number."""
     chosen = checks.entries(plane, "plane")
     known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
     if len(set(known)) != 2 or len(known) != 2:
@@ -237,7 +237,7 @@ def draw_lines(
 ) -> Figure:
     """Lines in their box, coloured by family, with circuits; beside them length by family.
 
-    Each line is drawn in the image whose middle lies in the box. Bars are divided into screw (full)
+    Each line is drawn in the image whose middle is in the box. Bars are divided into screw (full)
     and edge (pale); nodes at which b is not conserved are marked.
 
     Parameters
@@ -313,7 +313,7 @@ def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequ
         points = loop.points()
         axes.plot(*points, color=CIRCUIT, lw=2.2, zorder=7)
         low, high = np.minimum(low, points.min(axis=1)), np.maximum(high, points.max(axis=1))
-    # A flat network has a box, too.
+    # A flat network also has a box.
     least = 0.02 * float((high - low).max())
     space_box(axes, ["x", "y", "z"], low - least, high + least)
     axes.tick_params(axis="z", pad=4)

@@ -43,7 +43,7 @@ def map_html(survey: BurgersMap) -> str:
 
 
 def plan_html(plan: DependencyGraph) -> str:
-    """What is computed from what, drawn, and the steps in a table.
+    """Graph of the steps of a computation, and the steps in a table.
 
     Examples
     --------

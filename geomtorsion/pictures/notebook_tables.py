@@ -26,7 +26,7 @@ class Written(Protocol):
     def _repr_latex_(self) -> str: ...
 
 
-# As XML has it, too.
+# In a form that is also valid XML.
 _OPEN = '<details open="">'
 _LEFT = ' style="text-align:left"'
 
@@ -54,7 +54,7 @@ def curvature_html(curvature: Curvature) -> str:
 
 
 def table_html(table: ComponentTable) -> str:
-    """A table that folds away; of a long one the later rows are folded.
+    """A table that folds away; the later rows of a long table are folded.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def _signature(frame: Frame) -> str:
 
 
 def space_html(space: Space) -> str:
-    """What a space is, where it comes from, and its frame.
+    """Description of a space, its source and its frame.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def space_html(space: Space) -> str:
 
 
 def _one_form(form: Sequence[tuple[sympy.Expr, str]]) -> str:
-    """A sum of differentials; factors that are no formula stay text."""
+    """A sum of differentials; factors that are not formulas stay text."""
     parts = []
     for factor, name in form:
         if factor == 0:
@@ -186,7 +186,7 @@ def _one_form(form: Sequence[tuple[sympy.Expr, str]]) -> str:
 
 
 def _heading(table: ComponentTable) -> str:
-    """What a tensor is called and how many components it has."""
+    """Name of a tensor and its number of components."""
     tensor = table.tensor
     label = latex_label(_symbol(tensor), letters(tensor.slots), tensor.slots)
     words = f"{html_text(tensor.name or 'tensor')} {_math(label)}"
@@ -212,7 +212,7 @@ def _rows(table: ComponentTable, indices: Iterable[tuple[int, ...]]) -> str:
 
 
 def _symbol(tensor: Tensor) -> str:
-    """The symbol of a tensor in LaTeX; a word stands upright."""
+    """The symbol of a tensor in LaTeX; a word is upright."""
     symbol = tensor.symbol
     return symbol if symbol.startswith("\\") else latex_name(plain_symbol(symbol))
 
@@ -226,7 +226,7 @@ def _value(table: ComponentTable, index: tuple[int, ...]) -> str:
 
 
 def _math(latex: str, *, display: bool = False) -> str:
-    """A formula; one that our writer does not know stands as it is."""
+    """A formula; a formula that our writer does not know stays text."""
     try:
         return mathml(latex, display=display, tall=not display)
     except ExpressionError:

@@ -1,4 +1,4 @@
-"""quantities: those of a space that are to be shown, each with its tensor and its label."""
+"""quantities: quantities of a space to show, each with its tensor and its label."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 class Entry:
     """How a quantity is presented.
 
-    name: what `Frame.quantity` calls it. title: what people call it. symbol, latex: its letter.
+    name: its name in `Frame.quantity`. title: its usual name. symbol, latex: its letter.
     equation: its definition in one line; indices as in the conventions.
-    section: heading of the report under which it stands; empty: left out there.
+    section: heading of the report above it; empty: omitted there.
     """
 
     name: str
@@ -180,7 +180,7 @@ def entry(name: str) -> Entry:
 
 
 def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
-    """Entries of these quantities in the order given; of all that a report shows if none is given.
+    """Entries of these quantities in the given order; of all in a report if none is given.
 
     Examples
     --------
@@ -193,16 +193,16 @@ def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
     return chosen or tuple(known for known in CATALOGUE if known.section)
 
 
-# What is written as JSON.
+# Data written as JSON.
 Data = dict[str, Any]
 BASES = ("natural", "coordinate", "frame")
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity of a space, computed when its components are asked for.
+    """A quantity of a space, computed when its components are read.
 
-    entry: how it is presented. tensor: its components, in the basis asked for.
+    entry: how it is presented. tensor: its components, in the requested basis.
     """
 
     entry: Entry
@@ -235,7 +235,7 @@ class Quantity:
 
     @cached_property
     def undecided(self) -> tuple[tuple[int, ...], ...]:
-        """The indices of those that may vanish or not."""
+        """The indices of undecided components."""
         return tuple(index for index in self.nonzero if open_mark(self.tensor, index))
 
 
@@ -285,7 +285,7 @@ def chosen_quantities(
 
 
 def _in_basis(tensor: Tensor, basis: str) -> Tensor:
-    """The tensor with its indices in a basis; what is no tensor stays as it is."""
+    """The tensor with its indices in a basis; anything else stays as it is."""
     if basis == "natural" or tensor.anchored:
         return tensor
     return tensor.in_frame() if basis == "frame" else tensor.in_coordinates()

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces import Space
 
-# A connection of the space's own may have these properties or not: they are no identities.
+# A space's own connection may lack these properties: they are not identities.
 PROPERTIES = ("metricity",)
 
 
@@ -109,14 +109,14 @@ def _symbols(names: Sequence[str]) -> str:
 
 
 def _names(found: Mapping[sp.Symbol, sp.Expr]) -> str:
-    """What is printed by names, as markup."""
+    """Definitions of the names used in printing, as markup."""
     return ", ".join(
         mathml(f"{latex_name(name.name)} = {latex_text(what)}") for name, what in found.items()
     )
 
 
 def _domain(relations: Sequence[Relational]) -> str:
-    """Inequalities as markup; two bounds of one symbol stand together."""
+    """Inequalities as markup; two bounds of one symbol are joined."""
     bounds: dict[sp.Expr, list[Relational]] = {}
     for relation in relations:
         symbol = relation.lhs if relation.lhs.is_Symbol else relation.rhs
@@ -190,7 +190,7 @@ def _branches(space: Space) -> str:
 
 def _prose(text: str) -> str:
     """A sentence as HTML, with Greek letters for their names and indices and powers in place."""
-    # Escaped first: what is put in afterwards is our own markup.
+    # Escaped first: the markup inserted afterwards is our own.
     lowered = re.sub(r"\b(\w)_(\w+)", r"\1<sub>\2</sub>", html_text(greek_words(text)))
     return re.sub(r"\^(-?\w+)", r"<sup>\1</sup>", lowered)
 
@@ -207,12 +207,12 @@ def _footer() -> str:
 
 
 def _anchor(section: str) -> str:
-    """The name of a section as it stands in links."""
+    """The name of a section in links."""
     return "-".join(["about", *section.lower().replace("'", "").split()])
 
 
-# Large enough for a gap that is seen, 3 % of the way round or more; small enough for a loop to stay
-# one, whose gap is less than 60 % of it.
+# Large enough for a visible gap, at least 3 % of the length of the loop; small enough for the loop
+# to look like one, with a gap below 60 % of its length.
 RADIUS = 0.25
 NO_PICTURES = (
     "<p class=\"note\">Pictures need matplotlib: <code>pip install 'geomtorsion[plots]'</code>.</p>"
@@ -233,14 +233,14 @@ def motions_card(space: Space, progress: Callable[[str], object] = lambda _: Non
 
 
 def _chosen(pair: Pair) -> list[tuple[Draw, str]]:
-    """The pictures that say most: the paths, or the coordinates where paths cannot be drawn."""
+    """The most useful figures: the paths, or the coordinates where paths cannot be drawn."""
     shown = curve_pictures(pair)
     names = [("paths" if "paths" in shown else "coordinates"), "attitude", "distance"]
     return [shown[name] for name in names if name in shown]
 
 
 def _sentences(pair: Pair) -> list[str]:
-    """What the pictures show, in words."""
+    """Captions of the figures."""
     largest = float(pair.distance.max())
     found = (
         f"From this start straightest and shortest path are one, to {size_text(largest, 0)}."
@@ -258,7 +258,7 @@ def loop_card(space: Space, progress: Callable[[str], object] = lambda _: None) 
         picture = _img(draw_closure(b), "A loop and its image in the frame.") if can_draw() else ""
     except GeomtorsionError as error:
         return f'<section class="card"><p>No loop: {html_text(str(error))}</p></section>'
-    # What is no more than its error is shown as zero.
+    # A component no larger than its error is shown as zero.
     components = ", ".join(f"{x if abs(x) > 3 * b.error else 0:.6g}" for x in b.vector)
     error = size_text(b.error, 0)
     text = f"A {b.loop.name} fails to close by b = ({components}), error below {error}."
@@ -312,7 +312,7 @@ def write_report(
     """Write index.html and geometry.json and return the path of the page.
 
     The page needs no network: mathematics is MathML, style and pictures are inside. Without
-    matplotlib the pictures are missing, and the page says so; ``pictures=False`` leaves out motions
+    matplotlib the pictures are missing, and the page reports it; ``pictures=False`` omits motions
     and loops. Indices refer to the basis: "natural" (each quantity in the one in which it is
     defined), "coordinate" or "frame". The directory is made if it is missing; nothing is written
     before everything is computed.

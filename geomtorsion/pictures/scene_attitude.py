@@ -1,4 +1,4 @@
-"""Attitude and path: where the axes of a moving body point, and where it goes."""
+"""Attitude and path: directions of the axes of a moving body, and its path."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def axis_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """The tip of a unit vector on the sphere of space, and its height unrolled along its way round.
+    """The tip of a unit vector on the sphere of space, and its height against its angle.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def cones_picture(
 ) -> Figure:
     """The angular momentum on its sphere in the body; axis and angular velocity in space.
 
-    In the body, pale: all motions with this angular momentum and no moment; violet: those that
+    In the body, pale: all motions with this angular momentum and no torque; violet: those that
     part turning about the first from turning about the third axis.
 
     Parameters
@@ -272,7 +272,7 @@ def polhodes(inertia: ArrayLike, value: float) -> list[tuple[np.ndarray, bool]]:
     """Closed curves on the unit sphere on which sum l_k^2 / I_k is constant.
 
     Each comes with whether it is the separatrix. The sphere is cut as a function of the angle
-    about the axis that the curve goes round.
+    about the axis that the curve encircles.
 
     Examples
     --------
@@ -285,7 +285,7 @@ def polhodes(inertia: ArrayLike, value: float) -> list[tuple[np.ndarray, bool]]:
     order = np.argsort(weights)
     low, middle, high = weights[order]
     special = bool(abs(value - middle) <= 1e-12 * high) and low < middle < high
-    # Below the middle the curves go round the axis of least weight, above round that of largest.
+    # Curves encircle the axis of least weight below the middle, of largest weight above it.
     pole = order[2] if value >= middle else order[0]
     first, second = (k for k in range(3) if k != pole)
     turn = np.linspace(0, 2 * np.pi, 241)
@@ -392,11 +392,11 @@ def _strokes(places: Mapping[str, np.ndarray]) -> list[tuple[str, np.ndarray, St
 
 
 def _stations(points: np.ndarray) -> np.ndarray:
-    """Samples at which the body is shown: at equal steps of the way, of time where it stands."""
+    """Samples at which the body is shown: at equal steps of the path, or of time where it rests."""
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     if way[-1] == 0:
         return np.array([0])
-    # Equal steps of the way, not of time: slow bodies would cover one another.
+    # Equal steps of the path, not of time: slow bodies would cover each other.
     wanted = np.linspace(0, way[-1], min(STYLE.stations, len(points)))
     return np.unique(np.searchsorted(way, wanted).clip(0, len(points) - 1))
 

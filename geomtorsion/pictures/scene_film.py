@@ -1,4 +1,4 @@
-"""scene film: a body turning and moving, as an animated picture."""
+"""scene animation: a body turning and moving, as an animated picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 FORMS = (".gif", ".mp4")
 FACES = ("#8fc1e3", "#f2b48a", "#9fd6bd")
-# Corners of a block, and its faces as corners in order round about.
+# Corners of a block, and its faces as corners in cyclic order.
 _CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 _FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
 
@@ -38,7 +38,7 @@ def block_sides(moments: ArrayLike) -> np.ndarray:
     inertia = np.asarray(moments, dtype=float)
     squares = np.maximum(inertia.sum() / 2 - inertia, 0)
     sides = np.sqrt(squares)
-    # What is thin in truth is drawn thick enough to be seen.
+    # Thin sides are drawn thick enough to be seen.
     return np.maximum(sides / sides.max(), 0.08)
 
 
@@ -81,18 +81,18 @@ def write_film(
     title: str = "",
     progress: Callable[[float], object] = lambda _: None,
 ) -> int:
-    """Write a film of a block that turns; return the number of frames.
+    """Write an animation of a block that turns; return the number of frames.
 
     Parameters
     ----------
     path
         file to write, .gif or .mp4 (which needs ffmpeg).
     times
-        shape (m,), equally spaced; the film shows them in `seconds`.
+        shape (m,), equally spaced; the animation shows them in `seconds`.
     matrices
         rotations from body to space, shape (m, 3, 3).
     positions
-        places in space, shape (m, 3), or None: the block turns on the spot and axis 3 leaves a
+        positions in space, shape (m, 3), or None: the block turns on the spot and axis 3 leaves a
         trace.
     sides
         half sides of the block, longest 1.
@@ -112,7 +112,7 @@ def write_film(
     figure = new_figure(4.6, 4.8)
     # The frames are drawn one by one: a layout engine would make them jitter.
     figure.set_layout_engine("none")
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)
@@ -130,10 +130,10 @@ def write_film(
 
 @contextmanager
 def _saving(writer: FFMpegWriter | PillowWriter, figure: Figure, target: Path) -> Iterator[None]:
-    """Frames of a film between its beginning and its end; what goes wrong in between is told.
+    """Frames of an animation between its beginning and its end; errors in between are raised.
 
-    matplotlib's own `saving` ends the film in any case, and a GIF without frames has no end: its
-    IndexError would stand in the place of the reason (or of Ctrl-C).
+    matplotlib's own `saving` always finishes the file, which fails for a GIF without frames: its
+    IndexError would hide the reason (or Ctrl-C).
     """
     # An extra: without matplotlib this module can still be imported.
     from matplotlib import rc_context
@@ -176,7 +176,7 @@ class _Stage:
     def __init__(
         self, axes: Axes3D, turn: np.ndarray, positions: ArrayLike | None, sides: np.ndarray
     ) -> None:
-        # Whoever has axes has matplotlib.
+        # A caller with axes has matplotlib.
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
         self.turn = turn
@@ -186,8 +186,8 @@ class _Stage:
         span = float(np.ptp(self.places, axis=0).max())
         self.size = 0.55 if span == 0 else 0.13 * span
         faces, colors = polygons(sides)
-        # All have as many corners, round and round: what matplotlib fills shorter ones up with is
-        # not set, and may be any number.
+        # Corners are repeated so that all faces have the same number: matplotlib fills shorter ones
+        # up with unset memory.
         most = max(map(len, faces))
         self.faces = self.size * np.array([np.resize(face, (most, 3)) for face in faces])
         self.axes = axes

@@ -1,4 +1,4 @@
-"""scene over time: what is watched, and how far its numbers can be trusted."""
+"""scene over time: outputs over time, and how far their numbers can be trusted."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-# What changes by less than this share of its size is said to be constant.
+# A quantity that changes by less than this share of its size counts as constant.
 STILL = 1e-8
 
 
@@ -37,7 +37,7 @@ def watched_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """Each quantity against time in a panel of its own; parts of a vector share one.
+    """Each quantity against time in its own panel; parts of a vector share one panel.
 
     Parameters
     ----------
@@ -48,9 +48,9 @@ def watched_picture(
     units
         name -> unit, written on the axis.
     labels
-        name -> what its components are called; numbers from 1, if not given.
+        name -> names of its components; numbers from 1, if not given.
     meanings
-        name -> what it is, in words; the name, if not given.
+        name -> description in words; the name, if not given.
     notes
         lines for below the picture.
 
@@ -132,7 +132,7 @@ def trust_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """The drift of every quantity that should be constant, beside the error and what was asked.
+    """Drift of every quantity that should be constant, with the error and requested accuracy.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def trust_picture(
     drifts
         name -> change since the start, relative, shape (m,).
     error, asked
-        largest error estimate, and accuracy asked for, relative.
+        largest error estimate, and requested accuracy, relative.
     errors
         error estimate over time, shape (m,), where it is known.
 
@@ -190,7 +190,7 @@ def change_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """What should be constant, by several equations of motion, each against its own start.
+    """Constants of motion from several equations of motion, each relative to its start.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def sweep_picture(
 
 
 def _scaled(setter: Callable[[str], object], values: np.ndarray) -> None:
-    """A logarithmic axis where the values ask for one."""
+    """A logarithmic axis where the values need one."""
     finite = values[np.isfinite(values)]
     if finite.size and finite.min() > 0 and finite.max() > STYLE.wide * finite.min():
         setter("log")

@@ -1,4 +1,4 @@
-"""scene plan: what a scene computes and what it leaves out, as a graph."""
+"""scene plan: the steps that a scene computes or omits, as a graph."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def plan_picture(
     title: str = "",
     notes: Sequence[str] = (),
 ) -> Figure:
-    """Boxes in columns, arrows from what needs to what is needed; left out: grey, with the reason.
+    """Boxes in columns, arrows from each box to those it needs; omitted boxes grey, with reason.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def plan_picture(
     edges
         pairs of boxes (from, to).
     left_out
-        box -> why it is left out; it is drawn dashed.
+        box -> why it is omitted; it is drawn dashed.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def plan_picture(
 
 
 def layers_picture(layers: Sequence[Sequence[str]], edges: Iterable[tuple[str, str]]) -> Figure:
-    """Boxes in layers from top to bottom, arrows from what is needed to what needs it.
+    """Boxes in layers from top to bottom, arrows from each box to those that need it.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def layers_picture(layers: Sequence[Sequence[str]], edges: Iterable[tuple[str, s
 
 
 def _box(axes: Axes, place: tuple[float, float], text: str, fill: str, reason: str | None) -> None:
-    # Whoever has axes has matplotlib.
+    # A caller with axes has matplotlib.
     from matplotlib.patches import FancyBboxPatch
 
     x, y = place
@@ -155,7 +155,7 @@ def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], gon
         ends = ((x + half, y), (u + half, v))
     elif u > x:
         if u - x > STYLE.column * 1.01:
-            # Round what stands between.
+            # Around the boxes between them.
             look["connectionstyle"] = f"arc3,rad={-0.22 if v >= y else 0.22}"
         ends = ((x + half, y), (u - half, v))
     else:

@@ -1,4 +1,4 @@
-"""solutions: what was solved, over time, and the path of a curve in its chart."""
+"""solutions: solutions over time, and the path of a curve in its chart."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Lines = Mapping[str, np.ndarray]
 
 
 def draw_solution(found: Solution | Ensemble) -> Figure:
-    """Every coordinate or state over time; of a curve in two coordinates its path, too.
+    """Every coordinate or state over time, and the path of a curve in two coordinates.
 
     found: a solution, or an ensemble with more than one time, of which every motion is a line.
 
@@ -124,7 +124,7 @@ def _finely(found: Solution) -> tuple[np.ndarray, Lines]:
 
 
 def _members(found: Ensemble) -> tuple[np.ndarray, Lines]:
-    """Times of an ensemble, and what is drawn at them."""
+    """Times of an ensemble, and the lines drawn over them."""
     problem = found.problem
     names = problem.coordinates if isinstance(problem, CurveProblem) else problem.states
     if isinstance(problem, CurveProblem) and problem.start is None:

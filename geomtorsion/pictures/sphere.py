@@ -1,4 +1,4 @@
-"""sphere: a see-through globe, and curves on it that are pale where they run behind."""
+"""sphere: a transparent globe, and curves on it that are pale on its far side."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def towards(paths: Sequence[np.ndarray]) -> np.ndarray:
     score = np.zeros(len(sides))
     for path in paths:
         unit = path / np.linalg.norm(path, axis=1, keepdims=True)
-        # A soft step: what lies just on the edge of the globe counts for half.
+        # A soft step: a point on the very edge of the globe counts for half.
         seen = np.clip(0.5 + 2 * unit @ sides.T, 0, 1)
         score += seen.mean(axis=0) + 0.5 * seen[0] + 0.25 * seen[-1]
     return sides[int(np.argmax(score))]

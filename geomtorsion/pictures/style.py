@@ -26,12 +26,11 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
     from numpy.typing import ArrayLike
 
-# Two coordinates of a place in a picture.
+# Two coordinates of a point in a figure.
 Point = Sequence[float] | np.ndarray
 FAINT, PALE = "#c9ccd1", "#eef0f2"
 FORMATS = ("png", "svg", "pdf")
-# What is less than this share of the largest shows in none of seven digits: it is not worth an axis
-# or a panel of its own.
+# A value below this share of the largest shows in none of seven digits: it needs no axis or panel.
 FLAT = PRINTED
 # Below the rounding of doubles: zero on a logarithmic scale.
 NOTHING = EPS / 20
@@ -42,11 +41,11 @@ class Style:
     """Sizes of pictures.
 
     resolution: dots per inch. elevation: of the eye above the horizon, degrees.
-    meridians, parallels: of a globe. behind: opacity of what lies behind it.
+    meridians, parallels: of a globe. behind: opacity of lines behind it.
     box, row, column: width of a box in a graph, and inches from one to the next.
-    stations: bodies shown along a path. sides: corners of what is round.
-    turns: about the vertical, that are drawn on a globe. rate: frames of a film per second.
-    frames: the most that a film has. rem: of a page, per inch of a picture.
+    stations: bodies shown along a path. sides: corners of circular shapes.
+    turns: about the vertical, that are drawn on a globe. rate: frames of an animation per second.
+    frames: the most that an animation has. rem: of a page, per inch of a picture.
     wide: ratio of largest to smallest value from which an axis is logarithmic.
     edges: of a network; more make a picture black.
     line, half, third: letters that fit into a row of a matrix, half of a page and a third of it.
@@ -149,7 +148,7 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
     FileFormatError
         matplotlib cannot write it like that.
     ArgumentError
-        figure is no figure of matplotlib, or path no path.
+        figure is not a figure of matplotlib, or path not a path.
     """
     # An extra: without matplotlib this module can still be imported.
     import matplotlib as mpl
@@ -175,11 +174,11 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
 
 
 def _plain_texts(figure: Figure) -> None:
-    """Show a text that is no mathematics as it stands, dollars included; no control characters.
+    """Show a text without mathematics unchanged, dollars included; no control characters.
 
     Titles and labels hold names and units from files, which matplotlib would set as mathematics.
     """
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     from matplotlib.mathtext import MathTextParser
 
     # An extra, as above.
@@ -201,7 +200,7 @@ def svg_text(figure: Figure, *, outlines: bool = True) -> str:
 
     outlines: letters are drawn as curves, the same in every viewer; otherwise they are text.
     """
-    # Whoever has a figure has matplotlib.
+    # A caller with a figure has matplotlib.
     import matplotlib as mpl
 
     _plain_texts(figure)
@@ -226,7 +225,7 @@ def pictured(text: str, draw: Callable[[], Figure]) -> str:
     """
     try:
         svg = svg_text(draw())
-        # Inside of a page there is no head of a file.
+        # A figure inside a page has no file header.
         picture = f"<div>{svg[svg.index('<svg') :]}</div>"
     except GeomtorsionError as error:
         picture = f"<p>{html_text(str(error))}</p>"
@@ -277,7 +276,7 @@ def captioned(figure: Figure, lines: Sequence[str]) -> None:
 
 
 def visible(values: ArrayLike) -> np.ndarray:
-    """Sizes for a logarithmic scale: what is zero stands at its bottom.
+    """Sizes for a logarithmic scale: zeros are at its bottom.
 
     Examples
     --------
@@ -301,8 +300,8 @@ def sense(axes: Axes, points: np.ndarray, color: str) -> None:
 
 
 def space_box(axes: Axes3D, labels: Sequence[str], low: np.ndarray, high: np.ndarray) -> None:
-    """Axes in space with few numbers, level names and no walls, round what is drawn."""
-    # Whoever has axes has matplotlib.
+    """Axes in space with few numbers, level names and no walls, around the curves."""
+    # A caller with axes has matplotlib.
     from matplotlib.ticker import MaxNLocator
 
     names = (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel)

@@ -64,7 +64,7 @@ def expression_text(expression: object, *, greek: bool = True) -> str:
 
 
 def to_sympy(expression: object) -> sympy.Basic:
-    """What is to be written, as sympy has it; no text is read as code."""
+    """The expression as a sympy object; no text is read as code."""
     if isinstance(expression, sympy.Basic):
         return expression
     return expression_of(expression, "expression", ExpressionError)

@@ -14,17 +14,17 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import IdentityCheck
     from geomtorsion.spaces import KnownAnswer, Space
 
-# A connection of the space's own may have these properties or not: they are no identities.
+# A space's own connection may lack these properties: they are not identities.
 PROPERTIES = ("metricity",)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One thing that was checked.
+    """Result of one check.
 
-    name: what. holds: True, False, or None where it cannot be decided. equation: what was compared,
-    if it is a formula. detail: how often, by whom, and the first place of a failure. required:
-    whether it has to hold.
+    name: of the check. holds: True, False, or None where it cannot be decided. equation: the
+    formula that was compared, if any. detail: how often, by whom, and the first place of a failure.
+    required: whether it has to hold.
     """
 
     name: str
@@ -71,7 +71,7 @@ def verdicts(
 
 
 def _of_identity(identity: IdentityCheck, *, own: bool) -> Verdict:
-    # A connection with nonmetricity is no mistake: metricity is a property there.
+    # A connection with nonmetricity is not a mistake: metricity is a property there.
     required = not (own and identity.name in PROPERTIES)
     detail = f"{identity.checked} component{'s' * (identity.checked != 1)}"
     if identity.worst is not None:

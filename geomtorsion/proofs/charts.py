@@ -61,7 +61,7 @@ class CurveCourse:
     """A curve in a space, followed through the charts in which its solution was.
 
     backwards: whether it runs to negative times.
-    start, parameters: numbers or balls that stand in the place of those of the problem.
+    start, parameters: numbers or balls that replace the values of the problem.
     """
 
     problem: CurveProblem
@@ -77,7 +77,7 @@ class CurveCourse:
         return [*before, last]
 
     def names(self, label: str) -> tuple[str, ...]:
-        """Coordinates of the chart, velocities if they change, what is carried."""
+        """Coordinates of the chart, velocities if they change, carried quantities."""
         return self.problem.equations(label).states
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
@@ -138,7 +138,7 @@ class CurveCourse:
         return Leg(system, stretch.begin, stretch.end, stretch.samples, fall, inside, words)
 
     def _start(self) -> LohnerSet:
-        """Coordinates in the home chart, velocities and what is carried, in units of the speed."""
+        """Home coordinates, velocities and carried quantities, in units of the speed."""
         problem = self.problem
         unit = arb(problem.time_unit)
         coordinates = [exact_ball(x) for x in self.start or problem.start or ()]
@@ -165,14 +165,14 @@ class CurveCourse:
         return BallCode(made).real([*coordinates, *(exact_ball(x) for x in given), *values])
 
     def _frame_parameters(self) -> tuple[list[str], list[arb]]:
-        """Names and values of what charts contain besides coordinates."""
+        """Names and values of the quantities in charts other than coordinates."""
         table = self._values()
         return list(table), [exact_ball(x) for x in table.values()]
 
     # -- from chart to chart ---------------------------------------------------------------------
 
     def _moved(self, point: LohnerSet, source: str, target: str) -> LohnerSet:
-        """Coordinates, velocities and what is carried, in another chart."""
+        """Coordinates, velocities and carried quantities, in another chart."""
         atlas = self.problem.atlas
         turning = not atlas.same_frame(source, target)
         carried = self.problem.equations(source).carried
@@ -248,7 +248,7 @@ def _with_rest(
     carried: Sequence[str],
     parameters: Sequence[str],
 ) -> SetMap:
-    """A map of velocities that leaves all else as it is."""
+    """A map of velocities that changes nothing else."""
     states = (*coordinates, *velocities, *carried)
     outputs = [*map(sp.Symbol, coordinates), *rows, *map(sp.Symbol, carried)]
     return SetMap(states, graph([*states, *parameters], outputs, factor=False))
@@ -274,7 +274,7 @@ def _change_map(
 
 
 def _are_near(point: LohnerSet, there: Iterable[float]) -> bool:
-    """Whether coordinates are those that floats give, but for rounding."""
+    """Whether coordinates equal those computed with floats, up to rounding."""
     pairs = zip(point.middle, there, strict=False)
     return all(abs(float(x) - float(y)) <= PRINTED * (1 + abs(float(y))) for x, y in pairs)
 
@@ -288,7 +288,7 @@ def _negated(point: LohnerSet, count: int) -> LohnerSet:
 
 
 def extended(point: LohnerSet, place: int, balls: Sequence[arb]) -> LohnerSet:
-    """The set with further states in a place, each anywhere in its ball."""
+    """The set with further states inserted at a position, each anywhere in its ball."""
     rows, columns, more = len(point.middle), point.axes.ncols(), len(balls)
     middle = (*point.middle[:place], *(x.mid() for x in balls), *point.middle[place:])
     table = [[point.axes[i, j] for j in range(columns)] + [arb(0)] * more for i in range(rows)]
@@ -317,7 +317,7 @@ def widened(point: LohnerSet, radii: Sequence[arb]) -> LohnerSet:
 
 
 def conditions_of(equations: Equations) -> tuple[Graph | None, tuple[str, ...]]:
-    """What has to stay positive for the equations of a chart to hold, and its words."""
+    """Quantities that stay positive while the equations of a chart hold, and their words."""
     chart = equations.chart
     if chart is None:
         return None, ()

@@ -1,7 +1,7 @@
-"""Courses: what a problem means for a proof: where it starts, its equations, what changes when.
+"""Courses: a problem as a proof sees it: its start, its equations, and when these change.
 
-All numbers are made again in balls from what the user gave: floats are the dyadic numbers that they
-are, fractions and expressions exact.
+All numbers are computed again in balls from the user's input: floats are the dyadic numbers that
+they are, fractions and expressions exact.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Stretch:
     """Times between which one system holds.
 
     begin, end: exact, in the direction of the motion; label: of the coordinates.
-    samples: those of the times that are asked for that lie in it.
+    samples: the requested times in it.
     reference: about where the motion is at the beginning, to choose among angles that are one.
     """
 
@@ -67,7 +67,7 @@ class Course(Protocol):
         ...
 
     def shown(self, label: str, box: Sequence[arb]) -> list[arb]:
-        """States as users count them, from those of the equations."""
+        """States as users count them, from the states of the equations."""
         ...
 
 
@@ -81,7 +81,7 @@ class OdeCourse:
     """First-order equations: parameters and states change at given times.
 
     backwards: whether the motion runs to negative times.
-    start, parameters: numbers or balls that stand in the place of those of the problem.
+    start, parameters: numbers or balls that replace the values of the problem.
     """
 
     problem: ODE
@@ -153,7 +153,7 @@ class OdeCourse:
     def _refuse_stopped(
         self, fall: Fall, boxes: Sequence[arb], time: fmpq, *, is_start: bool
     ) -> None:
-        """Refuse to go on from where the motion has ended, or may have."""
+        """Refuse to continue from where the motion has ended, or may have."""
         room = fall.value(boxes)
         if not room > 0 and not (is_start and room >= 0):
             raise RefusalError(

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class DevelopedBalls:
     """A proved development.
 
-    matrix: [[rotation, burgers], [0, 1]] in balls; bits, steps: what it took.
+    matrix: [[rotation, burgers], [0, 1]] in balls; bits, steps: used.
     """
 
     matrix: arb_mat
@@ -65,14 +65,14 @@ def proved_development(
     *,
     is_exact: bool = True,
 ) -> DevelopedBalls:
-    """The development of a loop, as sharp as wanted of burgers and of rotation - 1.
+    """The development of a loop, with the requested accuracy of burgers and of rotation - 1.
 
     is_exact: whether parameters are numbers, and not wider balls, of which no bits get rid.
 
     Raises
     ------
     ProofError
-        the loop meets a pole or an edge, or comes too near to one.
+        the loop meets a pole or an edge, or is too near to one.
     """
     bits = max(x.bits for x in wanted) + SPARE
     while True:
@@ -106,7 +106,7 @@ def _missing(balls: Sequence[arb], wanted: Wanted) -> int:
     size = log2(largest) if largest > 0 else None
     if size is None and wanted.error > 0:
         size = log2(wanted.error) + wanted.bits - 10
-    # A turn of zero, or a translation, that is exact: as small as so many digits of one are.
+    # An exactly zero turn or translation: as accurate as the requested digits of the number 1.
     return max(0, int(radius + wanted.bits - (0.0 if size is None else size)) + 1)
 
 
@@ -186,7 +186,7 @@ def _rates(frame: Frame, connection: Connection) -> Graph:
 
 
 def _system(form: Graph, arc: BallArc, n: int) -> System:
-    """Rates of a row, of the translation and of s, with the arc put in."""
+    """Rates of a row, of the translation and of s, with the arc inserted."""
     states = (*form.arguments[2 * n : 3 * n], "shift", S.name)
     numbers = [f"arc {name}" for name in arc.graph.arguments[1:]]
     parameters = (*numbers, *form.arguments[3 * n :])

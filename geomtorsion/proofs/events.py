@@ -1,4 +1,4 @@
-"""Events: where something first falls through zero on the way, by halving and Newton's method."""
+"""Events: first zeros of functions along a motion, by halving and Newton's method."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Fall:
 
     system: the equations; term: the graph, with one output, over names of states, then parameters,
     then the time.
-    states: names of the states of the equations but for a clock.
+    states: names of the states of the equations, except a clock.
     parameters: makes the values of the parameters of the term at the precision in use.
-    ticks: how much time a clock counts as one, the last state of the equations; None without one.
+    ticks: time unit of a clock, which is the last state of the equations; None without a clock.
     """
 
     system: BallSystem
@@ -63,7 +63,7 @@ class Fall:
         Raises
         ------
         ProofError
-            it comes so near to zero that neither can be told.
+            it comes so near to zero that neither can be decided.
         """
         if self.value(step.tube) > 0:
             return None
@@ -96,7 +96,7 @@ class Fall:
             if not (found.is_finite() and found.overlaps(time)):
                 return time
             both = found.intersection(time)
-            # Quadratic as long as rounding lets it be: it ends where an interval is not halved.
+            # Convergence is quadratic until rounding: it ends where an interval is not halved.
             if not 2 * both.rad() < time.rad():
                 return both
             time = both

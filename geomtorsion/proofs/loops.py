@@ -60,8 +60,8 @@ class _Row:
 class _Condition:
     """Where a branch holds.
 
-    code: what has to be positive; or where `positive` is false the root as it stands, and as it was
-    read, which has to be the same and not its opposite.
+    code: the quantity that must be positive; or, where `positive` is false, the root as written and
+    as read, which must be equal and not opposite.
     """
 
     branch: Branch
@@ -147,15 +147,15 @@ def proved_integrals(
     *,
     is_exact: bool = True,
 ) -> Integrals:
-    """Integrals of all rows of a coframe round a loop, as sharp as wanted where that can be had.
+    """Integrals of all rows of a coframe around a loop, with the requested accuracy where possible.
 
     is_exact: whether parameters are numbers, and not wider balls, of which no bits get rid.
 
     Raises
     ------
     ProofError
-        the loop meets a pole, or the edge of a function or of a branch, or comes nearer to one than
-        this method can tell.
+        the loop meets a pole, or the edge of a function or of a branch, or is nearer to one than
+        this method can resolve.
     MissingValueError
         a parameter has no value.
     """
@@ -172,7 +172,7 @@ def proved_integrals(
 
 
 def missing_bits(balls: Sequence[arb], wanted: Wanted) -> int:
-    """How many bits more are needed: of the largest component, or to judge an error of zero."""
+    """Further bits needed: for the largest component, or to judge an error of zero."""
     radius = max((x.rad() for x in balls), key=log2)
     if radius.is_zero():
         return 0
@@ -181,7 +181,8 @@ def missing_bits(balls: Sequence[arb], wanted: Wanted) -> int:
         return max(0, math.ceil(log2(radius) - log2(largest)) + wanted.bits)
     if wanted.error > 0:
         return max(0, math.ceil(log2(radius) - log2(wanted.error)) + 10)
-    # Nothing tells zero from what is smaller still: as many digits as of a product of two numbers.
+    # Zero cannot be distinguished from any smaller number: use the digits of a product of two
+    # numbers.
     size = max((upper(x) for x in balls), key=log2)
     return max(0, math.ceil(log2(size)) + 3 * wanted.bits)
 
@@ -230,7 +231,7 @@ def _integrand(row: _Row, arc: BallArc, values: Sequence[arb]) -> Callable[[acb,
 def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int) -> None:
     """Refuse a path on which the coframe has no finite value, or a root not its sign.
 
-    By halving the path, on real balls, down to what the bits tell apart.
+    By halving the path, on real balls, down to the resolution of the bits.
     """
     codes = [coframe.every, *(x.code for x in coframe.conditions)]
     functions = [(code.real_function(), code.numbers()) for code in codes]
@@ -262,7 +263,7 @@ def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int)
 
 
 def _holds(condition: _Condition, found: Sequence[arb]) -> bool | None:
-    """Whether a branch holds on real balls; None where these do not tell."""
+    """Whether a branch holds on real balls; None where these do not decide."""
     if condition.positive:
         (value,) = found
         return True if value > 0 or value.is_zero() else False if value < 0 else None

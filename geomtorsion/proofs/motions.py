@@ -16,11 +16,11 @@ from geomtorsion.proofs.sets import LohnerSet
 from geomtorsion.proofs.steps import Method, Step, prove_step
 from geomtorsion.proofs.wanted import log2
 
-# A set of this part of the size of the motion (in bits) holds no digits of it.
+# A set as large as this part of the motion (in bits) contains no digits of it.
 TOO_WIDE = -8.0
 # Work that a proof may take: minutes of the double pendulum.
 MOST_STEPS = 100_000
-# Steps of less than this part of the way lead to a place where the motion ends.
+# Steps shorter than this part of the interval lead to a point where the motion ends.
 STANDSTILL = 2**50
 
 
@@ -59,7 +59,7 @@ class Leg:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """What one leg gave.
+    """Result of one leg.
 
     samples: boxes at its samples, as many as were reached.
     whole: the set at its end; None where it was stopped.
@@ -88,7 +88,7 @@ def follow(
     Raises
     ------
     RefusalError
-        the motion ends, comes to the edge of its chart or touches a stop; or the set of motions
+        the motion ends, reaches the edge of its chart or touches a stop; or the set of motions
         grew too wide for a step.
     """
     found: list[list[arb]] = []
@@ -129,7 +129,7 @@ def follow(
         if not may_widen:
             _check_width(step, whole, time)
     if waiting:
-        # Or boxes would be taken for those of other samples.
+        # Otherwise boxes would be assigned to the wrong samples.
         raise RefusalError("a sample lies outside of the stretch that it belongs to", time)
     return Followed(found, whole, None, steps)
 
@@ -148,7 +148,7 @@ def _width(whole: LohnerSet) -> float:
 
 
 def _check_width(step: Step, whole: LohnerSet, time: fmpq) -> None:
-    """Refuse a set that holds no digits of its motion."""
+    """Refuse a set that contains no digits of its motion."""
     widest = max(log2(r) - size for r, size in zip(whole.radii, step.sizes, strict=True))
     if widest > TOO_WIDE:
         words = "the set of motions has grown to the size of the motion"

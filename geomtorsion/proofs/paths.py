@@ -110,7 +110,7 @@ def _arc(arc: Arc, centre: Balls, size: arb) -> BallArc:
 
 
 def _named(letter: str, balls: Balls) -> dict[sp.Symbol, arb]:
-    """Symbols that stand for balls."""
+    """Symbols that represent balls."""
     return {sp.Symbol(f"{letter}{k}", real=True): ball for k, ball in enumerate(balls)}
 
 

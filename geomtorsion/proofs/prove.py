@@ -37,16 +37,16 @@ ALWAYS = (
 class Proof:
     """Balls that contain the true value of a result.
 
-    result: what was proved.
-    balls: of a Burgers vector its components; of a development the components of burgers, then the
-        rows of the rotation; of a solution one tuple of states for each of its times.
-    names: of the balls, or of the states at each time.
-    charts: of a solution the coordinates in which its states are, for each time.
-    digits: how many were asked for.
-    error: proved bound of |result - truth|, in the measure of the result's own error.
+    result: the result that was proved.
+    balls: the components of a Burgers vector; for a development the components of burgers, then the
+        rows of the rotation; for a solution one tuple of states for each of its times.
+    names: names of the balls, or of the states at each time.
+    charts: for a solution the chart of its states at each time.
+    digits: how many were requested.
+    error: proved bound of |result - truth|, in the measure used for the error of the result.
     holds: True: the result is within its error; False: it is not; None: the balls do not decide.
     bits, steps, seconds: the precision, the steps (arcs of a loop), and the time that it took.
-    assumes: what the proof takes for granted.
+    assumes: assumptions of the proof.
     """
 
     result: Result
@@ -62,7 +62,7 @@ class Proof:
     assumes: tuple[str, ...]
 
     def __getstate__(self) -> dict[str, object]:
-        # Balls of FLINT have no pickles of their own.
+        # Balls of FLINT cannot be pickled.
         plain: dict[str, object] = {"balls": _each(self.balls, _plain)}
         return {**only_fields(self), **plain}
 
@@ -92,7 +92,7 @@ class Proof:
         return np.array(rows) if len({len(row) for row in rows}) == 1 else tuple(rows)
 
     def lines(self) -> list[str]:
-        """Each value with the digits that are certain, one a line; of a solution at its end."""
+        """Each value with its certain digits, one per line; for a solution at its end."""
         row, names = self.balls, self.names
         if isinstance(row[0], tuple):
             row, names = row[-1], names[-1]
@@ -101,7 +101,7 @@ class Proof:
         return [f"{name} = {text}" for name, text in zip(names, shown, strict=True)]
 
     def to_json(self) -> dict[str, Any]:
-        """What was proved as a JSON-ready mapping: values with their certain digits, as text."""
+        """The proof as a JSON-ready mapping: values with their certain digits, as text."""
         return {
             "values": self.lines(),
             "holds": self.holds,
@@ -149,7 +149,7 @@ def _each(balls: Sequence[Any], read: Callable[[Any], Any]) -> tuple[Any, ...]:
 
 
 def certain_digits(ball: arb, digits: int) -> str:
-    """The digits of a number that are certain, no more than so many; else its bounds.
+    """The certain digits of a number, up to a maximal count; else its bounds.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def prove(
     """Prove a result: balls that contain the true value, and whether its error holds.
 
     The numbers are made again by ball arithmetic (FLINT) from the exact expressions, by routes that
-    share nothing with those of the result. It takes 2 to 3,000 times as long.
+    share nothing with the computation of the result. It takes 2 to 3,000 times as long.
 
     Parameters
     ----------
@@ -188,18 +188,18 @@ def prove(
         A BurgersVector, a Development, or a Solution: its states at all of its times.
     digits
         How many digits of the largest component, or of each group of states, from 1 to 1000. More
-        are used where the reported error could not be judged else.
+        are used where the reported error could not be judged otherwise.
     start
-        Of a solution: numbers or balls (flint.arb) in the place of its start; a mapping may name
+        For a solution: numbers or balls (flint.arb) instead of its start; a mapping may name
         some of the states or coordinates. The proof is about all motions that start in the balls.
     parameters
-        Numbers or balls in the place of parameters, name -> value.
+        Numbers or balls instead of parameters, name -> value.
 
     Raises
     ------
     ProofError
-        Nothing is proved: a pole or an edge lies on the way, or the motion ends, touches a stop, or
-        loses all digits. The message names the time or the place.
+        Nothing is proved: a pole or an edge is on the path, or the motion ends, touches a stop, or
+        loses all digits. The message names the time or the point.
     ArgumentError
         The result is of another kind, or digits is out of range.
 
@@ -216,7 +216,7 @@ def prove(
     checks.count(digits, "digits", ArgumentError, 1, 1000)
     changed = checked_balls(parameters, "parameters")
     given = _checked_start(start)
-    # The precision of FLINT is that of the process: no other thread may set it meanwhile.
+    # The precision of FLINT belongs to the process: no other thread may set it meanwhile.
     with ball_precision(EXACT_BITS), series_length(flint.ctx.cap):
         if isinstance(result, Solution):
             proof = _solution(result, digits, given, changed)

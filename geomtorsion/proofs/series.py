@@ -25,7 +25,7 @@ Rows = list[list[arb]]
 
 @contextmanager
 def series_length(length: int) -> Iterator[None]:
-    """Series have so many coefficients inside."""
+    """Block in which series have a given number of coefficients."""
     before = ctx.cap
     ctx.cap = length
     try:
@@ -36,7 +36,7 @@ def series_length(length: int) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Slopes:
-    """Coefficients of the entries of a Jacobian that do not vanish, at places (i, j)."""
+    """Coefficients of the nonzero entries of a Jacobian, at positions (i, j)."""
 
     places: tuple[tuple[int, int], ...]
     series: tuple[tuple[arb, ...], ...]
@@ -136,7 +136,7 @@ class BallSystem:
 
 
 def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> tuple[Rows, Slopes]:
-    """Coefficients up to an order of the solution through a start, and some of those of J along it.
+    """Series coefficients, up to an order, of the solution through a start, and some of J along it.
 
     In blocks: f at the polynomial that is known gives a block of further coefficients but for J
     times the block itself, which is a short triangular recurrence: f is evaluated order / block
@@ -176,7 +176,7 @@ def taylor(system: BallSystem, start: Sequence[arb], order: int, block: int) -> 
 
 
 def _along(function: Callable[[list[arb_series]], list[Ball]], rows: Rows, length: int) -> list:
-    """A function of series, of so many coefficients, at the polynomials that are known."""
+    """A function of series, to some number of coefficients, at the known polynomials."""
     with series_length(length):
         return function([arb_series(row, prec=length) for row in rows])
 

@@ -115,7 +115,7 @@ def _orthogonal(turned: arb_mat, spread: Sequence[arb], sizes: Sequence[float]) 
 
 
 def _exponents(sizes: Sequence[float]) -> list[int]:
-    """Whole exponents of two, those of nothing and of what is far below the largest cut off."""
+    """Whole exponents of two, cut off for zero and for sizes far below the largest."""
     top = max(sizes)
     if top <= FAR_BELOW:
         return [0] * len(sizes)

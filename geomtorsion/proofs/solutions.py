@@ -23,7 +23,7 @@ from geomtorsion.proofs.motions import MOST_STEPS, RefusalError, follow
 from geomtorsion.proofs.steps import SMALLER, Method
 from geomtorsion.proofs.wanted import MOST_BITS, SPARE, Wanted, log2
 
-# What may stand in the place of a start.
+# Values that may replace a start.
 Start: TypeAlias = Mapping[str, Any] | Sequence[Any] | None
 # A set is hopeless where it was narrow when no step could be proved: more bits would not help.
 NARROW = 0.6
@@ -60,7 +60,7 @@ class MotionBalls:
 
 @dataclass(frozen=True, eq=False)
 class SolutionTask:
-    """What is to be proved of a solution.
+    """Task: the values of a solution that are to be proved.
 
     samples: all samples, the start included where it is one; end: where it was stopped, or None.
     is_exact: whether start and parameters are numbers, and not wider balls.
@@ -80,7 +80,7 @@ class SolutionTask:
         start: Start = None,
         parameters: Mapping[str, Any] | None = None,
     ) -> SolutionTask:
-        """The task of a solution, and of balls in the place of its start and parameters."""
+        """The task of a solution, with balls instead of its start and parameters."""
         problem, segments = solution.problem, solution.trajectory.segments
         backwards = solution.trajectory.reached < 0
         sign = -1 if backwards else 1
@@ -119,10 +119,10 @@ class SolutionTask:
                 "expected a solution that reached one of its times, got one without samples. Solve "
                 "to a later time."
             )
-        # Behind the last sample a motion may come to an edge.
+        # A motion may reach an edge after the last sample.
         end = samples[-1].time
         hints = [x for x in hints if x.begin <= end]
-        # Each goes on exactly where the next one begins.
+        # Each ends exactly where the next one begins.
         ends = [*(x.begin for x in hints[1:]), end]
         hints = [replace(x, end=last) for x, last in zip(hints, ends, strict=True)]
         course = course_of(problem, backwards, start, parameters)
@@ -137,12 +137,12 @@ class SolutionTask:
         return cls(solution, course, tuple(samples), stopped, stretches, is_exact)
 
     def proved(self, wanted: Wanted) -> MotionBalls:
-        """States in balls, as sharp as wanted where that can be had.
+        """States in balls, with the requested accuracy where possible.
 
         Raises
         ------
         ProofError
-            the motion ends, or comes to an edge, or touches a stop.
+            the motion ends, or reaches an edge, or touches a stop.
         """
         bits, refused, before = wanted.bits + SPARE, None, math.inf
         while True:
@@ -242,7 +242,7 @@ class SolutionTask:
     def _known_bits(self, motion: MotionBalls) -> float:
         """How many bits of each group of states are known, at the worst sample."""
         extents = self._extents()
-        # What is zero all along is compared with the largest group; where all are, with one.
+        # A group that is always zero is compared with the largest group; if all are, with one.
         top = max((log2(x) for x in extents.values() if x > 0), default=0.0)
         worst = math.inf
         for sample, box in self.pairs(motion):
@@ -272,7 +272,7 @@ class SolutionTask:
         true end.
         """
         if len(motion.boxes) < len(self.samples):
-            # Samples lie behind the true end; one may be so near that nothing is told.
+            # Samples are behind the true end; one may be too near it to be decided.
             assert motion.stop is not None
             behind = arb(self.samples[-1].time) > motion.stop[0]
             return arb.pos_inf() if behind else arb(0).union(arb.pos_inf())
@@ -296,7 +296,7 @@ class SolutionTask:
                 elif largest > 0:
                     return arb.pos_inf()
                 elif not largest.is_zero():
-                    # Zero in the result: a ball around zero does not tell whether it is.
+                    # Zero in the result: a ball around zero does not decide whether it is.
                     undecided = True
         return worst.union(arb.pos_inf()) if undecided else worst
 
@@ -330,7 +330,7 @@ def _check_stops(problem: CurveProblem, start: Start, parameters: Mapping[str, A
 
 
 def _start(names: Sequence[str], known: Sequence[Any], given: Start) -> tuple[Any, ...]:
-    """Numbers or balls in the place of a start; none where nothing was given.
+    """Numbers or balls that replace a start; empty where nothing was given.
 
     Raises
     ------
@@ -371,7 +371,7 @@ def _float(time: Any) -> float | Fraction:
 
 
 def number_ball(value: Any) -> arb:
-    """A number of a result in a ball: those of four doubles' size give their digits as text."""
+    """A number of a result in a ball: long floats give their digits as text."""
     if type(value).__name__ in ("real128", "real"):
         return arb(str(value))
     return exact_ball(value)

@@ -23,14 +23,14 @@ from geomtorsion.proofs.series import BallSystem, Rows, polynomial, taylor, vari
 from geomtorsion.proofs.sets import FURTHEST, LOW_BITS, LohnerSet
 from geomtorsion.proofs.wanted import FAR_BELOW, around_zero, log2, upper
 
-# A state that is smaller than the largest by more bits than this counts as just that much smaller.
+# A state smaller than the largest by more bits than this counts as smaller by only these bits.
 SMALLER = 30
 # The radius of the disk is changed by this factor until a step gets no longer; where none is
 # proved, radius and step are changed by its third power, so many times at most.
 SHRINK, MOST_TRIES = 0.87, 100
 # The derivative V is known to about so many bits, by a series of no higher order than this.
 VARIATION_BITS, HIGHEST_VARIATION = 16, 24
-# A tube is widened to what comes out of it so many times at most.
+# A tube is widened to its own image so many times at most.
 MOST_TUBES = 3
 # Terms of the series are no larger than the states times 2 to this power: larger ones would cancel.
 TERMS = 3
@@ -40,7 +40,7 @@ TERMS = 3
 class Method:
     """How steps are made.
 
-    order: of the polynomial, N; block: coefficients that are found at one go.
+    order: of the polynomial, N; block: coefficients that are computed together.
     variation_bits: about how many bits of the derivative V are known.
     """
 
@@ -50,7 +50,7 @@ class Method:
 
     @classmethod
     def of(cls, bits: int) -> Method:
-        """That of a precision: each order adds a few bits to a step."""
+        """The method for a precision: each order adds a few bits to a step."""
         order = max(16, int(bits / 2.5))
         return cls(order, max(4, min(12, order // 4)))
 
@@ -59,13 +59,13 @@ class Method:
 class Step:
     """A proved step from a set, valid for |t| <= length.
 
-    system, whole: the equations, and the set from which it goes.
-    coefficients: of P, order after order, for each state.
+    system, whole: the equations, and the set from which the step starts.
+    coefficients: of P, by order, for each state.
     length: exact; remainder: bounds of |x(t) - P(t)| from m itself for |t| <= length.
     tube: a box around all motions from the set for |t| <= length.
     outer: the radius of the disk in which growth bounds |V|; growth: exp(L outer).
     variation_order: of the polynomial for V.
-    radius: of the disk that was used, to begin with at the next step.
+    radius: of the disk used, with which the next step begins.
     sizes: logarithms of the sizes of the states.
     """
 
@@ -119,7 +119,7 @@ class Step:
 
 
 def variation_tail(share: arb, order: int) -> arb:
-    """sum of share^k over k > order: what Cauchy's estimate leaves of the series of V."""
+    """sum of share^k over k > order: Cauchy's bound for the remainder of the series of V."""
     return (share ** (order + 1) / (1 - share)).upper()
 
 
@@ -143,7 +143,7 @@ def defect_integral(defect: Sequence[arb], radius: arb, time: arb, order: int) -
 
 
 class Stepper:
-    """Finds the longest step that can be proved from a set; what it holds belongs to one step."""
+    """Search for the longest step that can be proved from a set; its state belongs to one step."""
 
     def __init__(self, system: BallSystem, whole: LohnerSet, method: Method, bits: int) -> None:
         self.system, self.whole, self.method = system, whole, method
@@ -157,7 +157,7 @@ class Stepper:
             self._rho = whole.radii
             state = max(log2(x) for x in whole.middle)
             speed = max(log2(row[1]) for row in sizes)
-            # What is wanted of each state: a rounding of its size, or of its way nearby.
+            # Accuracy for each state: a rounding of its size, or of its change nearby.
             known = state > FAR_BELOW and speed > FAR_BELOW
             time = state - speed if known else 0.0
             rows = zip(whole.middle, sizes, strict=True)
@@ -300,7 +300,7 @@ class Stepper:
         return arb_mat(rows)
 
     def _variation_order(self, growth: arb_mat, gain: float) -> int:
-        """The order of the series of V that leaves a small part of it, in units of the states."""
+        """The order of the series of V with a small remainder, in units of the states."""
         n = self.system.size
         largest = max(
             log2(growth[i, j]) + self.sizes[j] - self.sizes[i] for i in range(n) for j in range(n)
@@ -316,7 +316,7 @@ def growth_of(bound: arb_mat, time: arb) -> arb_mat:
 
 
 def grown(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
-    """exp(L t) times what is there at the start, state by state."""
+    """exp(L t) times the values at the start, state by state."""
     n = len(starts)
     growth = growth_of(bound, time)
     return [
@@ -325,7 +325,7 @@ def grown(bound: arb_mat, time: arb, starts: Sequence[arb]) -> list[arb]:
 
 
 def dyadic_below(value: float, bits: int = 12) -> fmpq:
-    """The largest fraction with so many bits that is no larger than a positive number."""
+    """A positive number rounded down to a fraction with a given number of bits."""
     mantissa, exponent = math.frexp(value)
     return fmpq(int(mantissa * 2**bits), 2**bits) * fmpq(2) ** exponent
 
@@ -335,7 +335,7 @@ def prove_step(
 ) -> Step:
     """The longest step that is proved from a set, up to `most`, at the precision in use.
 
-    radius: that of the disk of the step before.
+    radius: the radius of the previous step's disk.
     """
     check_limits()
     return Stepper(system, whole, method, ctx.prec).step(radius, most)

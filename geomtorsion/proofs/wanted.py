@@ -12,13 +12,13 @@ from geomtorsion.codegen.ball_functions import Ball
 from geomtorsion.errors import ArgumentError
 
 MOST_DIGITS = 1000
-# Balls are so many bits sharper than the error that they are to judge.
+# Balls have this many more bits than the error that they judge.
 SHARPER = 4
-# Bits on top of the digits: what rounding takes on the way in a problem without cancellation.
+# Extra bits, which rounding consumes in a problem without cancellation.
 SPARE = 30
 # No proof takes more bits than this.
 MOST_BITS = 20_000
-# What is below this many bits of the largest number is counted as nothing.
+# Numbers below this many bits of the largest number count as zero.
 FAR_BELOW = -1e30
 
 
@@ -61,7 +61,7 @@ def around_zero(radius: arb) -> arb:
 
 
 def log2(x: Ball) -> float:
-    """About the logarithm of the largest size in a ball: it chooses steps, and is no bound."""
+    """About the logarithm of the largest size in a ball: it chooses steps, and is not a bound."""
     size = upper(x)
     if size.is_zero():
         return FAR_BELOW

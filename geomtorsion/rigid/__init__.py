@@ -1,4 +1,4 @@
-"""Rigid: how a body stands and turns, with nothing of what acts on it."""
+"""Rigid: attitude and rotation of a body, without forces and torques."""
 
 from geomtorsion.rigid import attitude, se3
 from geomtorsion.rigid.free_top import FreeTop, free_top

@@ -217,11 +217,11 @@ def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
             "quaternion: expected finite numbers, not all 0, got a quaternion without a direction. "
             "(1, 0, 0, 0) turns nothing."
         )
-    # Divided by a power of two, so that squares neither overflow nor round.
+    # Division by a power of two is exact, and squares do not overflow.
     q = np.ldexp(q, -np.frexp(largest)[1])
     q = np.where(q[..., :1] < 0, -q, q)
     scalar, part = q[..., :1], q[..., 1:]
-    # Of tiny vector parts the squares would underflow: their length is taken of a scaled copy.
+    # Squares of tiny vector parts would underflow: their length is computed from a scaled copy.
     most = np.abs(part).max(axis=-1, keepdims=True)
     unit = part / np.where(most > 0, most, 1.0)
     norm = np.linalg.norm(unit, axis=-1, keepdims=True)
@@ -237,7 +237,7 @@ def rotation_vector_from_matrix(matrix: ArrayLike) -> Array:
     Raises
     ------
     StartError
-        A matrix is no rotation.
+        A matrix is not a rotation.
 
     Examples
     --------
@@ -286,7 +286,7 @@ def quaternion_from_euler(angles: ArrayLike, convention: str = PAPER) -> Array:
     """
     name = checked_convention(convention)
     turns = _array(angles, (3,), "angles")
-    # Each step turns about space axes, so that body axes are gone through backwards.
+    # Each step turns about space axes, so that body axes are taken in reverse order.
     order = [0, 1, 2] if name.islower() else [2, 1, 0]
     q = np.zeros((*turns.shape[:-1], 4))
     q[..., 0] = 1.0
@@ -316,7 +316,7 @@ def euler_from_quaternion(
     Parameters
     ----------
     continuous
-        first and third angle go on beyond pi along the first axis, without jumps by 2 pi.
+        first and third angle continue beyond pi along the first axis, without jumps by 2 pi.
 
     Examples
     --------
@@ -384,7 +384,7 @@ def checked_matrix(matrix: object) -> Array:
         its columns are not orthonormal, or it is a reflection.
     """
     r = checked_rotations(_numbers(matrix, (3, 3), "matrix", "3 x 3 numbers, body to space"))
-    # The nearest rotation: the polar factor, with all stretches left out.
+    # The nearest rotation: the polar factor, without any stretch.
     left, _, right = np.linalg.svd(r)
     return quaternion_from_matrix(left @ right)
 

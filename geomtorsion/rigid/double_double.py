@@ -20,7 +20,7 @@ class DoubleDouble:
     """A number as an unevaluated sum of two doubles: about 32 digits.
 
     high: the nearest double.
-    low: what is left, again rounded to the nearest double.
+    low: the remainder, again rounded to the nearest double.
     """
 
     high: float
@@ -43,7 +43,7 @@ class DoubleDouble:
 
 
 def product(factor: NDArray[np.float64], constant: DoubleDouble) -> tuple[Any, Any]:
-    """factor * constant as a rounded product and what rounding lost [Dekker1971]."""
+    """factor * constant as a rounded product and its rounding error [Dekker1971]."""
     high = factor * constant.high
     part = SPLITTER * factor
     top = part - (part - factor)
@@ -56,7 +56,7 @@ def product(factor: NDArray[np.float64], constant: DoubleDouble) -> tuple[Any, A
 
 
 def total(a: Any, b: Any) -> tuple[Any, Any]:
-    """a + b as a rounded sum and what rounding lost [Knuth1969]."""
+    """a + b as a rounded sum and its rounding error [Knuth1969]."""
     high = a + b
     part = high - a
     return high, (a - (high - part)) + (b - part)

@@ -52,10 +52,10 @@ def tilted(momentum: NDArray[Any], precession: NDArray[Any], top: Constants) -> 
     return turned
 
 
-FULL = 4 * math.pi  # quaternions come back after two turns
+FULL = 4 * math.pi  # quaternions return after two turns
 # Products of four moments or rates between 1/WIDE and WIDE are doubles.
 WIDE = 10.0 ** (sys.float_info.max_10_exp // 4)
-# Beyond so many half periods doubles no longer tell one from the next.
+# Beyond so many half periods doubles no longer distinguish one from the next.
 FLIPS = 0.5 / EPS
 
 
@@ -111,7 +111,7 @@ class FreeTop:
 
     @property
     def period(self) -> float:
-        """After this time the rates come back; infinite on the separatrix, nan if constant.
+        """Period of the rates; infinite on the separatrix, nan if constant.
 
         Examples
         --------
@@ -180,7 +180,7 @@ class FreeTop:
         Raises
         ------
         TimeError
-            A time is not finite, or so late that doubles cannot tell one flip from the next.
+            A time is not finite, or so late that doubles cannot distinguish one flip from the next.
 
         Examples
         --------
@@ -208,7 +208,7 @@ class FreeTop:
 
     @cached_property
     def _space(self) -> NDArray[Any]:
-        """Quaternion that takes the axes along L to those of space."""
+        """Quaternion that takes the axes along L to the axes of space."""
         top = self.constants
         assert top is not None
         omega, precession = self._rates(np.zeros(1), top)
@@ -225,7 +225,7 @@ class FreeTop:
         return np.stack([np.cos(half), *(np.sin(half) * x for x in axis)], axis=-1)
 
     def _checked(self, times: ArrayLike) -> NDArray[Any]:
-        """Times as an array of finite numbers, early enough to be told apart."""
+        """Times as an array of finite numbers, early enough to be distinguished."""
         infinite = "a time of a free top is not finite. Give finite times."
         t = checks.array(times, "times", TimeError, infinite=infinite)
         top = self.constants
@@ -240,7 +240,7 @@ class FreeTop:
     def _rates(self, t: NDArray[Any], top: Constants) -> tuple[NDArray[Any], NDArray[Any]]:
         """Body-fixed rates, and the angle of precession about L."""
         count, left = reduced(t, top.offset, top.half)
-        # Where in its half period the top began is left out: attitudes count from t = 0.
+        # The phase at the start of the half period is omitted: attitudes count from t = 0.
         steady = turns(t, top.slope) + turns(count, top.jump)
         sn, cn, dn, phase = functions(top.rate * left, top)
         sign = 1 - 2 * np.mod(count, 2)
@@ -273,7 +273,7 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     -------
     FreeTop, with `.omega(t)`, `.quaternion(t)`, `.period`, `.flip_time`, `.kind`, `.energy`,
     `.momentum`. Errors stay at rounding next to the separatrix, for moments that nearly agree,
-    and at any time: no error builds up, for nothing is stepped.
+    and at any time: no error accumulates, since there are no steps.
 
     Raises
     ------

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Constants:
-    """What the closed form of a free top that is not steady needs.
+    """Constants of the closed form of a free top that is not steady.
 
     axes: (a, b, c), the axis that the momentum goes around, the middle one, the other one.
     amplitudes: of Omega_a = A_a dn, Omega_b = A_b sn, Omega_c = A_c cn, signs included.

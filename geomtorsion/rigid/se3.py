@@ -104,7 +104,7 @@ def pose(rotation: ArrayLike, position: ArrayLike) -> Array:
     Raises
     ------
     StartError
-        The matrix is no rotation.
+        The matrix is not a rotation.
 
     Examples
     --------
