@@ -7,34 +7,34 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.conventions import Signed
 from geomtorsion.precision import CALCULATED
 
-# The share of circuits without torsion in which noise alone may look significant.
+# The accepted share of false alarms: circuits without torsion whose noise looks significant.
 CHANCE = 1e-3
 # Plain data, as JSON has it.
 Json = dict[str, Any]
-# One number for all circuits, or one for each.
+# One number for all circuits, or an array with a number for each.
 Numbers = float | np.ndarray
-# Covariances by components i <= j; a pair that is missing has none.
+# Covariance of each pair of components i <= j; a missing pair has covariance zero.
 Covariance = Mapping[tuple[int, int], Numbers]
 
 
 @dataclass(frozen=True)
 class Section:
-    """A plane of a source: two axes, and the coordinates on all others, in order."""
+    """A plane of a source: its two axes, and its coordinates on the other axes, in order."""
 
     plane: tuple[int, int] = (0, 1)
     at: tuple[float, ...] = ()
 
     @classmethod
     def of(cls, points: np.ndarray, area: np.ndarray) -> Section:
-        """The plane of the largest area of a circuit, through its middle.
+        """The coordinate plane in which a circuit encloses the largest area, through its middle.
 
-        points: shape (d, k). area: by planes, shape (d, d).
+        points: of the circuit, shape (d, k). area: enclosed in each plane, shape (d, d).
         """
         one, two = np.unravel_index(int(np.abs(np.triu(area)).argmax()), area.shape)
         plane = (int(one), int(two)) if one != two else (0, 1)
@@ -42,7 +42,7 @@ class Section:
         return cls(plane, tuple(points[others].mean(axis=1).tolist()))
 
 
-# The plane of a source that has no other.
+# The only plane of a source with two axes.
 PLANE = Section()
 
 
@@ -51,16 +51,17 @@ class Burgers(Signed):
     """Burgers vector of a circuit through a field, an orientation map, an image, lines or atoms.
 
     vector: b^i, shape (n,), in `unit`, from start to finish of a right-handed circuit.
-    covariance: of its components by noise, shape (n, n), unit squared; zero where noise is unknown.
-    systematic: name -> bound on the largest component, of each error that is not noise.
+    covariance: of the components, from noise, shape (n, n), in `unit` squared; zero where the noise
+        is unknown.
+    systematic: name of each error other than noise -> bound on its largest component.
     whole: b in lattice vectors, whole numbers, shape (k,); empty where b is not counted.
-    lattice: the lattice vectors as rows, shape (k, n), in `unit`; empty with `whole`.
-    chance: that noise has changed `whole`.
-    name: of the circuit. path: the circuit as it was taken, in the plane of its section, shape
-        (2, k), with NaN between parts; empty where it is not known.
+    lattice: the lattice vectors as rows, shape (k, n), in `unit`; empty if `whole` is.
+    chance: probability that noise has changed `whole`.
+    name: of the circuit. path: the integration path in the plane of `section`, shape (2, k), with
+        NaN between parts; empty where it is not known.
     area: enclosed in that plane, signed, in the square of `length_unit`.
     arrow: b along the axes of that plane, shape (2,); None where b has no such direction.
-    section: that plane. components: names of the entries of `vector`.
+    section: plane of the circuit. components: names of the entries of `vector`.
 
     Examples
     --------
@@ -85,7 +86,7 @@ class Burgers(Signed):
     length_unit: str = ""
 
     def __post_init__(self) -> None:
-        """Without noise the covariance is zero; components are numbered if they have no names."""
+        """Set a missing covariance to zero, and number components without names."""
         if not self.covariance.size:
             object.__setattr__(self, "covariance", np.zeros((len(self.vector),) * 2))
         if not self.components:
@@ -98,12 +99,12 @@ class Burgers(Signed):
 
     @property
     def sigmas(self) -> np.ndarray:
-        """Standard deviation of each component by noise, shape (n,)."""
+        """Standard deviation of each component from noise, shape (n,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def noise(self) -> float:
-        """Root mean square of |b| by noise alone; of `whole` from the chance of one more."""
+        """Root mean square of |b| from noise; for a counted b, from the chance of a wrong count."""
         if self.whole.size:
             longest = np.linalg.norm(self.lattice, axis=1).max()
             return float(np.sqrt(self.chance) * longest)
@@ -111,20 +112,21 @@ class Burgers(Signed):
 
     @property
     def systematic_error(self) -> float:
-        """All errors that are not noise together, of the largest component, in `unit`."""
+        """Sum of all errors other than noise, for the largest component, in `unit`."""
         return sum(self.systematic.values())
 
     @property
     def error(self) -> float:
-        """Noise and all systematic errors together, in `unit`."""
+        """Noise and systematic errors, added in quadrature, in `unit`."""
         return float(np.hypot(self.noise, self.systematic_error))
 
     @cached_property
     def significance(self) -> float:
-        """|b| in units of its errors: sqrt(b C^-1 b), C the noise and, on its diagonal, the rest.
+        """|b| in units of its errors: sqrt(b C^-1 b).
 
-        Noise alone gives sqrt(n) or so; without any error it is infinite. Of counted vectors the
-        length that normal noise passes with their chance of being wrong.
+        C is the covariance of the noise plus the square of the systematic error on its diagonal.
+        Pure noise gives about sqrt(n); a vector without any error gives infinity. The significance
+        of a counted vector is the length that normal noise exceeds with probability `chance`.
         """
         if self.whole.size:
             return float(counted_significances(self.whole, self.chance, len(self.vector)))
@@ -134,19 +136,19 @@ class Burgers(Signed):
 
     @property
     def is_significant(self) -> bool:
-        """Whether noise alone gives as much in less than one circuit of a thousand."""
+        """Whether pure noise reaches this significance in less than one of a thousand circuits."""
         return bool(self.significance > noise_level(len(self.vector)))
 
     @property
     def facts(self) -> Json:
-        """Name -> further facts, as JSON has them."""
+        """Further facts by name, as plain JSON data."""
         if not self.whole.size:
             return {}
         vectors = self.lattice.tolist()
         return {"whole": self.whole.tolist(), "chance": self.chance, "vectors": vectors}
 
     def to_json(self) -> Json:
-        """All of it as plain data; an infinite significance (no noise) is None."""
+        """The result as plain JSON data; an infinite significance (no noise) becomes None."""
         finite = np.isfinite(self.significance)
         return {
             "loop": self.name,
@@ -174,7 +176,7 @@ class Burgers(Signed):
 
 
 def numbered(rows: int) -> tuple[str, ...]:
-    """Names of so many components of b along a frame.
+    """Default names of the components of b along a frame.
 
     Examples
     --------
@@ -185,7 +187,7 @@ def numbered(rows: int) -> tuple[str, ...]:
 
 
 def noise_level(rows: int, share: Numbers = CHANCE) -> np.ndarray:
-    """The length that normal noise of `rows` components passes in this share of all circuits.
+    """The length that normal noise of `rows` components exceeds in this share of all circuits.
 
     Examples
     --------
@@ -198,7 +200,7 @@ def noise_level(rows: int, share: Numbers = CHANCE) -> np.ndarray:
 def significances(
     vectors: np.ndarray, covariance: Covariance, systematic: Numbers = 0.0
 ) -> np.ndarray:
-    """sqrt(b C^-1 b) of one Burgers vector or of many; infinite where there are no errors.
+    """sqrt(b C^-1 b) of one or many Burgers vectors; infinite where there are no errors.
 
     Equation
     --------
@@ -209,9 +211,10 @@ def significances(
     vectors
         b^i, shape (rows, places...).
     covariance
-        By noise, for all or for each place.
+        From noise; one for all places or one for each.
     systematic
-        Other error of each component, for all or for each place; C has its square on the diagonal.
+        Other error of each component; one for all places or one for each. Its square is added to
+        the diagonal of C.
 
     Examples
     --------
@@ -240,7 +243,7 @@ def significances(
                 rest = rest - factor * rests[k]
                 size = size + np.abs(factor * rests[k])
                 pivot = pivot - factor**2 * pivots[k]
-                # What rounding leaves of nothing is nothing.
+                # A difference below the rounding error of its terms is set to zero.
                 rest = np.where(np.abs(rest) <= CALCULATED * size, 0.0, rest)
                 pivot = np.where(pivot <= CALCULATED * square, 0.0, pivot)
             rests.append(rest)
@@ -250,9 +253,11 @@ def significances(
 
 
 def counted_significances(whole: np.ndarray, chance: Numbers, rows: int) -> np.ndarray:
-    """The length that normal noise passes with the chance that noise changed whole numbers.
+    """Significance of counted Burgers vectors: the length that normal noise exceeds by `chance`.
 
-    whole: shape (k, places...). chance: for all or for each place. rows: components of b. Zero
-    where all numbers are zero.
+    The significance is zero where all whole numbers are zero.
+
+    whole: shape (k, places...). chance: probability that noise changed the whole numbers, one for
+    all places or one for each. rows: number of components of b.
     """
     return np.where(whole.any(axis=0), noise_level(rows, chance), 0.0)

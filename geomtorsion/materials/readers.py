@@ -1,4 +1,4 @@
-"""Readers: every format of measured files, by the end of its name and by its first bytes."""
+"""Readers: the formats of measured files, recognized by file ending and first bytes."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ __all__ = ["READERS", "Kind", "Reader", "is_source", "open_in_blocks", "open_sou
 
 @dataclass(frozen=True)
 class Kind:
-    """What a measured file holds.
+    """A kind of data that a measured file can hold.
 
-    name, plural: in messages. options: of `open_source` that belong to it. error: class of the
-    errors about them. read: the source in a file, from its path and those options.
+    name, plural: its names in messages. options: the options of `open_source` that apply to it.
+    error: class of errors about these options. read: makes the source from a path and the options.
     """
 
     name: str
@@ -56,8 +56,8 @@ class Kind:
 class Reader:
     """A format of measured files.
 
-    suffix: end of the name. kind: what the file holds. begins: its first bytes; none for text that
-    may begin with anything. seems: whether bytes are the content of such a text file.
+    suffix: file ending. kind: of the data in the file. begins: possible first bytes; none for text
+    files, which may begin with anything. seems: whether bytes look like such a text file.
     """
 
     suffix: str
@@ -87,7 +87,7 @@ def _read_image(
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
 ) -> LatticePhases:
-    """The phases of a picture of a lattice."""
+    """The geometric phases of a lattice image."""
     size = checks.entries(pixel, "pixel", ImageError)
     if len(size) != 2:
         raise ImageError(
@@ -106,27 +106,27 @@ IMAGE = Kind(
     "an image", f"lattice images ({', '.join(IMAGES)})", ("pixel", "spots", "resolution"),
     ImageError, _read_image,
 )  # fmt: skip
-# First bytes of images.
+# First bytes of image files.
 _PIXELS = {
     ".png": (b"\x89PNG",),
     **dict.fromkeys((".tif", ".tiff"), (b"II*\x00", b"MM\x00*")),
     ".npy": (b"\x93NUMPY",),
     **dict.fromkeys((".emd", ".hspy"), (HDF5,)),
 }
-# A new format is a line in FORMATS of grid_files or map_formats, or in KINDS of image_files.
+# To add a format, add a line to FORMATS in grid_files or map_formats, or to KINDS in image_files.
 READERS = (
     *(Reader(end, GRID, form.begins) for end, form in GRIDS.items()),
     *(Reader(end, MAP, form.begins, form.seems) for end, form in MAPS.items()),
     *(Reader(end, IMAGE, _PIXELS.get(end, ())) for end in IMAGES),
 )
-# Arrays in parts, of which maps are made in blocks, are read by other means.
+# Endings of chunked arrays, which `open_in_blocks` reads part by part.
 ARRAYS = (".zarr",)
 SUFFIXES = (*dict.fromkeys(reader.suffix for reader in READERS), *ARRAYS)
 _LONGEST = max(len(mark) for reader in READERS for mark in reader.begins)
 
 
 def is_source(source: str | Path) -> bool:
-    """Whether the end of a name, or the first bytes of the file, are those of a measured file.
+    """Whether a path has the ending or the first bytes of a measured file.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def is_source(source: str | Path) -> bool:
 
 
 def is_array(path: Path) -> bool:
-    """Whether a file is an array that is read only in parts: Zarr, or .npy of four axes or more."""
+    """Whether a file is an array that is read in blocks: Zarr, or .npy with four or more axes."""
     if path.suffix.lower() in ARRAYS:
         return True
     if path.suffix.lower() != ".npy" or not path.is_file():
@@ -161,32 +161,32 @@ def open_source(
     spots: Sequence[Sequence[float]] | None = None,
     resolution: float | None = None,
 ) -> Source:
-    """The sampled frame, orientation map or phases of a lattice image in a file.
+    """Read the sampled frame, orientation map or lattice image in a file.
 
     Parameters
     ----------
     sigma
-        Standard deviation of the noise: of each value of a sampled frame; of an orientation in
-        degrees. Without it that of the file, or else "estimate", from the data.
+        Standard deviation of the noise: of each value of a sampled frame, or of an orientation in
+        degrees. Without it, the noise given in the file, or otherwise "estimate", from the data.
     threshold
-        Degrees, of orientation maps: neighbours that differ by less belong to one grain.
+        Orientation maps: neighbours that differ by less, in degrees, belong to one grain.
     order
-        Of interpolation, of sampled frames.
+        Sampled frames: order of the interpolation.
     laue
-        Of orientation maps: number of a phase -> name of its Laue group.
+        Orientation maps: number of a phase -> name of its Laue group.
     slip
-        Of orientation maps: the structure whose slip systems make up b, see `slip_families`.
+        Orientation maps: the structure whose slip systems make up b, see `slip_families`.
     pixel
-        Of images: size of a pixel, and the unit in which it is given.
+        Images: size of a pixel, and its unit.
     spots, resolution
-        Of images: see `LatticeImage.phases`.
+        Images: see `LatticeImage.phases`.
 
     Raises
     ------
     FileFormatError
-        The file is missing or damaged, or its content is of another kind than its name says.
+        The file is missing or damaged, or its content does not match its file ending.
     GridError, OrientationError, ImageError
-        An option does not belong to this kind of file, or has no such value.
+        An option does not apply to this kind of file, or its value is invalid.
     """
     path = checks.file_name(path)
     suffix, ends = ending(path), _suffixes(path)
@@ -230,16 +230,16 @@ def open_in_blocks(
     sigma: float | str | None = None,
     order: int | None = None,
 ) -> BlockedField:
-    """The field in an .npy or Zarr array, or in any file of a sampled frame, for maps in blocks.
+    """Open an .npy or Zarr array, or any file of a sampled frame, for maps in blocks.
 
-    steps, unit: of the axes, of arrays, which do not say them.
+    steps, unit: of the axes; only for array files, which do not contain them.
 
     Raises
     ------
     FileFormatError
         The file is missing or damaged.
     GridError
-        It is no grid, or its noise is not the same everywhere.
+        The data are not a grid, or their noise is not the same everywhere.
     """
     if is_array(path):
         return array_in_blocks(path, steps, unit, sigma, order)
@@ -255,7 +255,7 @@ def open_in_blocks(
 
 
 def kind_of(path: Path) -> Kind:
-    """What a file holds, by the end of its name; where several share it, by its content."""
+    """Kind of data in a file, by its ending; by its content where kinds share an ending."""
     readers = [reader for reader in READERS if reader.suffix == ending(path)]
     kinds = [reader.kind for reader in readers]
     if GRID in kinds and MAP in kinds and path.is_file():
@@ -265,7 +265,7 @@ def kind_of(path: Path) -> Kind:
 
 
 def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
-    """Whether a file whose ending fields and maps share is a map."""
+    """Whether a file is a map, if its ending is used by both fields and maps."""
     if not tests:
         return not _has_grid(path)
     with opened(path) as file:
@@ -274,7 +274,7 @@ def _seems(path: Path, tests: Sequence[Callable[[bytes], bool]]) -> bool:
 
 
 def _has_grid(path: Path) -> bool:
-    """Whether an HDF5 file may hold a sampled frame; without its library the reader complains."""
+    """Whether an HDF5 file may hold a sampled frame; true without h5py: the reader then raises."""
     try:
         h5py = import_module("h5py")
     except ImportError:
@@ -283,13 +283,13 @@ def _has_grid(path: Path) -> bool:
 
 
 def suffixes_of(content: bytes) -> tuple[str, ...]:
-    """Ends of names of files that begin like this; none where no format has these first bytes."""
+    """File endings of the formats with these first bytes; none if there is no such format."""
     every = (reader.suffix for reader in READERS if content.startswith(reader.begins))
     return tuple(dict.fromkeys(every))
 
 
 def _suffixes(path: Path) -> tuple[str, ...]:
-    """Ends of names that fit the first bytes of a file."""
+    """File endings of the formats that fit the first bytes of a file."""
     if not path.is_file():
         return ()
     with opened(path) as file:

@@ -1,4 +1,4 @@
-"""Source: what commands, pictures and pages ask of any measured matter."""
+"""Source: the interface of measured matter for commands, figures and pages."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from geomtorsion.materials.survey import Survey
 
 @dataclass(frozen=True, eq=False)
 class Backdrop:
-    """What a picture shows below circuits.
+    """The background of a figure of circuits.
 
     centres: of the pixels along both axes, or of points, x and y of each. values: shape (p, q), or
     one for each point; NaN where nothing is known.
-    kind: "grains", whose numbers the values are; "sizes" from zero on; "image", grey values; or
-    "points", sizes at points. title: what is shown. down: whether y is shown downwards.
+    kind: "grains", values are numbers of grains; "sizes", values from zero upwards; "image", grey
+    values; or "points", sizes at points. title: name of the values. down: whether y points down.
     """
 
     centres: tuple[np.ndarray, np.ndarray]
@@ -34,9 +34,9 @@ class Source(Protocol):
     """Measured matter that has Burgers vectors: a grid, an orientation map, phases, points.
 
     Each source decides how it follows a loop. A sampled frame integrates its interpolated coframe
-    along the loop itself; an orientation map takes the steps around the cells whose middles the
-    loop surrounds; phases of an image and displacements take the nodes along it; scattered points
-    take Delaunay's edges beside it. `Burgers.path` is the circuit as it was taken.
+    along the loop itself. An orientation map uses the steps around the cells whose middles the
+    loop surrounds. Phases of an image and displacements use the nodes along the loop. Scattered
+    points use the Delaunay edges next to the loop. `Burgers.path` is the resulting path.
     """
 
     @property
@@ -51,7 +51,7 @@ class Source(Protocol):
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about its size, its noise and the origin of both."""
+        """Lines of text about the size and the noise of the source, and their origin."""
         ...
 
     def burgers(self, loop: Loop, /) -> Burgers:
@@ -63,5 +63,5 @@ class Source(Protocol):
         ...
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
-        """What a picture shows below circuits in a section."""
+        """The background of a figure of circuits in a section."""
         ...

@@ -1,4 +1,4 @@
-"""Structures: what is known of a crystal structure by its name."""
+"""Structures: facts about crystal structures, by name."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Family = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Structure:
-    """Facts about a crystal structure; an empty entry: none are kept.
+    """Facts about a crystal structure; an empty field means unknown.
 
-    rows: lattice vectors in units of the shortest one, in which simulations give b.
+    rows: lattice vectors in units of the shortest one; simulations give b in this unit.
     slip: the usual planes (h, k, l) with a Burgers vector in units of a, b, c; hcp: four indices.
-    number, title, families: how OVITO counts it, calls it, and names and colours its lines.
+    number, title: of the structure in OVITO. families: names and colours of its lines in OVITO.
     """
 
     rows: tuple[tuple[float, float, float], ...] = ()
@@ -72,7 +72,7 @@ STRUCTURES: Mapping[str, Structure] = {
         ),
     ),
     "hcp": Structure(
-        # Ideal: c / a of real crystals differs.
+        # The ideal ratio c / a; real crystals deviate from it.
         rows=((1, 0, 0), (-0.5, math.sqrt(0.75), 0), (0, 0, math.sqrt(8 / 3))),
         slip=(
             ((0, 0, 0, 1), (2 / 3, -1 / 3, -1 / 3, 0)),
@@ -93,8 +93,8 @@ STRUCTURES: Mapping[str, Structure] = {
             ("1/6<112>", f"{_SIXTH} {_SIXTH} {_THIRD}", "0 1 0"),
         ),
     ),
-    # OVITO finds no lines in it; their families are those of hcp.
+    # OVITO finds no lines in hexagonal diamond; its families are the families of hcp.
     "hexagonal diamond": Structure(number=6, title="Hexagonal diamond", families=_HEXAGONAL),
-    # A network that knows no crystal: OVITO shows its lines in one colour.
+    # A network of an unknown crystal: OVITO shows its lines in one colour.
     "": Structure(number=5, title="unknown"),
 }

@@ -1,4 +1,4 @@
-"""Survey: Burgers vectors of circuits of one size at every place of a source, with their errors."""
+"""Survey: Burgers vectors of circuits of one size at all positions of a source, with errors."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ from geomtorsion.outgoing import csv_cell, one_line
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Errors of many Burgers vectors; each entry broadcasts to the places of the circuits.
+    """Errors of many Burgers vectors; each field broadcasts to the positions of the circuits.
 
-    covariance: of components by noise. systematic: bound on the largest component, of all errors
-    that are not noise. chance: that noise changed the whole numbers of b; None where b is measured.
+    covariance: of the components, from noise. systematic: bound on the largest component of the
+    sum of all other errors. chance: probability that noise changed the whole numbers of b; None
+    where b is measured, not counted.
     """
 
     covariance: Covariance
@@ -40,22 +41,22 @@ class Errors:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Survey:
-    """Burgers vectors of circuits of one size at every place.
+    """Burgers vectors of circuits of one size at all positions.
 
-    Errors are computed when they are first needed.
+    Errors are computed at first use.
 
-    vectors: b^i, shape (rows, places...), NaN where a circuit has none. On a grid there is one axis
-        of places for each axis, in the order of `names`; circuits turn from the first axis of the
-        plane to the second, as coordinates increase.
+    vectors: b^i, shape (rows, places...), NaN where a circuit has none. On a grid, the places have
+        one axis for each axis of the source, in the order of `names`; circuits turn from the first
+        axis of the plane to the second, in the direction of increasing coordinates.
     centres: coordinates of the middles of the circuits, one array for each axis of the source, each
         broadcasting to the places.
     area: of each circuit, positive, in the square of `unit`.
-    size: cells along both sides; of scattered points the number of rings of triangles.
-    estimate: makes the errors. names: of the axes. plane: of the circuits. components: names of
-        those of b. unit, vector_unit: of lengths, and of b.
-    missing: why circuits have no b, in words. down: whether pictures show y downwards.
+    size: cells along both sides; for scattered points, the number of rings of triangles.
+    estimate: computes the errors. names: of the axes. plane: of the circuits. components: names of
+        the components of b. unit: of lengths. vector_unit: of b.
+    missing: reason why circuits have no b, in words. down: whether figures show y downwards.
     whole: b in lattice vectors where it is counted, shape (k, places...); empty otherwise.
-    directed: makes b along the axes of the source where `vectors` is along others.
+    directed: computes b along the axes of the source where `vectors` refers to other axes.
     """
 
     vectors: np.ndarray
@@ -74,7 +75,7 @@ class Survey:
     directed: Callable[[], np.ndarray] | None = None
 
     def __post_init__(self) -> None:
-        """Components without names are numbered."""
+        """Number components without names."""
         if not self.components:
             object.__setattr__(self, "components", numbered(len(self.vectors)))
 
@@ -106,7 +107,7 @@ class Survey:
 
     @cached_property
     def arrows(self) -> np.ndarray | None:
-        """b along both axes of the plane, (2, places...); None if it has no such components."""
+        """b along both axes of the plane, (2, places...); None if b has no such components."""
         found = self.vectors if self.directed is None else self.directed()
         return found[list(self.plane)] if len(found) > max(self.plane) else None
 
@@ -123,42 +124,42 @@ class Survey:
 
     @cached_property
     def estimated(self) -> Errors:
-        """Covariance by noise, systematic errors, and chances of other whole numbers."""
+        """Covariance from noise, systematic errors, and chances of wrong whole numbers."""
         return self.estimate()
 
     @cached_property
     def sigmas(self) -> np.ndarray:
-        """Standard deviation of each component by noise, shape of the vectors."""
+        """Standard deviation of each component from noise, shape of the vectors."""
         found = np.zeros(self.vectors.shape)
         for i, row in enumerate(found):
-            # Rounding may leave less than nothing where noise cancels.
+            # Rounding may make a variance negative where noise cancels.
             row += np.sqrt(np.maximum(self.estimated.covariance.get((i, i), 0.0), 0.0))
         found[:, ~self.known] = np.nan
         return found
 
     @property
     def noise(self) -> np.ndarray:
-        """Root mean square of |b| by noise alone, shape (places...)."""
+        """Root mean square of |b| from noise, shape (places...)."""
         return np.linalg.norm(self.sigmas, axis=0)
 
     @property
     def systematic_error(self) -> np.ndarray:
-        """All errors that are not noise together, of the largest component, shape (places...)."""
+        """Sum of all errors other than noise, for the largest component, shape (places...)."""
         return np.where(self.known, self.estimated.systematic, np.nan)
 
     @property
     def errors(self) -> np.ndarray:
-        """Noise and systematic errors together, as `Burgers.error`, shape (places...)."""
+        """Noise and systematic errors combined, as in `Burgers.error`, shape (places...)."""
         return np.hypot(self.noise, self.systematic_error)
 
     @property
     def floor(self) -> np.ndarray:
-        """What noise alone makes of `per_area`, shape (places...)."""
+        """Noise floor of `per_area`: its root mean square from noise, shape (places...)."""
         return self.noise / self.area
 
     @cached_property
     def significance(self) -> np.ndarray:
-        """|b| in units of its errors, as `Burgers.significance`; NaN where b is not known."""
+        """|b| in units of its errors, as in `Burgers.significance`; NaN where b is not known."""
         if self.estimated.chance is not None:
             found = counted_significances(self.whole, self.estimated.chance, len(self.vectors))
         else:
@@ -169,12 +170,12 @@ class Survey:
 
     @property
     def level(self) -> float:
-        """The significance that noise alone passes in one circuit of a thousand."""
+        """The significance that pure noise exceeds in one circuit of a thousand."""
         return float(noise_level(len(self.vectors)))
 
     @property
     def significant(self) -> np.ndarray:
-        """Where |b| is more than noise explains, shape (places...)."""
+        """Whether |b| is larger than noise explains, shape (places...)."""
         with np.errstate(invalid="ignore"):
             return np.asarray(self.significance > self.level)
 
@@ -187,12 +188,12 @@ class Survey:
 
     @property
     def on_grid(self) -> bool:
-        """Whether the places are those of a grid, with one axis for each axis of the source."""
+        """Whether the places form a grid, with one axis for each axis of the source."""
         return self.vectors.ndim - 1 == len(self.centres)
 
     @property
     def lines(self) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates of the middles along both axes of the plane; of each point off a grid."""
+        """Coordinates of the middles along both axes of the plane; off a grid, of each circuit."""
         one, two = (self.centres[k].ravel() for k in self.plane)
         return one, two
 
@@ -207,15 +208,15 @@ class Survey:
 
     @cached_property
     def layers(self) -> tuple[str, ...]:
-        """Where each plane is on all other axes, in words; one empty text if there are none."""
+        """Position of each plane on the other axes, in words; one empty text without such axes."""
         names = [self.names[k] for k in self._others]
         lines = (self.centres[k].ravel().tolist() for k in self._others)
         return tuple(place_name(names, at) for at in product(*lines))
 
     def laid(self, values: np.ndarray) -> np.ndarray:
-        """Values of the places by both axes of the plane and by layer, (..., p, q, layers).
+        """Values of the places by axes of the plane and by layer, (..., p, q, layers).
 
-        Off a grid p counts the circuits, and q is one.
+        Off a grid, p numbers the circuits, and the axes q and layers have length one.
         """
         if not self.on_grid:
             return values[..., None, None]
@@ -240,11 +241,11 @@ class Survey:
     # -- numbers and files ------------------------------------------------------------------------
 
     def summary(self) -> Json:
-        """A few numbers, as plain data; numbers that do not exist are None.
+        """Summary of the survey as plain data; None for numbers that do not exist.
 
-        circuits, known, significant: how many. median, largest: of |b| per area; floor: median of
-        what noise alone makes of it; level: the significance that noise passes once in a thousand
-        times. place: coordinates of the largest.
+        circuits, known, significant: numbers of circuits. median, largest: of |b| per area. floor:
+        median of its noise floor. level: the significance that pure noise exceeds in one circuit
+        of a thousand. place: coordinates of the largest |b| per area.
         """
         known, area = self.known, np.broadcast_to(self.area, self.known.shape)
         found: Json = {
@@ -277,7 +278,7 @@ class Survey:
         return found
 
     def write_table(self, path: Path) -> None:
-        """One line for each circuit with a b, as CSV; numbers read back as the same doubles."""
+        """Write a CSV line for each circuit with a b; numbers read back as the same doubles."""
         layered = self.layers != ("",)
         places = self.axes if self.on_grid else self.names
         header = [f"{name}_centre" for name in places] + ["layer"] * layered
@@ -308,7 +309,7 @@ class Survey:
                 )
 
     def write_arrays(self, path: Path) -> None:
-        """All arrays as NPZ: axes of the plane first, then layers."""
+        """Write all arrays as NPZ: axes of the plane first, then layers."""
         one, two = self.lines
         arrays: Json = {
             "vectors": self.laid(self.vectors),
@@ -346,8 +347,8 @@ def middles(
 ) -> tuple[np.ndarray, ...]:
     """Coordinates of the middles of circuits on a grid, one open array for each axis.
 
-    starts, steps: of the first node and from one to the next. counts: places. sides: cells of a
-    circuit along each axis.
+    starts: coordinates of the first node. steps: from node to node. counts: number of places.
+    sides: cells of a circuit along each axis.
     """
     every = zip(starts, steps, counts, sides, strict=True)
     lines = [start + step * (np.arange(n) + side / 2) for start, step, n, side in every]
@@ -355,5 +356,5 @@ def middles(
 
 
 def place_name(names: Sequence[str], values: Sequence[float]) -> str:
-    """Where a plane is on other axes, in words."""
+    """Position of a plane on the other axes, in words."""
     return ", ".join(f"{name} = {x:.6g}" for name, x in zip(names, values, strict=True))

@@ -20,18 +20,17 @@ from geomtorsion.materials.fields.large_arrays import LargeArray, estimated_sigm
 from geomtorsion.materials.fields.sampled import SampledFrame
 from geomtorsion.materials.survey import Survey
 
-# Nodes of a block where nobody says how many: some ten megabytes with its halo.
+# Default number of nodes in a block: about ten megabytes with the halo.
 NODES = 8 * PIECE
 
 
 @dataclass(frozen=True, eq=False)
 class BlockedField:
-    """A sampled field, in memory or larger, of which a map is made in blocks.
+    """A sampled field, in memory or larger than memory, for maps in blocks.
 
     given: values of shape (rows, columns, grid...), an array or the path of an .npy or Zarr array.
-    starts, steps: coordinates of the first node and from one to the next. names: of the axes.
-    sigma: noise of each component, shape (rows, columns along the grid); sigma_source: how it is
-    known.
+    starts: coordinates of the first node. steps: from node to node. names: of the axes.
+    sigma: noise of each component, shape (rows, columns along the grid). sigma_source: its origin.
     """
 
     given: Any
@@ -47,7 +46,7 @@ class BlockedField:
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about its size and its noise."""
+        """Lines of text about the size and the noise of the field."""
         shape = LargeArray.of(self.given).shape
         sizes = " x ".join(map(str, shape[2:]))
         levels = " to ".join(dict.fromkeys(f"{f(self.sigma):.3g}" for f in (np.min, np.max)))
@@ -58,7 +57,7 @@ class BlockedField:
 
     @property
     def block(self) -> int:
-        """Places along the side of a block, where nobody says how many."""
+        """Default number of places along the side of a block."""
         return round(NODES ** (1 / len(self.names)))
 
 
@@ -69,7 +68,7 @@ def array_in_blocks(
     sigma: float | str | None,
     order: int | None,
 ) -> BlockedField:
-    """The field in an .npy or Zarr array; see `readers.open_in_blocks`."""
+    """Open the field in an .npy or Zarr array; see `readers.open_in_blocks`."""
     source = LargeArray.of(path)
     d = len(source.shape) - 2
     spacing = (1.0,) * d if steps is None else checks.numbers(steps, d, "steps", GridError)
@@ -92,7 +91,7 @@ def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
     Raises
     ------
     GridError
-        It is made of a displacement, or its noise is not the same everywhere.
+        The frame is made from a displacement, or its noise is not the same everywhere.
     """
     if frame.displacement is not None:
         raise GridError(
@@ -114,7 +113,7 @@ def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
             "covariance: expected independent noise for a map in blocks, got a covariance in the "
             "file. Give --sigma, or leave out --blocks."
         )
-    # Blocks are listed as coordinates increase; circuits run so anyway.
+    # Blocks are in the order of increasing coordinates, which is also the direction of circuits.
     starts = tuple(float(min(axis[0], axis[-1])) for axis in frame.axes)
     turned = tuple(slice(None, None, -1 if step < 0 else 1) for step in frame.steps)
     values = np.where(np.asarray(frame.mask), np.nan, frame.coframe)[(..., *turned)]
@@ -135,16 +134,16 @@ def map_in_blocks(
     resume: bool = False,
     overwrite: bool = False,
 ) -> BlockedSurvey:
-    """Compute the map of a field in the Zarr array at a path, or the blocks that it lacks.
+    """Compute the map of a field into the Zarr array at a path, or resume a stopped run there.
 
-    block: places along the side of a block; None: as in the run that is resumed, or some ten
-    megabytes. A complete map is replaced unless it is resumed.
+    block: places along the side of a block. If None, it is taken from the resumed run, or gives
+    blocks of about ten megabytes. A complete map is replaced unless it is resumed.
 
     Raises
     ------
     CheckpointError
-        The path holds a run that was stopped, and neither resume nor overwrite is set; or it holds
-        no run to resume, or another one.
+        The path holds a stopped run, and neither resume nor overwrite is set; or the run to resume
+        is missing or belongs to another map.
     """
     there = run_in(path)
     begun = there is not None
@@ -162,27 +161,28 @@ def map_in_blocks(
 
 @dataclass(frozen=True, eq=False)
 class BlockedSurvey:
-    """A finished map on disk, and the field of which it is."""
+    """A finished map on disk, and its field."""
 
     field: BlockedField
     result: BlockMap
 
     @property
     def area(self) -> float:
-        """Of one circuit."""
+        """Area of one circuit."""
         one, two = (abs(self.field.steps[k]) for k in self.result.plane)
         return one * two * self.result.size[0] ** 2
 
     def survey(self, drawn: int = 1000) -> tuple[Survey, Json]:
-        """A thinned survey for a picture, of the layer of the largest b, and a summary of all,
-        whose median and floor are those of the thinned survey.
+        """A thinned survey of the layer with the largest b, for figures, and a summary of the map.
 
-        drawn: places along an axis at most; pictures have no more pixels.
+        The median and the noise floor in the summary come from the thinned survey.
+
+        drawn: largest number of places along an axis, enough for the pixels of a figure.
         """
         field, plane, places = self.field, self.result.plane, self.result.places
         side = self.result.size[0]
         counts = np.zeros(2, dtype=np.int64)
-        # Of equally large b that of the first place, whatever the blocks.
+        # Among equal b, choose the first place, so that the result does not depend on the blocks.
         best = (-1.0, [0] * len(field.names))
         for number, parts in self.result:
             span = self.result.span(number)
@@ -215,7 +215,7 @@ class BlockedSurvey:
         return survey, found
 
     def _survey(self, parts: Parts, places: Sequence[np.ndarray]) -> Survey:
-        """The survey of some places, numbered along each axis."""
+        """The survey of selected places, given by their numbers along each axis."""
         field, plane, side = self.field, self.result.plane, self.result.size[0]
         lines = [
             start + step * (line + (side / 2 if k in plane else 0))

@@ -1,8 +1,8 @@
-"""Blocked map: circuits of a field larger than memory, as tasks of dask that fill a Zarr array.
+"""Blocked map: circuits of a field larger than memory, as dask tasks that fill a Zarr array.
 
-Every block is computed from its own nodes and a halo, with the stencils that the whole grid would
-have there, and sums that do not depend on where a block begins: any size of blocks gives the same
-bits. A block whose chunk is in the array is done.
+Each block is computed from its own nodes and a halo. It uses the stencils of the whole grid, and
+sums that do not depend on the start of the block. Therefore all block sizes give identical bits.
+A block is done when its chunk is in the array.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from geomtorsion.materials.fields.noise import Noise
 from geomtorsion.materials.survey import Errors
 from geomtorsion.progress import PATIENCE, bar
 
-# Tasks of one graph of dask, which takes some kilobytes for each.
+# Largest number of tasks in one dask graph, which takes some kilobytes of memory for each.
 MOST_BLOCKS = 100_000
 # The attribute of the array that describes its run.
 RUN = "geomtorsion"
@@ -51,10 +51,10 @@ RUN = "geomtorsion"
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What a map in blocks keeps of each circuit (or node).
+    """Results of a map in blocks for each circuit (or node).
 
-    vectors: b^i (or torsion); sigmas: its standard deviation by noise; shape (rows, places...).
-    systematic: the error of the grid, of the largest component, shape (places...).
+    vectors: b^i (or torsion), shape (rows, places...). sigmas: its standard deviation from noise,
+    same shape. systematic: grid error of the largest component, shape (places...).
     """
 
     vectors: np.ndarray
@@ -63,18 +63,18 @@ class Parts:
 
     @classmethod
     def of(cls, values: np.ndarray) -> Parts:
-        """The parts of one array of shape (2 * rows + 1, places...)."""
+        """Split one array of shape (2 * rows + 1, places...) into its parts."""
         rows = len(values) // 2
         return cls(values[:rows], values[rows:-1], values[-1])
 
     @property
     def errors(self) -> Errors:
-        """Noise and the error of the grid."""
+        """Noise and grid error."""
         return Errors({(i, i): row**2 for i, row in enumerate(self.sigmas)}, self.systematic)
 
     @property
     def error(self) -> np.ndarray:
-        """Noise and the error of the grid together, as `Burgers.error`, shape (places...)."""
+        """Noise and grid error combined, as in `Burgers.error`, shape (places...)."""
         return np.hypot(np.linalg.norm(self.sigmas, axis=0), self.systematic)
 
 
@@ -82,10 +82,11 @@ class Parts:
 class BlockMap:
     """A map in blocks, the chunks of one Zarr array.
 
-    path: of the array, shape (2 * rows + 1, places...). block: places of a block along each axis.
-    size: edges of the circuits, or (0, 0) for torsion at the nodes; plane: the two axes.
-    steps, order, periodic: as for `SampledFrame`. sigma: noise of each component, shape
-    (rows, columns along the grid). stride: nodes from one place to the next along each axis.
+    path: of the array, which has shape (2 * rows + 1, places...). block: places of a block along
+    each axis. size: edges along the sides of the circuits, or (0, 0) for torsion at the nodes.
+    plane: the two axes. steps, order, periodic: as for `SampledFrame`. sigma: noise of each
+    component, shape (rows, columns along the grid). stride: nodes from place to place along each
+    axis.
     """
 
     source: LargeArray
@@ -102,7 +103,7 @@ class BlockMap:
 
     @cached_property
     def places(self) -> tuple[int, ...]:
-        """Places of the map along each axis."""
+        """Number of places of the map along each axis."""
         every = zip(self.source.shape[2:], self.periodic, self.stride, strict=True)
         return tuple(
             -(-(n if wraps else n - self._sides.get(k, 0)) // stride)
@@ -111,18 +112,18 @@ class BlockMap:
 
     @cached_property
     def _sides(self) -> dict[int, int]:
-        """Edges along the sides of circuits, by axis of the plane."""
+        """Number of edges along the sides of circuits, by axis of the plane."""
         return dict(zip(self.plane, self.size, strict=True))
 
     @cached_property
     def numbers(self) -> tuple[tuple[int, ...], ...]:
-        """Number of every block along each axis."""
+        """Indices of all blocks, one along each axis."""
         counts = [range(-(-n // b)) for n, b in zip(self.places, self.block, strict=True)]
         return tuple(product(*counts))
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the array: `Parts` at all places."""
+        """Shape of the array, which holds `Parts` for all places."""
         return (2 * self.source.shape[0] + 1, *self.places)
 
     @property
@@ -131,26 +132,26 @@ class BlockMap:
         return (self.shape[0], *self.block)
 
     def file(self, number: Sequence[int]) -> Path:
-        """The chunk of a block."""
+        """Path of the chunk of a block."""
         return Path(self.path, "c", "0", *map(str, number))
 
     def is_done(self, number: Sequence[int]) -> bool:
-        """Whether the chunk of a block is complete: all chunks have one size, at edges also."""
+        """Whether the chunk of a block is complete: all chunks have equal size, also at edges."""
         file = self.file(number)
         return file.is_file() and file.stat().st_size == 8 * prod(self.chunks)
 
     @property
     def done(self) -> list[tuple[int, ...]]:
-        """The blocks that are finished."""
+        """The finished blocks."""
         return [number for number in self.numbers if self.is_done(number)]
 
     def span(self, number: Sequence[int]) -> tuple[tuple[int, int], ...]:
-        """First place of a block along each axis, and the first one behind it."""
+        """First place of a block along each axis, and the first place after the block."""
         triples = zip(number, self.block, self.places, strict=True)
         return tuple((k * b, min((k + 1) * b, n)) for k, b, n in triples)
 
     def compute(self, number: tuple[int, ...]) -> None:
-        """One block of the map, written to its chunk: `Parts` as one array."""
+        """Compute one block of the map and write it to its chunk, as one array of `Parts`."""
         low, values = self._read(number, beside_holes=False)
         if np.isnan(values).any():
             low, values = self._read(number, beside_holes=True)
@@ -171,7 +172,7 @@ class BlockMap:
         return (slice(None), *(slice(*ends) for ends in self.span(number)))
 
     def _read(self, number: Sequence[int], beside_holes: bool) -> tuple[list[int], np.ndarray]:
-        """First node along each axis, and the values of all that a block is computed from."""
+        """First node along each axis, and the values of all nodes that a block needs."""
         ends = [
             self._reach(k, first * stride, (last - 1) * stride, beside_holes)
             for k, ((first, last), stride) in enumerate(
@@ -183,10 +184,11 @@ class BlockMap:
         return low, values[:, : len(self.source.shape[2:])]
 
     def _reach(self, axis: int, first: int, last: int, beside_holes: bool) -> tuple[int, int]:
-        """The first node, and the first one behind, that places from first to last need.
+        """The first node needed by the places from first to last, and the node after the last.
 
-        The halo of centred stencils: order / 2 - 1 nodes for circuits, order / 2 for torsion, none
-        across the plane. At an end of the grid and beside holes they lie on one side.
+        The halo of centred stencils has order / 2 - 1 nodes for circuits and order / 2 nodes for
+        torsion, and none normal to the plane. Stencils are one-sided at the ends of the grid and
+        next to holes.
         """
         n, slopes = self.source.shape[2:][axis], self.size == (0, 0)
         if axis not in self.plane:
@@ -203,7 +205,7 @@ class BlockMap:
         return begin, end + nodes
 
     def _field(self, values: np.ndarray) -> Field:
-        """A block with its halo as a field of its own, less what is subtracted everywhere."""
+        """A block with its halo as a separate field, minus the common reference."""
         grid = grid_of(values, self.steps)
         bent = values - self.reference.reshape(*self.reference.shape, *(1,) * len(self.steps))
         bent[:, :, grid.holes] = 0
@@ -228,7 +230,7 @@ class BlockMap:
         return np.concatenate([vectors, sigmas, systematic[None]])
 
     def read(self) -> np.ndarray:
-        """The whole map, shape (rows + 1, places...): b^i (or torsion), and last the error.
+        """Read the whole map, shape (rows + 1, places...): b^i (or torsion), then the error.
 
         Raises
         ------
@@ -241,7 +243,7 @@ class BlockMap:
         return values
 
     def __iter__(self) -> Iterator[tuple[tuple[int, ...], Parts]]:
-        """The numbers of all blocks, and what is in them.
+        """Iterate over the indices of all blocks and their content.
 
         Raises
         ------
@@ -262,14 +264,14 @@ class BlockMap:
 
     @property
     def _digest(self) -> str:
-        """SHA-256 of the nodes from which the first, the middle and the last block are computed."""
+        """SHA-256 of the nodes that the first, the middle and the last block need."""
         numbers = self.numbers
         chosen = sorted({0, len(numbers) // 2, len(numbers) - 1})
         return digest_of_arrays(self._read(numbers[k], beside_holes=False)[1] for k in chosen)
 
     @property
     def described(self) -> dict[str, Any]:
-        """Description of the run, as JSON has it: a run resumes only a map with the same one."""
+        """Description of the run as JSON data; a map is resumed only if it has an equal one."""
         names = ("steps", "block", "size", "plane", "order", "periodic", "stride")
         return {
             "digest": self.source.digest or self._digest,
@@ -297,9 +299,9 @@ def blocked_map(
     stride: int | Sequence[int] = 1,
     overwrite: bool = False,
 ) -> BlockMap:
-    """Burgers vectors of circuits at every place of a field larger than memory, block by block.
+    """Burgers vectors of circuits at all positions of a field larger than memory, block by block.
 
-    Blocks are tasks of dask, on threads of this machine, or wherever dask is set to run them:
+    Blocks are dask tasks. They run on threads of this machine, or as configured in dask:
     `dask.config.set(scheduler="processes")`, or a `dask.distributed.Client`. A task takes about ten
     times the memory of its block and halo.
 
@@ -309,33 +311,33 @@ def blocked_map(
         The coframe, shape (rows, columns, N_1, ..., N_d), NaN in holes: the path of an .npy file or
         a Zarr array, or an array of NumPy, Zarr or dask.
     path
-        Of the Zarr array that holds the map. A run that was killed is resumed there.
+        Path of the Zarr array for the map. A killed run is resumed there.
     steps
         Spacing of each axis.
     block
-        Places in a block along each axis, one number or one for each. It decides about memory, not
-        about values.
+        Places in a block along each axis, one number or one for each. It changes the memory, not
+        the values.
     size
         Cells along the sides of the circuits; 0: the torsion at all nodes instead.
     sigma
-        Standard deviation of the noise of every value: one number, or one for each component, shape
-        (rows, columns along the grid). Rounding is not in the errors.
+        Standard deviation of the noise of each value: one number, or one for each component, shape
+        (rows, columns along the grid). The errors do not include rounding.
     stride
-        Nodes from one place to the next, one number or one for each axis: the size, for circuits
-        that lie side by side.
+        Nodes from place to place, one number or one for each axis. A stride equal to the size gives
+        adjacent circuits.
     overwrite
-        Replace the map that is there, instead of computing the blocks that it lacks.
+        Replace an existing map, instead of computing its missing blocks.
 
     Raises
     ------
     GridError
-        Steps, size or block fit no grid.
+        Steps, size or block do not fit the grid.
     CheckpointError
-        The path holds something else, or the map of another run.
+        The path holds other data, or the map of another run.
     LimitError
-        There is no room for the map, or a process ended before its work was done.
+        The disk is too small for the map, or a process ended before its work was done.
     MissingExtraError
-        dask or zarr is not installed: the extra `cluster`.
+        dask or zarr is not installed; both are in the extra `cluster`.
 
     Examples
     --------
@@ -382,7 +384,7 @@ def blocked_map(
             f"sigma: 0 or more was needed, as one number or in shape {components}, but "
             f"{checks.shown(sigma)} came."
         )
-    # The same everywhere, so that blocks agree: a constant part closes exactly, unrounded.
+    # One reference for all blocks: the integral of a constant part is exactly zero, unrounded.
     reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
     made = BlockMap(
         found, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
@@ -398,7 +400,7 @@ def blocked_map(
 
 
 def run_in(path: Path) -> dict[str, Any] | None:
-    """The description of the run in a Zarr array; None where there is no array of this kind."""
+    """The description of the run in a Zarr array; None if there is no such array."""
     try:
         content = read_json_text(read_text(path / "zarr.json"), str(path))
     except FileFormatError:
@@ -409,7 +411,7 @@ def run_in(path: Path) -> dict[str, Any] | None:
 
 
 def _open(made: BlockMap, overwrite: bool) -> None:
-    """Make the array of a map, or check that the array at its path belongs to the same run."""
+    """Create the array of a map, or check that the array at its path belongs to the same run."""
     path, described = Path(made.path), made.described
     there = run_in(path)
     if there is not None and overwrite:
@@ -425,7 +427,7 @@ def _open(made: BlockMap, overwrite: bool) -> None:
                 f"{', '.join(differ) or 'its shape'} differ. Name another path, give the same "
                 "arguments, or overwrite the map."
             )
-        # A killed process leaves the chunk that it was writing.
+        # A killed process leaves a partial chunk.
         for part in path.rglob("*.partial"):
             part.unlink()
     elif path.exists() and not (path.is_dir() and not any(path.iterdir())):
@@ -442,7 +444,7 @@ def _open(made: BlockMap, overwrite: bool) -> None:
         )
     if there is None:
         with _writing(path):
-            # Zarr omits a chunk that equals the fill value, and a block in a hole is all NaN.
+            # Zarr omits chunks that equal the fill value; a block inside a hole is all NaN.
             module("zarr", path).create_array(
                 made.path, shape=made.shape, chunks=made.chunks, dtype="float64", fill_value=inf,
                 compressors=None, zarr_format=3, attributes={RUN: described},
@@ -451,7 +453,7 @@ def _open(made: BlockMap, overwrite: bool) -> None:
 
 @contextmanager
 def _writing(path: Path) -> Iterator[None]:
-    """Turn failures of the system while a Zarr array is written into an error of ours."""
+    """Convert system errors while writing a Zarr array into errors of this package."""
     try:
         yield
     except OSError as error:
@@ -464,7 +466,7 @@ def _writing(path: Path) -> Iterator[None]:
 
 
 def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
-    """Compute blocks as tasks of dask, which decides where they run."""
+    """Compute blocks as dask tasks."""
     dask = module("dask", Path(made.path))
     task = dask.delayed(BlockMap.compute, pure=False)
     given = dask.delayed(made, pure=False, traverse=False)
@@ -487,7 +489,7 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
 
 
 def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
-    """One whole number for all, or one for each."""
+    """Whole numbers, one for each axis, from one for each or one for all."""
     entries = checks.rows(given)
     rows = list(entries) if isinstance(entries, list | tuple) else [given] * count
     if len(rows) != count:

@@ -32,14 +32,14 @@ class Rectangles:
 
     @property
     def area(self) -> float:
-        """Of one circuit; negative where one axis of the plane decreases."""
+        """Area of one circuit; negative if one axis of the plane decreases."""
         steps = [self.grid.steps[k] * m for k, m in zip(self.plane, self.size, strict=True)]
         return steps[0] * steps[1]
 
     def four(self, one: np.ndarray, two: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Near and far side along the first axis, and along the second, of each circuit.
+        """Values on the near and the far side of each circuit, along the first and second axis.
 
-        one, two: something of all sides along the first axis, and along the second, (..., sides).
+        one, two: values of all sides along the first and along the second axis, (..., sides).
         """
         grid, (a, b) = self.grid, self.plane
         near_a, far_a = _pair(one, b - grid.dimension, self.size[1], grid.periodic[b])
@@ -47,13 +47,13 @@ class Rectangles:
         return near_a, far_a, near_b, far_b
 
     def rounds(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        """Sums round circuits, in the sense in which the coordinates increase."""
+        """Sums around circuits, in the sense of increasing coordinates."""
         near_a, far_a, near_b, far_b = self.four(one, two)
-        # Along a decreasing axis the circuits run round the other way.
+        # A decreasing axis reverses the sense of the circuits.
         return float(np.sign(self.area)) * ((far_b - near_b) - (far_a - near_a))
 
     def sums(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
-        """Sums over the four sides, whichever way they are run through."""
+        """Sums over the four sides, without signs."""
         near_a, far_a, near_b, far_b = self.four(one, two)
         return near_a + far_a + near_b + far_b
 
@@ -61,9 +61,9 @@ class Rectangles:
 def circuits(
     sampled: Field, plane: tuple[int, int], size: tuple[int, int]
 ) -> tuple[np.ndarray, Callable[[], Errors]]:
-    """b of all circuits of a size, shape (rows, places...), and what makes their errors.
+    """b of all circuits of a size, shape (rows, places...), and a function for their errors.
 
-    NaN where a side touches a hole. The cost grows with the logarithm of the size.
+    b is NaN where a side touches a hole. The cost grows with the logarithm of the size.
     """
     one, two = (Sides(sampled, k, m) for k, m in zip(plane, size, strict=True))
     lines = Rectangles(sampled.grid, plane, size)
@@ -74,7 +74,7 @@ def circuits(
 
 
 def _errors(sampled: Field, lines: Rectangles, one: Sides, two: Sides) -> Errors:
-    """Errors of all circuits: noise, and the distance from a rule of another order."""
+    """Errors of all circuits: noise, and the difference from a rule of another order."""
     grid, size = sampled.grid, lines.size
     difference = np.abs(lines.rounds(one.difference, two.difference))
     covariance: dict[tuple[int, int], np.ndarray] = {}
@@ -93,7 +93,7 @@ def _errors(sampled: Field, lines: Rectangles, one: Sides, two: Sides) -> Errors
 def _spread(
     noise: Noise, lines: Rectangles, one: Spread, two: Spread
 ) -> dict[tuple[int, int], np.ndarray]:
-    """Covariances of circuits by noise, from those of their sides."""
+    """Covariances of circuits from noise, computed from the covariances of their sides."""
     grid, plane, size = lines.grid, lines.plane, lines.size
     found = {}
     for pair in {**one.covariance, **two.covariance}:
@@ -101,7 +101,7 @@ def _spread(
         found[pair] = lines.sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
     if not noise.joins_columns:
         return found
-    # Two sides that meet have the noise of one node in common.
+    # Two adjacent sides share the noise of one node.
     starts, ends = lines.four(one.starts, two.starts), lines.four(one.ends, two.ends)
     for (i, j), c in _both_ways(noise, plane).items():
         at = [
@@ -117,7 +117,7 @@ def _spread(
 
 
 def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
-    """Covariances of the two columns of a plane at a node, by components, in both orders added."""
+    """Covariances between the two columns of a plane at a node, summed over both orders."""
     found = noise.between(plane)
     for pair, c in noise.between((plane[1], plane[0])).items():
         found[pair] = found[pair] + c if pair in found else c
@@ -135,9 +135,9 @@ def _corner(values: np.ndarray, grid: Grid, shifts: dict[int, tuple[int, int]]) 
 
 
 def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np.ndarray, ...]:
-    """Near and far sides of circuits: values, and those so many nodes further along an axis."""
+    """Values on the near sides of circuits, and on the far sides, `apart` nodes further."""
     if values.shape[axis] == 1:
-        # One value stands for all.
+        # One value represents all positions.
         return values, values
     if periodic:
         return values, np.roll(values, -apart, axis)
@@ -152,7 +152,7 @@ def _pair(values: np.ndarray, axis: int, apart: int, periodic: bool) -> tuple[np
 def curl(sampled: Field, plane: tuple[int, int]) -> np.ndarray:
     """d_a e_b - d_b e_a at the nodes, shape (rows, grid...).
 
-    NaN where there are not enough known nodes in a row.
+    NaN without enough known nodes in a row.
     """
     return _curl(sampled, plane, _slopes(sampled, plane))
 
@@ -177,7 +177,7 @@ def _curl(sampled: Field, plane: tuple[int, int], rules: tuple[Rule, Rule]) -> n
 
 
 def torsion(sampled: Field, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`curl`, its distance from that of another order, and its sigma."""
+    """`curl`, its difference from the curl of another order, and its sigma."""
     grid, noise, rules = sampled.grid, sampled.noise, _slopes(sampled, plane)
     found = _curl(sampled, plane, rules)
     one, two = rules
@@ -200,7 +200,7 @@ def _variance(
     plane: tuple[int, int],
     matrices: Sequence[csr_array],
 ) -> np.ndarray:
-    """Variance of one component of torsion, shape of the grid (or what broadcasts to it)."""
+    """Variance of one component of torsion, shape of the grid, or a shape that broadcasts to it."""
     total = np.zeros(grid.shape)
     for matrix, (k, m) in zip(matrices, (plane, plane[::-1]), strict=True):
         variances = noise.at_nodes(row, m, grid.shape)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.loops import Arc, Cochain, Complex, EdgeIntegrals, Loop, Part
 from geomtorsion.loops.quadrature import ROUNDING
@@ -20,16 +20,17 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 
-# Gauss points on each stretch: enough for the highest order of interpolation.
+# Gauss points on each piece of an arc, enough for the highest order of interpolation.
 GAUSS = max(ORDERS) // 2 + 2
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """The values of a coframe on a grid, as integrals use them.
+    """The values of a coframe on a grid, prepared for integrals.
 
-    values: e^i_mu without its mean, zero in holes, shape (rows, d, grid...): constant parts close
-    exactly, and need not be rounded. mean: shape (rows, d). noise: of the values, or None.
+    values: e^i_mu without its mean, zero in holes, shape (rows, d, grid...). The mean is separate,
+    because its closed integrals vanish exactly, without rounding. mean: shape (rows, d). noise: of
+    the values, or None.
     """
 
     grid: Grid
@@ -47,7 +48,7 @@ class Field:
 
     @property
     def size(self) -> float:
-        """The largest value, to which rounding is in proportion."""
+        """The largest value; rounding errors are proportional to it."""
         return float(np.abs(self.values).max()) if self.scale is None else self.scale
 
 
@@ -60,20 +61,20 @@ class _Weights:
         self.parts: list[np.ndarray] = []
 
     def add(self, nodes: tuple[np.ndarray, ...], weights: np.ndarray) -> None:
-        """Weights of shape (d, k) at k nodes."""
+        """Add weights of shape (d, k) at k nodes."""
         self.keys.append(np.ravel_multi_index(nodes, self.grid.shape))
         self.parts.append(weights)
 
     @property
     def total(self) -> np.ndarray:
-        """The weight of every node, shape (d, grid...)."""
+        """The weight of each node, shape (d, grid...)."""
         keys, parts = np.concatenate(self.keys), np.concatenate(self.parts, axis=1)
         count = self.grid.holes.size
         found = np.array([np.bincount(keys, row, count) for row in parts])
         return found.reshape(-1, *self.grid.shape)
 
 
-# A Burgers vector, its covariance by noise, and its systematic errors by name.
+# A Burgers vector, its covariance from noise, and its systematic errors by name.
 Measured = tuple[np.ndarray, np.ndarray, dict[str, float]]
 
 
@@ -86,7 +87,7 @@ def sampled_burgers(field: Field, loop: Loop) -> Measured:
     for part in loop.parts:
         for arc in part.arcs:
             count = _stretches(grid, part, arc)
-            # On the coarse points: how the order matters. On the fine ones: the result.
+            # The fine points give the result, the coarse points the error of the quadrature.
             fine, other = _both(field, part, arc, 2 * count, (weights, differences))
             coarse, _ = _both(field, part, arc, count)
             found += part.times * np.array([fine, other, coarse])
@@ -95,9 +96,9 @@ def sampled_burgers(field: Field, loop: Loop) -> Measured:
     fine, other, coarse = found
     if np.abs(gap).max() > CALCULATED * loop.size:
         grid.check_periods(gap)
-        # Round a period the constant part does not close.
+        # The integral of the constant part around a period is not zero.
         fine, other, coarse = (x + field.mean @ gap for x in (fine, other, coarse))
-    # Order 2 is compared with a better one: its own error is that distance, give or take a little.
+    # Order 2 is compared with a better order, so that its error is only about the difference.
     safety = 4 / 3 if field.order < field.other_order else 1.0
     difference = np.abs(fine - other)
     covariance = np.zeros((field.rows, field.rows))
@@ -110,19 +111,19 @@ def sampled_burgers(field: Field, loop: Loop) -> Measured:
 
 
 def unexplained(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:
-    """What is left of the difference of two rules when its share of noise is taken out.
+    """The difference of two rules without the share of noise.
 
-    The mean square of the difference is that of the interpolation and the variance together.
+    The mean square of the difference is the mean square of the interpolation plus the variance.
     """
     return np.sqrt(np.maximum(difference**2 - variance, 0.0))
 
 
 def _stretches(grid: Grid, part: Part, arc: Arc) -> int:
-    """How many stretches an arc needs so that each stays within a part of a cell."""
+    """Number of pieces of an arc, so that each piece stays within a part of a cell."""
     count = max(65, 16 * arc.waves + 1)
     points, _ = part.points(arc, np.linspace(0, 1, count))
     steps = np.abs(np.diff(points, axis=1)) / np.abs(np.array(grid.steps))[:, None]
-    # Two for each cell that it crosses: one alone may hold the kink between two cells.
+    # Two for each cell on the arc, because a single piece may contain the kink between two cells.
     return max(4, math.ceil(2 * float(steps.sum(axis=1).max()) - SLACK), 4 * arc.waves)
 
 
@@ -133,10 +134,10 @@ def _both(
     count: int,
     collected: tuple[_Weights, _Weights] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The integral along one arc by a composite Gauss rule, and with another order.
+    """The integral along one arc by a composite Gauss rule, for the order and another order.
 
-    The mean coframe is left out. collected: takes the weights of the nodes in the sum, and those in
-    the difference of both orders, where noise is known.
+    The integral omits the mean coframe. collected: receives the weights of the nodes in the sum,
+    and in the difference of both orders, if noise is known.
     """
     x, w = np.polynomial.legendre.leggauss(GAUSS)
     s = ((np.arange(count)[:, None] + (x + 1) / 2) / count).ravel()
@@ -163,7 +164,7 @@ def _both(
 def _sum(
     field: Field, places: np.ndarray, blocks: Blocks, slopes: np.ndarray, weights: np.ndarray
 ) -> np.ndarray:
-    """The integral along one arc from values of blocks."""
+    """The integral along one arc, with values interpolated in blocks."""
     n = field.grid.dimension
     flat = field.values.reshape(field.rows * n, *field.grid.shape)
     values = field.grid.known.interpolated(flat, blocks, places).reshape(field.rows, n, -1)
@@ -171,7 +172,7 @@ def _sum(
 
 
 def edge_cochain(field: Field) -> Cochain:
-    """The integral along every edge of the grid; see SampledFrame.cochain."""
+    """The integral along each edge of the grid; see SampledFrame.cochain."""
     grid = field.grid
     found, errors = [], []
     for k, step in enumerate(grid.steps):
@@ -188,7 +189,7 @@ def edge_cochain(field: Field) -> Cochain:
 
 
 def _sigma(field: Field, axis: int, matrix: csr_array) -> np.ndarray:
-    """Standard deviation by noise of the noisiest component of edges along an axis, without holes.
+    """Standard deviation from noise of the noisiest component of edges along an axis, no holes.
 
     matrix: values at the nodes of a line to integrals over its edges.
     """
@@ -206,7 +207,7 @@ def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeInt
     grid = field.grid
     steps = ends - starts
     crossed = (np.abs(steps) / np.abs(np.array(grid.steps))).sum(axis=1)
-    # Two stretches for each cell that is crossed, as along a loop.
+    # Two pieces for each crossed cell, as along a loop.
     counts = np.maximum(1, np.ceil(2 * crossed - SLACK).astype(int))
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
     nodes, weights = (nodes + 1) / 2, weights / 2

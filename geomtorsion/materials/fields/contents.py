@@ -1,4 +1,4 @@
-"""Contents: what a file of a sampled frame holds, and how the failures of readers are said."""
+"""Contents: the data in a file of a sampled frame, and the errors of its readers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Contents:
 
     values: the coframe, or a distortion, shape (rows, columns, grid...), or a displacement, shape
     (rows, grid...).
-    options: sigma, periodic and texts, where there are any; branch, of a displacement.
+    options: sigma, periodic and texts, if present; branch, for a displacement.
     """
 
     axes: list[np.ndarray]
@@ -41,7 +41,7 @@ class Contents:
 
 
 def key_of(path: Path, arrays: Iterable[str]) -> str:
-    """Which array holds the values."""
+    """Name of the array that holds the values."""
     found = [key for key in ("coframe", "distortion") if key in arrays]
     if len(found) != 1:
         present = cut(", ".join(sorted(map(str, arrays)))) or "nothing"
@@ -52,7 +52,7 @@ def key_of(path: Path, arrays: Iterable[str]) -> str:
 
 
 def guarded(path: Path, load: Callable[[], Any]) -> Any:
-    """What a reader returns, with its failures as an error of ours."""
+    """Result of a reader; its exceptions become errors of this package."""
     try:
         return load()
     except (
@@ -83,7 +83,7 @@ def module(name: str, path: Path) -> Any:
 
 
 def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -> None:
-    """Refuse arrays that say that they are larger, all together, than can be read."""
+    """Refuse arrays whose declared total size is too large to read."""
     total = 0
     for what, shape in shapes.items():
         total += size * prod(map(int, shape))
@@ -95,7 +95,7 @@ def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -
 
 
 def check_distinct(path: Path, names: Sequence[str]) -> None:
-    """Refuse axes of which one is named twice."""
+    """Refuse two axes with one name."""
     twice = next((name for name, count in Counter(names).items() if count > 1), None)
     if twice is not None:
         raise FileFormatError(
@@ -105,5 +105,5 @@ def check_distinct(path: Path, names: Sequence[str]) -> None:
 
 
 def periodic_names(given: object, path: Path) -> list[str]:
-    """Names of periodic axes from a text with blanks between them."""
+    """Names of periodic axes, from a text with names separated by blanks."""
     return checks.text(given, f"{path}: periodic", FileFormatError).split()

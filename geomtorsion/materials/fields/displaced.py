@@ -1,4 +1,4 @@
-"""Displaced: circuits and edges through a displacement: whole lattice vectors, nothing else."""
+"""Displaced: circuits and edges through a displacement; b is a sum of whole lattice vectors."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from geomtorsion.materials.fields.sides import on_grid, window_sums
 from geomtorsion.materials.survey import Errors
 from geomtorsion.precision import CALCULATED
 
-# A path is followed in steps of at most so much of a cell: none passes over a cell.
+# Largest step along a path, in cells, so that no step skips a cell.
 LONGEST = 1 / 2
 
 
 def displaced_burgers(grid: Grid, displacement: Displacement, loop: Loop) -> Measured:
-    """Burgers vector of a loop: the jumps of the edges of the grid that it can be moved to."""
+    """Burgers vector of a loop: the sum of the jumps of the grid edges along it."""
     jumps = displacement.jumps
     times, chances, gap = np.zeros(len(jumps.vectors)), np.zeros(len(jumps.vectors)), 0.0
     for part in loop.parts:
         places, ends = _followed(grid, part)
         nodes = _nodes(grid, places, "loop")
-        # Back to the first node, whole periods further on.
+        # The path returns to the first node, shifted by whole periods.
         turns = np.rint(ends / (np.array(grid.steps) * grid.shape)).astype(int)
         nodes = np.concatenate([nodes, nodes[:, :1] + (turns * grid.shape)[:, None]], axis=1)
         here, moves = nodes[:, :-1], np.diff(nodes)
@@ -46,7 +46,7 @@ def displaced_burgers(grid: Grid, displacement: Displacement, loop: Loop) -> Mea
 
 
 def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
-    """Places along a path, so dense that none is passed over, (d, k), and its gap, (d,)."""
+    """Places along a path that skip no cell, (d, k), and the gap between its ends, (d,)."""
     found, gap = [], np.zeros(grid.dimension)
     for arc in part.arcs:
         count = 64
@@ -62,7 +62,7 @@ def _followed(grid: Grid, part: Part) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _nodes(grid: Grid, places: np.ndarray, what: str) -> np.ndarray:
-    """The first node of the cell in which each place is; places in holes are refused."""
+    """The first node of the cell of each place; places in holes are refused."""
     blocks = grid.known.blocks(places, 2)
     grid.refuse_holes(blocks.used, places, what)
     return blocks.first
@@ -76,11 +76,11 @@ def _along(
     *,
     signed: bool = True,
 ) -> np.ndarray:
-    """What the edges from nodes to neighbouring nodes have, added up, shape (k, steps).
+    """Sums of table values over the edges from nodes to neighbouring nodes, shape (k, steps).
 
     tables: one for each axis, (k, edges...). nodes, moves: shape (d, steps), at most one step along
-    each axis. Steps forwards come first: their edges belong to the cell that is left, those of
-    steps backwards to the cell that is entered.
+    each axis. Forward steps are first: their edges belong to the old cell, and the edges of
+    backward steps to the new cell.
     """
     here = nodes.copy()
     found = np.zeros((len(tables[0]), here.shape[1]))
@@ -99,7 +99,7 @@ def _along(
 def displaced_circuits(
     grid: Grid, displacement: Displacement, plane: tuple[int, int], size: tuple[int, int]
 ) -> tuple[np.ndarray, Callable[[], Errors]]:
-    """b of all circuits of a size and what makes their errors, as `cells.circuits`."""
+    """b of all circuits of a size, and a function for their errors, as in `cells.circuits`."""
     lines = Rectangles(grid, plane, size)
     times = lines.rounds(*_along_sides(lines, displacement.times))
     touched = tuple(_touched(grid, k)[None] for k in range(grid.dimension))
@@ -109,7 +109,7 @@ def displaced_circuits(
 
 
 def _along_sides(lines: Rectangles, tables: tuple[np.ndarray, ...]) -> list[np.ndarray]:
-    """Sums of tables of edges, one for each axis, along the sides of circuits."""
+    """Sums of tables of edges along the sides of circuits; one table for each axis."""
     return [
         window_sums(tables[k], m, 1 + k, lines.grid.periodic[k])
         for k, m in zip(lines.plane, lines.size, strict=True)
@@ -119,7 +119,7 @@ def _along_sides(lines: Rectangles, tables: tuple[np.ndarray, ...]) -> list[np.n
 def _errors(
     lines: Rectangles, displacement: Displacement, times: np.ndarray, vectors: np.ndarray
 ) -> Errors:
-    """Errors of all circuits, from how often each jumps."""
+    """Errors of all circuits, from the number of jumps of each circuit."""
     jumps, chances = displacement.jumps, lines.sums(*_along_sides(lines, displacement.chances))
     table, rows = jumps.covariance(times, chances), range(len(vectors))
     covariance = {(i, j): table[..., i, j] for i in rows for j in rows[i:]}
@@ -127,7 +127,7 @@ def _errors(
 
 
 def _touched(grid: Grid, axis: int) -> np.ndarray:
-    """Edges along an axis of which an end is not known, as numbers."""
+    """Edges along an axis with an unknown end, as numbers 0 and 1."""
     touched = grid.holes | np.roll(grid.holes, -1, axis)
     return (touched if grid.periodic[axis] else np.delete(touched, -1, axis)).astype(np.int32)
 
@@ -135,9 +135,9 @@ def _touched(grid: Grid, axis: int) -> np.ndarray:
 def displaced_torsion(
     grid: Grid, rows: int, order: int, plane: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Torsion at the nodes, its error and its sigma, as `cells.torsion`.
+    """Torsion at the nodes, its error and its sigma, as in `cells.torsion`.
 
-    Zero, as second derivatives commute; NaN where there are not enough known nodes in a row.
+    Torsion is zero, because second derivatives commute, or NaN without enough known nodes in a row.
     """
     found = np.zeros((rows, *grid.shape))
     for axis in plane:
@@ -146,7 +146,7 @@ def displaced_torsion(
 
 
 def displaced_cochain(grid: Grid, displacement: Displacement) -> Cochain:
-    """The integral along every edge of the grid, without holes: a difference less the jump."""
+    """The integral along each edge of a grid without holes: a difference minus the jump."""
     values, errors = [], []
     rows = len(displacement.values)
     for k, times in enumerate(displacement.times):
@@ -173,10 +173,10 @@ def _of_both_ends(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
 def displaced_edges(
     field: Field, displacement: Displacement, starts: np.ndarray, ends: np.ndarray
 ) -> EdgeIntegrals:
-    """The integrals along straight edges, which add up to jumps alone round a closed circuit.
+    """The integrals along straight edges; their sum around a closed circuit contains only jumps.
 
-    From each end to a node of its cell the coframe is interpolated; from node to node it is the
-    difference of the displacement less the jumps of the edges of the grid on the way.
+    From each end to a node of its cell, the coframe is interpolated. From node to node, the
+    integral is the difference of the displacement minus the jumps of the grid edges between them.
     """
     grid, jumps = field.grid, displacement.jumps
     count = len(starts)
@@ -204,7 +204,7 @@ def displaced_edges(
 def _crossed(
     grid: Grid, times: tuple[np.ndarray, ...], starts: np.ndarray, ends: np.ndarray
 ) -> np.ndarray:
-    """Jumps of the edges of the grid along straight edges, shape (k, edges)."""
+    """Jumps of the grid edges along straight edges, shape (k, edges)."""
     cells = np.abs((ends - starts) / np.array(grid.steps)).max(axis=1)
     counts = 1 + np.ceil(cells / LONGEST).astype(int)
     owner = np.repeat(np.arange(len(starts)), counts + 1)

@@ -1,4 +1,4 @@
-"""Displacement: what a field of displacements on a grid says, with jumps by lattice vectors."""
+"""Displacement: a field of displacements on a grid, with jumps by lattice vectors."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from geomtorsion.materials.fields.noise import along, spread
 from geomtorsion.materials.fields.sides import on_grid
 from geomtorsion.materials.fields.stencils import applied
 
-# An edge compares itself with the median of so many neighbours: two on each side.
+# Number of steps in the median for an edge: the edge itself and two neighbours on each side.
 NEIGHBOURS = 5
-# Standard error of the median of normal numbers, in units of that of their mean.
+# Standard error of the median of normal numbers, in units of the standard error of their mean.
 OF_MEDIAN = float(np.sqrt(np.pi / 2))
-# What asks for jumps to be looked for.
+# Value of `branch` that requests a search for jumps.
 FIND = "find"
 
 
@@ -27,8 +27,8 @@ FIND = "find"
 class Jumps:
     """Lattice vectors by which a displacement jumps.
 
-    vectors: shape (k, rows). scatter, bias: standard errors of vectors that were found in the
-    values, and their errors by smooth strain, of the same shape; zero where they were declared.
+    vectors: shape (k, rows). scatter: standard errors of vectors found in the values, same shape.
+    bias: errors of these vectors from smooth strain, same shape. Both are zero for declared ones.
     """
 
     vectors: np.ndarray
@@ -37,41 +37,42 @@ class Jumps:
 
     @classmethod
     def declared(cls, vectors: np.ndarray) -> Jumps:
-        """Jumps that are known without an error."""
+        """Jumps with exactly known vectors."""
         return cls(vectors, np.zeros_like(vectors), np.zeros_like(vectors))
 
     def sums(self, times: np.ndarray) -> np.ndarray:
-        """Sums of so many of each vector, shape (rows, ...), for times of shape (k, ...)."""
+        """Sums of multiples of the vectors, shape (rows, ...), for times of shape (k, ...)."""
         return np.einsum("ki,k...->i...", self.vectors, times)
 
     def covariance(self, times: np.ndarray, chances: np.ndarray) -> np.ndarray:
         """Covariance of such sums, shape (..., rows, rows).
 
-        chances: that noise has changed a number, added up over all edges of a circuit, (k, ...).
+        chances: that noise changed the number of jumps, summed over all edges of a circuit,
+        (k, ...).
         """
         wrong = np.einsum("k...,ki,kj->...ij", chances, self.vectors, self.vectors)
         own = np.einsum("k...,ki->...i", times**2, self.scatter**2)
         return wrong + own[..., None] * np.eye(self.vectors.shape[1])
 
     def errors(self, times: np.ndarray) -> np.ndarray:
-        """Error of the largest component of such sums by smooth strain, shape (...)."""
+        """Error of the largest component of such sums from smooth strain, shape (...)."""
         return np.einsum("ki,k...->i...", self.bias, np.abs(times)).max(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class Displacement:
-    """A displacement at the nodes of a grid, and by how many lattice vectors each edge jumps.
+    """A displacement at the nodes of a grid, and the jumps of the edges in lattice vectors.
 
-    The integral of the coframe along an edge is the difference of the displacement less the jump.
-    Round a circuit the differences cancel, and b is a sum of whole lattice vectors.
+    The integral of the coframe along an edge is the difference of the displacement minus the jump.
+    The differences cancel around a circuit, and b is a sum of whole lattice vectors.
 
-    values: u^i at the nodes, shape (rows, grid...). branch: the jumps as they were declared.
-    coframe: 1 + d u without the jumps, at the nodes, NaN in holes. sigma: its standard deviation by
-    noise, of the same shape, or None.
-    times: by how many of the vectors each edge jumps, shape (k, edges...), one array for each axis.
-    chances: that noise has changed such a number, of the same shapes; zero without noise.
-    variances: of u by noise, shape (rows, grid...), or None.
-    source: what was found, in words.
+    values: u^i at the nodes, shape (rows, grid...). branch: the jumps as declared by the user.
+    coframe: 1 + d u without the jumps, at the nodes, NaN in holes. sigma: standard deviation of the
+    coframe from noise, same shape, or None.
+    times: multiple of each vector in the jump of each edge, shape (k, edges...), one array for each
+    axis. chances: that noise changed such a multiple, same shapes; zero without noise.
+    variances: of u from noise, shape (rows, grid...), or None.
+    source: origin of the values and the jumps found, in words.
     """
 
     values: np.ndarray
@@ -88,19 +89,19 @@ class Displacement:
 def displacement_of(
     values: np.ndarray, grid: Grid, order: int, branch: object, variances: np.ndarray | None = None
 ) -> Displacement:
-    """A displacement with its jumps and its derivatives without them.
+    """A displacement with its jumps, and its derivatives without the jumps.
 
-    Cells round which the jumps do not close hold a core, or a difference that noise has spoilt:
-    their corners become holes.
+    If the jumps around a cell do not add up to zero, the cell contains a core, or noise has changed
+    a difference. The corners of such cells become holes.
 
-    branch: the lattice vectors by which it may jump, shape (k, rows), or one length for all
-    directions; "find": they are looked for; None: it has one value at each place.
-    variances: of the values by noise, shape (rows, grid...).
+    branch: the lattice vectors by which the displacement may jump, shape (k, rows), or one length
+    for all directions; "find" searches for them; None means a displacement without jumps.
+    variances: of the values from noise, shape (rows, grid...).
     """
     rows, d = values.shape[0], grid.dimension
     steps = [differences(values, 1 + k, grid.periodic[k]) for k in range(d)]
-    # Smooth fields may change by more than a lattice vector from node to node: jumps are what
-    # stands out from the neighbours along the line.
+    # A smooth field may change by more than a lattice vector from node to node. Therefore a jump
+    # is a step that differs from its neighbours along the line.
     bent = [step - _medians(step, 1 + k) for k, step in enumerate(steps)]
     if branch is None or (isinstance(branch, str) and branch == FIND):
         jumps = _found(steps, bent, grid)
@@ -140,16 +141,16 @@ def displacement_of(
 
 
 def _listed(vectors: np.ndarray, times: list[np.ndarray]) -> str:
-    """Vectors with how many edges jump by them, in words."""
+    """Vectors and the numbers of edges that jump by them, in words."""
     counts = sum(np.count_nonzero(x, axis=tuple(range(1, x.ndim))) for x in times)
     pairs = zip(vectors.tolist(), np.asarray(counts).tolist(), strict=True)
     return ", ".join(f"({', '.join(f'{x:.6g}' for x in b)}) on {n} edges" for b, n in pairs)
 
 
 def _open_cells(times: list[np.ndarray], grid: Grid) -> Iterator[tuple[int, np.ndarray]]:
-    """In each plane how many cells there are round which jumps do not close, and their corners.
+    """For each plane, the number of cells whose jumps do not add up to zero, and their corners.
 
-    Cells with unknown corners do not count.
+    Cells with unknown corners are ignored.
     """
     for a, b in combinations(range(grid.dimension), 2):
         wraps = grid.periodic
@@ -184,7 +185,7 @@ def _derived(
 
 
 def differences(values: np.ndarray, axis: int, periodic: bool) -> np.ndarray:
-    """From each node to the next one."""
+    """Differences from each node to the next one."""
     return np.roll(values, -1, axis) - values if periodic else np.diff(values, axis=axis)
 
 
@@ -199,7 +200,7 @@ def _window(steps: np.ndarray, axis: int) -> np.ndarray:
 def _medians(steps: np.ndarray, axis: int) -> np.ndarray:
     """The median of each step and its known neighbours along the line."""
     rows = _window(steps, axis)
-    # Unknown ones sort to the end.
+    # NaN, for unknown steps, sorts to the end.
     rows.sort(axis=0)
     known = np.isfinite(rows).sum(axis=0)
     pair = (np.maximum(known - 1, 0) // 2, np.minimum(known // 2, NEIGHBOURS - 1))
@@ -224,11 +225,11 @@ def lattice_vectors(branch: object, rows: int) -> np.ndarray:
 
 
 def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps:
-    """The vectors by which steps stand out from their neighbours, the largest first.
+    """The vectors by which steps exceed their neighbours, the largest first.
 
-    A step may be a jump if it stands out more than each of its neighbours does. A vector counts if
-    the jumps by it (within a quarter of it) make lines: fewer cells are left open than there are
-    jumps. What is less than half of something that does not count is not asked.
+    A step may be a jump if its excess is larger than the excess of each neighbour. A vector is
+    accepted if its jumps (within a quarter of it) form lines: fewer cells remain open than there
+    are jumps. Vectors smaller than half of a rejected vector are not examined.
     """
     away = [np.sqrt((x**2).sum(axis=0)) for x in bent]
     open_ = [
@@ -246,7 +247,7 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps
             break
         times = [_near(rest, seed) * o for rest, o in zip(bent, open_, strict=True)]
         left_open = sum(count for count, _ in _open_cells([x[None] for x in times], grid))
-        # Without the cubic, and the line, through the neighbours.
+        # The steps minus the cubic through the neighbours, and minus the line through them.
         sharp, blunt = (
             np.concatenate(
                 [((s - p[n]) * x)[:, x != 0] for s, p, x in zip(steps, smooth, times, strict=True)],
@@ -269,7 +270,7 @@ def _found(steps: list[np.ndarray], bent: list[np.ndarray], grid: Grid) -> Jumps
 
 
 def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
-    """How far the farthest of two neighbours on each side is from the median of all five."""
+    """Largest distance of the two neighbours on each side from the median of all five steps."""
     middle = np.moveaxis(_medians(steps, axis), axis, -1)
     rows = _window(steps, axis) - middle
     sizes = np.sqrt((np.delete(rows, NEIGHBOURS // 2, axis=0) ** 2).sum(axis=1))
@@ -277,7 +278,7 @@ def _of_neighbours(steps: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _of_near_and_far(steps: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """What two neighbours on each side, and one on each side, say of a step; NaN without them."""
+    """A step predicted from two neighbours on each side, and from one; NaN without them."""
     moved = np.moveaxis(steps, axis, -1)
     found = []
     left, right = moved[..., 1:-3] + moved[..., 3:-1], moved[..., :-4] + moved[..., 4:]
@@ -297,7 +298,7 @@ def _near(rest: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def _nearest(rest: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Which vector (1), or opposite (-1), or none steps are nearest to, shape (k, edges...)."""
+    """1 for the vector nearest to a step, -1 if its opposite is nearest, or 0, (k, edges...)."""
     found = np.zeros((len(vectors), *rest.shape[1:]))
     best = np.nan_to_num((rest**2).sum(axis=0), nan=-1.0)
     for k, vector in enumerate(vectors):

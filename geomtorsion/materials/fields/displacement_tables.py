@@ -1,4 +1,4 @@
-"""Displacement tables: fields of displacements as text, with columns x, y, u, v, or of DaVis."""
+"""Displacement tables: displacements as text, with columns x, y, u, v, or written by DaVis."""
 
 from __future__ import annotations
 
@@ -18,26 +18,27 @@ from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import Contents
 from geomtorsion.npz import LARGEST_ARRAYS
 
-# What programs call the components of a displacement, in small letters.
+# Names of the components of a displacement in other programs, in lower case.
 _COMPONENTS = (
     ("u", "ux", "u_x", "vx", "dx", "disp_x", "x-displacement"),
     ("v", "uy", "u_y", "vy", "dy", "disp_y", "y-displacement"),
     ("w", "uz", "u_z", "vz", "dz", "disp_z", "z-displacement"),
 )
 _DAVIS, _TECPLOT = "#DaVis", "VARIABLES"
-# A unit behind a name: x (mm), u [um].
+# A unit after a name: x (mm), u [um].
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]*)[\])]")
 _QUOTED = re.compile(r'"([^"]*)"')
-# Of DaVis as of other programs, which write a degree of freedom more for a third axis.
+# For DaVis and other programs: a third axis adds a third component.
 _WIDTHS = {4: 2, 6: 3}
 
 
 @dataclass(frozen=True)
 class _Header:
-    """How a table begins.
+    """The header of a table.
 
-    row: number of the row of names, from 0. split: what stands between columns, None for blanks.
-    axes, components: columns of coordinates and of the displacement. unit, vector_unit: of both.
+    row: number of the row of names, from 0. split: separator of columns, None for blanks.
+    axes: columns of the coordinates. components: columns of the displacement. unit, vector_unit:
+    of coordinates and displacement.
     """
 
     row: int
@@ -50,23 +51,23 @@ class _Header:
 
 
 def holds_displacement(path: Path) -> bool:
-    """Whether a text file begins as a table of displacements."""
+    """Whether a text file begins like a table of displacements."""
     with opened(path) as file:
         text = file.read(BOUNDS.beginning).decode("utf-8-sig", "replace")
     return _header(text.splitlines()) is not None
 
 
 def read_displacement(path: Path) -> Contents:
-    """Displacements at the nodes of a grid, in any order; nodes without a row are holes.
+    """Read displacements at the nodes of a grid, in any order; nodes without a row are holes.
 
-    Columns are named in the first row (x, y, u, v, or Ux, Vx, dx ...; units in brackets), in the
-    row VARIABLES of a Tecplot file, or stand in the order x, y, u, v below a row #DaVis. Blanks,
-    tabs, commas or semicolons stand between them.
+    The columns are named in the first row (x, y, u, v, or Ux, Vx, dx ...; units in brackets) or in
+    the row VARIABLES of a Tecplot file. Below a row #DaVis they are in the order x, y, u, v. They
+    are separated by blanks, tabs, commas or semicolons.
 
     Raises
     ------
     FileFormatError
-        Columns are missing, a row has another length, or the points make no regular grid.
+        Columns are missing, a row has another length, or the points are not a regular grid.
     """
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
     lines = text.splitlines()
@@ -102,7 +103,7 @@ def read_displacement(path: Path) -> Contents:
 
 
 def refuse_writing(path: Path, contents: Contents) -> NoReturn:
-    """Say that such files are read alone."""
+    """Raise an error: these files can only be read."""
     raise GridError(
         f"{path}: expected the name of a format that is written, got {path.suffix!r}, which is "
         "read only. Save it as .npz or .csv."
@@ -110,7 +111,7 @@ def refuse_writing(path: Path, contents: Contents) -> NoReturn:
 
 
 def _header(lines: Sequence[str]) -> _Header | None:
-    """How the table begins; None if it is another one."""
+    """The header of a table of displacements; None for any other table."""
     rows = [k for k, line in enumerate(lines) if line.strip()]
     if not rows:
         return None
@@ -138,7 +139,7 @@ def _header(lines: Sequence[str]) -> _Header | None:
 
 
 def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
-    """Columns by their names."""
+    """The header from a row of column names."""
     clean = [word.strip().strip("\"'") for word in words]
     plain = [_UNIT.sub("", word).strip().lower() for word in clean]
     axes = tuple(plain.index(name) for name in ("x", "y", "z") if name in plain)
@@ -151,10 +152,10 @@ def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
 
 
 def _numbers(path: Path, lines: Sequence[str], kept: Sequence[int], header: _Header) -> np.ndarray:
-    """The rows of numbers; nan where there is none."""
+    """The rows of numbers; nan for missing numbers."""
     rows = [lines[k] for k in kept]
     if header.split != ",":
-        # Some countries write decimals with a comma.
+        # Some locales write a decimal comma.
         rows = [row.replace(",", ".") for row in rows]
     try:
         found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=header.split, ndmin=2)

@@ -1,4 +1,4 @@
-"""Edge noise: what noise at points makes of sums of integrals along edges between them."""
+"""Edge noise: noise of sums of integrals along edges, from the noise at the points."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.materials.fields.noise import Noise
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class EdgeNoise(Protocol):
-    """Noise of integrals along edges. chains: how often each edge is run through, (k, edges)."""
+    """Noise of integrals along edges; chains: multiplicity of each edge, shape (k, edges)."""
 
     def covariance(self, chains: csr_array) -> np.ndarray:
-        """Of the sum along each chain, shape (k, rows, rows)."""
+        """Covariance of the sum along each chain, shape (k, rows, rows)."""
         ...
 
     def difference(self, chains: csr_array) -> np.ndarray:
@@ -30,8 +30,9 @@ class EdgeNoise(Protocol):
 class NodeNoise:
     """Noise of values at points.
 
-    noise: of the values. steps: along each edge, shape (edges, d). rule, less_other: values at
-    points to their mean along each edge, and that less the mean by another rule, (edges, points).
+    noise: of the values. steps: along each edge, shape (edges, d). rule: matrix from values at
+    points to their mean along each edge, (edges, points). less_other: `rule` minus the matrix of
+    another rule.
     """
 
     noise: Noise
@@ -40,11 +41,11 @@ class NodeNoise:
     less_other: csr_array
 
     def covariance(self, chains: csr_array) -> np.ndarray:
-        """Each point counts with the square of all that a chain has of it."""
+        """Covariance from the square of the total weight of each point in a chain."""
         return self._of(chains, self.rule)
 
     def difference(self, chains: csr_array) -> np.ndarray:
-        """The diagonal of the same for the other rule."""
+        """Variance of the difference from the other rule, from the weights `less_other`."""
         return np.diagonal(self._of(chains, self.less_other), axis1=1, axis2=2)
 
     def _of(self, chains: csr_array, rule: csr_array) -> np.ndarray:
@@ -54,7 +55,7 @@ class NodeNoise:
 
 @dataclass(frozen=True, eq=False)
 class JumpNoise:
-    """Chances that noise has changed by how many lattice vectors a displacement jumps.
+    """Chances that noise has changed the jumps of a displacement.
 
     chances: of each edge and vector, shape (edges, k). vectors: shape (k, rows).
     """
@@ -63,19 +64,19 @@ class JumpNoise:
     vectors: np.ndarray
 
     def covariance(self, chains: csr_array) -> np.ndarray:
-        """Each wrong jump changes the sum by a lattice vector."""
+        """Covariance from wrong jumps, each of which changes the sum by a lattice vector."""
         total = abs(chains) @ self.chances
         return np.einsum("ck,ki,kj->cij", total, self.vectors, self.vectors)
 
     def difference(self, chains: csr_array) -> np.ndarray:
-        """There is no other rule."""
+        """Zero, because there is no other rule."""
         return np.zeros((chains.shape[0], self.vectors.shape[1]))
 
 
 def chances_of(rest: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Chances that noise has carried a whole number to the next, shape of the rests.
+    """Chances that noise has changed a whole number by one, shape of the rests.
 
-    What is left of a difference is noise about 0, or noise about the next whole number.
+    The rest of a difference is noise around 0, or noise around the next whole number.
     """
     away = 1 - 2 * np.abs(rest)
     with np.errstate(divide="ignore", invalid="ignore"):

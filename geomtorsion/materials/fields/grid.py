@@ -13,7 +13,7 @@ from geomtorsion.errors import GridError
 from geomtorsion.loops.arcs import shown
 from geomtorsion.materials.fields.stencils import SLACK, KnownNodes, Rule, plain_rule
 
-# Steps of an axis may differ by this share: coordinates are often stored as 32-bit floats.
+# Largest relative deviation of a step; coordinates are often stored as 32-bit floats.
 REGULAR = 1e-4
 ORDERS = (2, 4, 6, 8)
 
@@ -25,18 +25,18 @@ def numbers(values: object, where: str) -> np.ndarray:
 
 
 def check_order(order: object) -> None:
-    """Refuse an order for which there are no rules."""
+    """Refuse an order without rules."""
     if order not in ORDERS:
         raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
 
 
 def other_order(order: int) -> int:
-    """The order against which errors of an order are measured."""
+    """The order to compare with, which gives the error of an order."""
     return order - 2 if order > 2 else 4
 
 
 def check_length(names: Sequence[str], shape: Sequence[int], order: int) -> None:
-    """Refuse axes that are too short for an order and that against which it is measured."""
+    """Refuse axes that are too short for an order and its `other_order`."""
     needed = max(order, other_order(order)) + 1
     for name, count in zip(names, shape, strict=True):
         if count < needed:
@@ -47,7 +47,7 @@ def check_length(names: Sequence[str], shape: Sequence[int], order: int) -> None
 
 
 def regular_axis(values: object, name: str) -> np.ndarray:
-    """A regular axis."""
+    """Coordinates of a regular axis, checked."""
     axis = numbers(values, f"axis {name}")
     if axis.ndim != 1 or len(axis) < 2:
         raise GridError(f"axis {name}: a list of coordinates was needed, shape {axis.shape} came.")
@@ -67,7 +67,7 @@ def regular_axis(values: object, name: str) -> np.ndarray:
 
 
 def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
-    """Refuse a grid with less than two axes, or without a name for each."""
+    """Refuse a grid with fewer than two axes, or without a name for each axis."""
     if len(names) != len(axes) or len(axes) < 2:
         raise GridError(
             f"a grid needs two axes or more, and a name for each, but {len(axes)} axes "
@@ -76,7 +76,7 @@ def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
 
 
 def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
-    """Which axes are periodic, from one truth value for each, or from their names."""
+    """Whether each axis is periodic, from truth values or from names of periodic axes."""
     if given is None or given is False:
         return (False,) * len(names)
     if given is True:
@@ -97,7 +97,7 @@ def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
 
 
 def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
-    """Nodes where nothing is known, from truth values."""
+    """Unknown nodes, from a mask of truth values."""
     if given is None:
         return np.zeros(shape, dtype=bool)
     try:
@@ -116,9 +116,10 @@ def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
 class Grid:
     """A regular grid with holes.
 
-    axes: coordinates, one array each; names: of the axes; periodic: whether the last node of an
-    axis is followed by the first. holes: True where nothing is known, shape (N_1, ..., N_d).
-    spacing: of the axes, where it is not to be computed from them: the same for all blocks of one.
+    axes: coordinates, one array for each axis. names: of the axes. periodic: whether the first node
+    of an axis follows the last. holes: True where nothing is known, shape (N_1, ..., N_d).
+    spacing: of the axes, if it must not be computed from them, so that all blocks of a grid have
+    equal spacing.
     """
 
     axes: tuple[np.ndarray, ...]
@@ -146,7 +147,7 @@ class Grid:
 
     @cached_property
     def has_holes(self) -> bool:
-        """Whether there are any."""
+        """Whether the grid has holes."""
         return bool(self.holes.any())
 
     @cached_property
@@ -170,12 +171,12 @@ class Grid:
         )
 
     def pixels(self, nodes: np.ndarray) -> str:
-        """Nodes by their numbers, shape (k, d), for messages."""
+        """Nodes as text, from their numbers, shape (k, d), for messages."""
         rows = np.unique(nodes, axis=0)
         return checks.cut(", ".join(str(tuple(row)) for row in rows.tolist()))
 
     def places(self, points: np.ndarray, what: str) -> np.ndarray:
-        """Points of shape (d, k) in units of the spacing; those that leave the grid are refused."""
+        """Points of shape (d, k) in units of the spacing; points outside the grid are refused."""
         places = np.array(
             [
                 (row - axis[0]) / step
@@ -196,7 +197,7 @@ class Grid:
         return np.where(free, places, np.clip(places, 0, last))
 
     def check_periods(self, gap: np.ndarray) -> None:
-        """Refuse a loop that ends elsewhere than whole periods of the grid from its start."""
+        """Refuse a loop whose ends do not differ by whole periods of the grid."""
         for k, name in enumerate(self.names):
             period = abs(self.steps[k]) * self.shape[k]
             turns = float(gap[k]) / period
@@ -208,7 +209,7 @@ class Grid:
                 )
 
     def refuse_holes(self, used: np.ndarray, places: np.ndarray, what: str) -> None:
-        """Refuse points that have no known nodes round them; the message names the nodes."""
+        """Refuse points without known nodes around them; the message names the unknown nodes."""
         bad = np.flatnonzero(used == 0)
         if not len(bad):
             return
@@ -239,7 +240,7 @@ def check_shape(values: np.ndarray, shape: tuple[int, ...]) -> None:
 
 
 def check_values(values: np.ndarray, grid: Grid) -> None:
-    """Refuse infinite values, and grids of which nothing is known."""
+    """Refuse infinite values, and grids without any known node."""
     bad = np.argwhere(np.isinf(values) & ~grid.holes)
     if len(bad):
         i, mu, *place = bad[0].tolist()

@@ -1,11 +1,11 @@
-"""Circuits: windings of phases along a path of pixels, and the chance that noise changed them."""
+"""Circuits: winding numbers of phases along a path of pixels, and their chance of error."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.errors import ImageError, LoopError
@@ -17,10 +17,10 @@ from geomtorsion.materials.burgers import Burgers
 class LatticeBurgers(Burgers):
     """The Burgers vector of a circuit through a lattice image: whole numbers of lattice vectors.
 
-    vector: along x and y. chance: at most the risk that was accepted. The systematic error is that
-    of the lattice vectors, since spots are known to a third of a pixel.
-    pixels: of the circuit in order, pixels[k] = (x, y), first and last the same.
-    weakest: where the amplitude is smallest in terms of noise, (x, y) in units.
+    vector: along x and y. chance: of a wrong result, at most the accepted risk. The systematic
+    error comes from the lattice vectors, because spots are located to a third of a pixel.
+    pixels: of the circuit in order, pixels[k] = (x, y); the first equals the last.
+    weakest: position of the smallest ratio of amplitude to noise, (x, y) in units.
     """
 
     pixels: np.ndarray
@@ -35,9 +35,9 @@ class LatticeBurgers(Burgers):
 
 
 def wound(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whole turns of phases along a closed path, and what is left of each step without them.
+    """Whole turns of phases along a closed path, and the steps of the phases without these turns.
 
-    phase: between -pi and pi, phase[i, k], the last the same as the first.
+    phase: between -pi and pi, phase[i, k]; the last value equals the first.
     """
     steps = np.diff(phase, axis=1)
     whole = np.rint(steps / (2 * np.pi)).astype(np.int64)
@@ -48,17 +48,17 @@ def wound(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def expected_clicks(ratio: np.ndarray, steps: np.ndarray, blur: float, axis: int) -> np.ndarray:
-    """How many whole turns noise is expected to add along each step, in either sense.
+    """Expected number of whole turns, of either sign, that noise adds along each step.
 
-    Rice, "Noise in FM receivers" (1963), for a carrier in noise: r erfc(sqrt(rho)) of both senses
-    for each unit of length, and |f| exp(-rho) more where the carrier is off by f; rho is the power
-    of the carrier over that of the noise, r the rms frequency of the noise, here
-    1 / (2 sqrt(2) pi blur). Both are means of the two ends of the step.
+    The rate of a carrier in noise, per unit of length and for both signs, is r erfc(sqrt(rho)) plus
+    |f| exp(-rho) if the carrier frequency is off by f [Rice, "Noise in FM receivers" (1963)]. Here
+    rho is the ratio of the powers of carrier and noise, and r is the rms frequency of the noise,
+    1 / (2 sqrt(2) pi blur). Both terms are averaged over the two ends of the step.
 
-    ratio: amplitude over noise at each pixel; steps: of the phase between pixels, without turns.
+    ratio: amplitude over noise at each pixel. steps: of the phase between pixels, without turns.
     """
     rms = 1 / (np.sqrt(8) * np.pi * blur)
-    # From here on erfc is below all doubles.
+    # Above this ratio, erfc underflows to zero.
     ratio = np.minimum(ratio, 30.0)
     still, drowned = (_means(x, axis) for x in (scipy.special.erfc(ratio), np.exp(-(ratio**2))))
     return rms * still + np.abs(steps) / (2 * np.pi) * drowned
@@ -72,14 +72,14 @@ def _means(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np.ndarray:
-    """The pixels along a loop, each a step to the side or up from the one before, shape (k, 2).
+    """The pixels along a loop, each one step along x or y from the previous one, shape (k, 2).
 
     Raises
     ------
     ImageError
-        The loop leaves the image, or runs within a few pixels.
+        The loop leaves the image, or covers only a few pixels.
     LoopError
-        It has not two coordinates, or does not close.
+        The loop does not have two coordinates, or does not close.
     """
     checks.instance(loop, Loop, "loop")
     if loop.dimension != 2:
@@ -88,7 +88,7 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
         )
     if loop.gap.any():
         raise LoopError("the loop does not close in the image, which has no periods.")
-    # A hundred times to and fro along all borders is a mistake in units.
+    # A loop longer than a hundred times all borders is a mistake in units.
     longest = 100 * 4 * sum(shape)
     length = loop.length / step
     if length > longest:
@@ -104,14 +104,14 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
             f"the circuit leaves the image at ({x:.6g}, {y:.6g}) {unit}; it has 0 to "
             f"{step * (shape[0] - 1):.6g} in x and 0 to {step * (shape[1] - 1):.6g} in y."
         )
-    # Sides of polygons are long: as many points as make steps of less than a pixel.
+    # Polygons have long sides: add points, so that steps are shorter than a pixel.
     parts = np.ceil(2 * np.abs(np.diff(corners, axis=0)).max(axis=1)).astype(int)
     at = np.concatenate([[0], np.cumsum(np.maximum(parts, 1))])
     fine = [np.interp(np.arange(at[-1] + 1), at, line) for line in corners.T]
     found = np.rint(np.stack(fine, axis=1)).astype(np.int64)
     found = np.clip(found, 0, np.array(shape) - 1)
     found[-1] = found[0]
-    # A diagonal step becomes two.
+    # A diagonal step becomes two steps.
     between = np.stack([found[1:, 0], found[:-1, 1]], axis=1)
     path = np.concatenate([np.stack([found[:-1], between], axis=1).reshape(-1, 2), found[-1:]])
     path = path[np.concatenate([[True], (np.diff(path, axis=0) != 0).any(axis=1)])]

@@ -18,29 +18,29 @@ from geomtorsion.errors import FileFormatError, ImageError, LimitError, MissingE
 from geomtorsion.hdf5 import check_hdf5
 from geomtorsion.npz import unpacked_size
 
-# How TIFF numbers ways to pack -> what unpacks in portions. Libraries bound all the others.
+# Number of a TIFF compression -> its incremental decompressor. Libraries limit all others.
 UNPACKERS = {8: zlib.decompressobj, 32946: zlib.decompressobj, 34925: lzma.LZMADecompressor}
-# End of a name -> the module that reads such files.
+# File ending -> the module that reads such files.
 KINDS = {
     ".tif": "tifffile", ".tiff": "tifffile", ".png": "PIL.Image", ".npy": "numpy",
     ".dm3": "rsciio.digitalmicrograph", ".dm4": "rsciio.digitalmicrograph", ".mrc": "rsciio.mrc",
     ".ser": "rsciio.tia", ".emd": "rsciio.emd", ".hspy": "rsciio.hspy",
 }  # fmt: skip
-# Of these the ones that are HDF5.
+# The endings of HDF5 files among them.
 _HDF5 = (".emd", ".hspy")
 
 
 def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarray:
     """Grey values of an image file, shape (rows, columns).
 
-    most: pixels that it may have; without it as many as there is room for.
+    most: largest allowed number of pixels; by default, memory sets the limit.
 
     Raises
     ------
     FileFormatError
         The file is missing, damaged, or of another kind.
     LimitError
-        It claims to hold more pixels than there is room for.
+        The file declares more pixels than the limit.
     MissingExtraError
         The library that reads it is not installed.
     """
@@ -71,7 +71,7 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
         raise LimitError(
             f"{path}: the image takes more memory than there is. Cut it into parts."
         ) from None
-    # Decoders fail in all the ways there are when bytes are wrong, some with errors of their own.
+    # Decoders raise errors of many types for wrong bytes, some of their own types.
     except Exception as reason:  # noqa: BLE001
         raise FileFormatError(
             f"{path}: it cannot be read, it is truncated or no file of this kind "
@@ -97,15 +97,15 @@ def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
         turned = found.tags.get("Orientation")
         _check_turn(path, 1 if turned is None else turned.value)
         pixels = np.asarray(found.asarray(maxworkers=1))
-        # Where there is a palette pixels are numbers of its colours.
+        # If there is a palette, pixels are indices of its colours.
         colours = getattr(found, "colormap", None)
         return pixels if colours is None else np.moveaxis(colours[:, pixels], 0, -1)
 
 
 def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> None:
-    """Refuse strips and tiles that are larger than an image, or unpack to more than they say.
+    """Refuse strips and tiles larger than an image, or larger than the header states.
 
-    tifffile unpacks a whole one before it compares sizes.
+    tifffile decompresses a whole strip before it compares sizes.
     """
     check_size(path, page.chunks, most)
     open_one = UNPACKERS.get(int(page.compression))
@@ -136,7 +136,7 @@ def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
 
 
 def _check_turn(path: Path, orientation: int) -> None:
-    """Refuse an image that is said to be seen otherwise than its rows are written."""
+    """Refuse an image whose orientation tag requires it to be turned or mirrored."""
     if orientation != 1:
         raise FileFormatError(
             f"{path}: the file says that it is to be turned or mirrored (orientation "
@@ -146,8 +146,8 @@ def _check_turn(path: Path, orientation: int) -> None:
 
 
 def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
-    """An array, or one of a stack; nothing in the file is unpickled."""
-    # Mapped: its size is known before memory is taken.
+    """An array, or one array of a stack, without unpickling."""
+    # A memory map gives the size before memory is allocated.
     found = library.load(path, mmap_mode="r", allow_pickle=False)
     stack = found if found.ndim == 3 and found.shape[2] > 4 else found[None]
     if page >= len(stack):
@@ -159,14 +159,14 @@ def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
 
 
 def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
-    """One image of a file that rosettasciio reads: pages are counted through all its signals.
+    """One image of a file that rosettasciio reads; pages number the images of all its signals.
 
-    Sizes are compared with the file before a pixel is read.
+    Sizes are compared with the file size before any pixel is read.
     """
     length, end = path.stat().st_size, path.suffix.lower()
     if end in _HDF5:
         _check_room(path, import_module("h5py"))
-    # Their readers take memory, or a part, for each pixel that the header says.
+    # The readers of .mrc and .ser allocate memory for each pixel that the header declares.
     declared = {".mrc": _pixels_of_mrc, ".ser": _pixels_of_ser}.get(end, lambda _: 0)(path)
     if declared > length:
         raise LimitError(
@@ -174,7 +174,7 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
             f"{declared:,} in its header. Is the file complete?"
         )
     stacks = []
-    # A lazy array says its size and reads nothing; that of HDF5 would leave the file open.
+    # A lazy array has a size without reading data. Lazy HDF5 arrays would leave the file open.
     for signal in library.file_reader(str(path), lazy=end not in _HDF5):
         data = signal["data"]
         if data.ndim < 2 or data.dtype.kind not in "biuf":
@@ -186,7 +186,7 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
             )
         names = [str(axis.get("name", "")).lower() for axis in signal["axes"]]
         if names[-2:] == ["x", "y"]:
-            # Stored by columns: as rows it would be a mirror image.
+            # The data are stored by columns; reading them as rows would mirror the image.
             data = data.swapaxes(-1, -2)
         stacks.append(data.reshape(-1, *data.shape[-2:]))
     count = sum(len(stack) for stack in stacks)
@@ -204,7 +204,7 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
 
 
 def _check_room(path: Path, h5py: Any) -> None:
-    """Refuse an HDF5 file that lies about sizes, or of more data than can be read at once."""
+    """Refuse an HDF5 file with wrong sizes, or with more data than can be read at once."""
     check_hdf5(path, h5py)
     sizes: list[int] = []
     with h5py.File(path, "r") as file:
@@ -217,17 +217,17 @@ def _check_room(path: Path, h5py: Any) -> None:
 
 
 def _pixels_of_mrc(path: Path) -> int:
-    """Pixels of all images, as the header says."""
+    """Number of pixels of all images, from the header."""
     with path.open("rb") as file:
         return math.prod(map(abs, struct.unpack("<3i", file.read(12))))
 
 
 def _pixels_of_ser(path: Path) -> int:
-    """Pixels of all images, as the header and the first image say."""
+    """Number of pixels of all images, from the header and the first image."""
     with path.open("rb") as file:
         head = file.read(34)
         version, count = struct.unpack_from("<H", head, 4)[0], struct.unpack_from("<I", head, 18)[0]
-        # Of the newer version offsets have eight bytes.
+        # Offsets have eight bytes in the newer version.
         kind = "<I" if version <= 528 else "<Q"
         if count > path.stat().st_size:
             return count
@@ -237,12 +237,12 @@ def _pixels_of_ser(path: Path) -> int:
 
 
 def check_size(subject: object, shape: tuple[int, ...], most: int | None = None) -> None:
-    """Refuse, before memory is taken, an image whose phases would need too much of it.
+    """Refuse an image whose phases would need too much memory, before allocating it.
 
     Raises
     ------
     LimitError
-        It has too many pixels.
+        The image has too many pixels.
     """
     count = math.prod(map(int, shape[:2]))
     if most is not None and count > most:
@@ -250,12 +250,12 @@ def check_size(subject: object, shape: tuple[int, ...], most: int | None = None)
             f"{subject}: the image has {count:,} pixels; up to {most:,} are taken. Cut it into "
             "parts."
         )
-    # Two complex waves, the spectrum that they come from, and the image itself.
+    # Memory for two complex waves, their spectrum, and the image itself.
     checks.check_room(7 * count, f"{subject}: an image of {count:,} pixels", "Cut it into parts.")
 
 
 def _check_shape(path: Path, shape: tuple[int, ...], dtype: Any) -> None:
-    """Refuse what has not one value, or one to four colours, for each pixel."""
+    """Refuse an array that is not one value, or one to four colours, for each pixel."""
     if dtype is None or np.dtype(dtype).kind not in "biuf" or len(shape) not in (2, 3):
         colours = 0
     else:
@@ -268,7 +268,7 @@ def _check_shape(path: Path, shape: tuple[int, ...], dtype: Any) -> None:
 
 
 def _grey(found: np.ndarray, path: Path) -> np.ndarray:
-    """One value for each pixel: the mean of colours, without opacity."""
+    """One value for each pixel: the mean of the colours, without opacity."""
     _check_shape(path, found.shape, found.dtype)
     if found.ndim == 3:
         colours = found.shape[2] - (found.shape[2] % 2 == 0)
@@ -277,15 +277,15 @@ def _grey(found: np.ndarray, path: Path) -> np.ndarray:
 
 
 def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
-    """Grey values, size of a pixel and its unit, of a hyperspy signal.
+    """Grey values, size of a pixel and its unit, from a hyperspy signal.
 
-    Anything with the same attributes will do: `data`, and `axes_manager` with `signal_axes` (of
-    `scale` and `units`) and `navigation_size`. hyperspy itself is never imported.
+    Any object with the same attributes is accepted: `data`, and `axes_manager` with `signal_axes`
+    (with `scale` and `units`) and `navigation_size`. hyperspy itself is never imported.
 
     Raises
     ------
     ImageError
-        It is no signal of two axes, its pixels are not square, or an axis decreases.
+        The signal does not have two axes, its pixels are not square, or an axis decreases.
     """
     try:
         manager = signal.axes_manager

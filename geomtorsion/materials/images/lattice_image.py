@@ -1,4 +1,4 @@
-"""LatticeImage: a picture of a crystal lattice, with the size of its pixels."""
+"""LatticeImage: an image of a crystal lattice, with the size of its pixels."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 class LatticeImage:
     """An image of a lattice, such as a micrograph that resolves columns of atoms.
 
-    values: grey values, shape (rows, columns), the first row on top, as image files hold it.
-    step: size of a pixel. unit: in which it is given; it is kept and shown.
+    values: grey values, shape (rows, columns), the first row on top, as in image files.
+    step: size of a pixel. unit: of `step`, used in all results.
 
     Coordinates are x to the right and y upwards, counted from the middle of the lower left pixel,
-    in units of `unit`: a right-handed circuit runs anticlockwise on the screen.
+    in `unit`: a right-handed circuit runs anticlockwise on the screen.
 
     Raises
     ------
     ImageError
-        It is no array with two axes, too small, constant, or a value is not finite.
+        The array does not have two axes, is too small or constant, or a value is not finite.
 
     Examples
     --------
@@ -51,11 +51,11 @@ class LatticeImage:
     values: np.ndarray
     step: float = 1.0
     unit: str = "px"
-    # Rows and columns of the smallest image: a lattice of five pixels has its six periods there.
+    # Rows and columns of the smallest image: six periods of a lattice with five pixels per period.
     least: ClassVar[int] = 32
 
     def __post_init__(self) -> None:
-        """Check the array once."""
+        """Check the array."""
         if np.ma.is_masked(self.values):
             raise ImageError(
                 "image: values at all pixels were needed, but some are masked. Fill them with the "
@@ -72,14 +72,14 @@ class LatticeImage:
                 "came. Give a larger part."
             )
         check_size("image", values.shape)
-        # Products of four of them have to be finite, and not zero.
+        # Products of four values have to be finite and nonzero.
         most = float(np.abs(values).max())
         if most and not 1e-70 < most < 1e70:
             raise ImageError(
                 f"image: grey values of ordinary size were needed, but {most:.3g} came. Give them "
                 "in other units."
             )
-        # The mean of equal floats differs from them by rounding, and that is no lattice.
+        # The mean of equal floats differs from them by rounding, which must not count as a lattice.
         if np.ptp(values) <= 1e-12 * np.abs(values).max():
             raise ImageError(
                 "the image has no lattice: all its values are equal. Give another channel or page."
@@ -100,52 +100,54 @@ class LatticeImage:
     def read(
         cls, path: str | Path, step: float = 1.0, unit: str = "px", *, page: int = 0
     ) -> LatticeImage:
-        """From a TIFF, PNG or NPY file, or .dm3, .dm4, .emd, .mrc, .ser, .hspy by rosettasciio.
+        """Read TIFF, PNG or NPY, or by rosettasciio .dm3, .dm4, .emd, .mrc, .ser or .hspy.
 
-        Colours become grey. The first row of the data is on top; programs that write .mrc with the
-        first row at the bottom give a mirror image, in which b has the opposite sign.
+        Colours are converted to grey. The first row of the data is on top. An .mrc file with the
+        first row at the bottom therefore gives a mirror image, in which b has the opposite sign.
 
         Parameters
         ----------
         step, unit
-            Size of a pixel: what microscopes write into files differs too much to be trusted.
+            Size of a pixel. It is not read from files, because microscopes write it in too many
+            different ways.
         page
-            Which one, of a file with several images or an array of shape (pages, rows, columns).
+            Number of the image in a file with several images or in an array of shape
+            (pages, rows, columns).
 
         Raises
         ------
         FileFormatError
             The file is missing, damaged, too large, or of another kind.
         MissingExtraError
-            The library is not installed: of the extra "images", or "files" for microscopes.
+            The library is not installed; it is in the extra "images", or "files" for microscopes.
         """
         path = checks.file_name(path, error=ImageError)
         values = read_pixels(path, page)
         try:
             return cls(values, step, unit)
         except ImageError as error:
-            # What is wrong with the pixels is wrong with the file.
+            # An error in the pixels is reported as an error in the file.
             named = f"{path.name}: {error}"
             raise ImageError(named if "image" in str(error)[:10] else str(error)) from None
 
     @classmethod
     def of_signal(cls, signal: Any) -> LatticeImage:
-        """From a two-dimensional hyperspy signal, with its scale and unit.
+        """Image from a two-dimensional hyperspy signal, with its scale and unit.
 
-        As of files, x goes along the rows of its data and y from the last one to the first.
+        As for files, x runs along the rows of the data, and y from the last row to the first.
 
         Raises
         ------
         ImageError
-            It is no such signal, its pixels are not square, or an axis decreases.
+            The signal does not have two axes, its pixels are not square, or an axis decreases.
         """
         return cls(*pixels_of_signal(signal))
 
-    # -- what it shows ----------------------------------------------------------------------------
+    # -- lattice ----------------------------------------------------------------------------------
 
     @cached_property
     def field(self) -> np.ndarray:
-        """The values by coordinates, field[x, y], shape (columns, rows)."""
+        """The values as a function of coordinates, field[x, y], shape (columns, rows)."""
         return np.ascontiguousarray(self.values[::-1].T)
 
     @property
@@ -156,7 +158,7 @@ class LatticeImage:
 
     @cached_property
     def spots(self) -> Spots:
-        """Two Bragg spots that span the reciprocal lattice, found by themselves.
+        """Two Bragg spots that span the reciprocal lattice, found automatically.
 
         Raises
         ------
@@ -171,25 +173,26 @@ class LatticeImage:
         resolution: float | None = None,
         reference: Region | None = None,
     ) -> LatticePhases:
-        """Geometric phases of two Bragg spots: how far each place is along the lattice.
+        """Geometric phases of two Bragg spots, which give lattice coordinates of each pixel.
 
         Parameters
         ----------
         spots
-            g_1 and g_2 in cycles per unit, rows, shape (2, 2); found if not given. Two that span
-            only part of the reciprocal lattice give only part of the Burgers vector.
+            g_1 and g_2 in cycles per unit, rows, shape (2, 2); by default found automatically.
+            Spots that span only part of the reciprocal lattice give only part of the Burgers
+            vector.
         resolution
-            Standard deviation of the Gaussian over which the phases are averaged, in units. If
-            not given: one lattice spacing, more where the noise asks for it.
+            Standard deviation of the Gaussian over which the phases are averaged, in units. The
+            default is one lattice spacing, or more if the noise requires it.
         reference
-            A region of unstrained lattice, see `LatticePhases.relative_to`; strain is counted from
-            the mean lattice of the image if not given.
+            A region of unstrained lattice, see `LatticePhases.relative_to`. By default, strain is
+            relative to the mean lattice of the image.
 
         Raises
         ------
         ImageError
-            The image shows no lattice, a spot lies beyond the pixels, or both are collinear; the
-            region lies outside the image.
+            The image shows no lattice, a spot is beyond the highest frequency of the pixels, the
+            spots are collinear, or the region is outside the image.
         """
         found = self.spots if spots is None else self._given(spots)
         blur = None if resolution is None else self._resolution(resolution)
@@ -197,7 +200,7 @@ class LatticeImage:
         return phases if reference is None else phases.relative_to(reference)
 
     def _given(self, spots: object) -> Spots:
-        """Spots from a user, with the amplitude and the noise that the image has there."""
+        """Spots given by the user, with amplitude and noise measured in the image."""
         pair = self.step * checks.array(spots, "spots", ImageError, shape=(2, 2))
         if np.abs(pair).max() > 0.5:
             raise ImageError(
@@ -219,7 +222,7 @@ class LatticeImage:
         return measured(Spectrum.of(self.field), pair)
 
     def _resolution(self, value: object) -> float:
-        """A resolution from a user, in pixels."""
+        """Resolution given by the user, in pixels."""
         blur = checks.positive(value, "resolution", ImageError) / self.step
         if not 0.5 <= blur <= min(self.values.shape) / 4:
             raise ImageError(

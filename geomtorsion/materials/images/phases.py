@@ -1,4 +1,4 @@
-"""Phases: geometric phase analysis, from two Bragg spots to coframe, strain and whole numbers."""
+"""Phases: geometric phase analysis, from two Bragg spots to coframe, strain, Burgers vectors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -23,7 +23,7 @@ from geomtorsion.materials.survey import Errors, Survey, middles
 
 # Names of components of b along the axes of the image.
 COMPONENTS = ("bx", "by")
-# What is divided by is at least this: a power may vanish.
+# Lower bound of divisors, because a power may vanish.
 TINY = float(np.finfo(float).tiny)
 
 
@@ -33,20 +33,20 @@ class LatticePhases:
 
     Equation
     --------
-    H_i(r) exp(2 pi i g_i r) = image filtered round g_i; the phase of H_i is -2 pi g_i u(r)
+    H_i(r) exp(2 pi i g_i r) = image filtered around g_i; the phase of H_i is -2 pi g_i u(r)
     [Hytch, Snoeck and Kilaas, Ultramicroscopy 74 (1998) 131], and
-    e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with beta = grad u: lattice coordinates grow
-    by e along a step. Its integral along a right-handed circuit is a whole number for each i, minus
-    g_i b_0, where b_0 = integral of du.
+    e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with beta = grad u. The integral of e along a
+    step is the change of the lattice coordinates. Its integral along a right-handed circuit is a
+    whole number for each i, equal to -g_i b_0, where b_0 = integral of du.
 
     step, unit: size of a pixel. found: the spots, with their noise, in cycles per pixel.
-    blur: standard deviation of the Gaussian over which they were averaged, in pixels.
+    blur: standard deviation of the averaging Gaussian, in pixels.
     waves: H_i of each spot, complex, waves[i, x, y].
-    borders: share of the Gaussian that lies within the image, by x and by y.
+    borders: share of the Gaussian within the image, by x and by y.
     picture: grey values of the image, picture[x, y].
-    low: share of the median amplitude below which a place is a hole: a core, a void.
-    reference: e^i_mu of the lattice from which strain is counted, shape (2, 2), lattice vectors per
-        unit; that of the spots, the mean of the image, if None.
+    low: share of the median amplitude below which a pixel is a hole, such as a core or a void.
+    reference: e^i_mu of the unstrained lattice, shape (2, 2), lattice vectors per unit; if None,
+        the lattice of the spots, which is the mean lattice of the image.
     """
 
     step: float
@@ -72,22 +72,22 @@ class LatticePhases:
         return np.linalg.inv(self.spots if self.reference is None else self.reference).T
 
     def relative_to(self, region: Region) -> LatticePhases:
-        """The same phases with distortion, strain and lattice vectors counted from a region.
+        """The same phases, with distortion, strain and lattice vectors relative to a region.
 
         Parameters
         ----------
         region
             Unstrained lattice: a rectangle ((x0, x1), (y0, y1)) in units, or truth values by pixel,
-            region[x, y]. Its mean coframe, without holes, is the reference.
+            region[x, y]. The reference is its mean coframe without holes.
 
         Raises
         ------
         ImageError
-            The region lies outside of the image, is narrower than the resolution, or is all holes.
+            The region is outside the image, narrower than the resolution, or consists of holes.
 
         Examples
         --------
-        Fringes whose spacing grows by 2 % in the right half, and strain from the left:
+        Fringes with a 2 % larger spacing in the right half, and strain relative to the left half:
 
         >>> from geomtorsion.materials.images import LatticeImage
         >>> y, x = np.mgrid[127:-1:-1, 0:256]
@@ -108,7 +108,7 @@ class LatticePhases:
 
     @property
     def resolution(self) -> float:
-        """Standard deviation of the Gaussian over which the phases were averaged, in units."""
+        """Standard deviation of the averaging Gaussian, in units."""
         return self.blur * self.step
 
     @property
@@ -116,11 +116,11 @@ class LatticePhases:
         """Relative error of lattice vectors: a third of a pixel of the transform over |g|."""
         return 1 / (3 * min(self.waves.shape[1:]) * float(np.hypot(*self.found.vectors.T).min()))
 
-    # -- what is seen where -----------------------------------------------------------------------
+    # -- amplitude and noise ----------------------------------------------------------------------
 
     @cached_property
     def amplitude(self) -> np.ndarray:
-        """How strong each wave is, amplitude[i, x, y]; where it is low there is no phase."""
+        """Amplitude of each wave, amplitude[i, x, y]; a low amplitude has no meaningful phase."""
         return np.abs(self.waves)
 
     @cached_property
@@ -132,10 +132,10 @@ class LatticePhases:
     def noise(self) -> np.ndarray:
         """Root mean square of the noise in each wave, noise[i, x, y]; larger towards the border.
 
-        From what lies round each spot in the power spectrum: it holds for noise that is equally
-        strong all over the image.
+        It is estimated from the power spectrum around each spot, and assumes noise of equal
+        strength in the whole image.
         """
-        # Of white noise of variance one a Gaussian leaves 1 / (4 pi blur^2).
+        # A Gaussian reduces white noise of variance 1 to variance 1 / (4 pi blur^2).
         narrow = [_inside(n, self.blur / np.sqrt(2)) for n in self.waves.shape[1:]]
         shares = [np.sqrt(s) / b for s, b in zip(narrow, self.borders, strict=True)]
         one = np.multiply.outer(*shares) / (np.sqrt(4 * np.pi) * self.blur)
@@ -153,7 +153,7 @@ class LatticePhases:
 
     @cached_property
     def holes(self) -> np.ndarray:
-        """Where an amplitude is low, so that nothing is known: holes[x, y]."""
+        """Whether an amplitude is too low for a phase, holes[x, y]."""
         low = self.amplitude < self.low * self.levels[:, None, None]
         return low[0] | low[1]
 
@@ -168,7 +168,7 @@ class LatticePhases:
         slopes = np.empty((2, *self.waves.shape))
         power = np.maximum(self.amplitude, TINY) ** 2
         for k, wave in enumerate(self.waves):
-            # The share inside the image is real: it changes no phase, but has a slope of its own.
+            # The share inside the image is real: it does not change the phase, but has a slope.
             full = wave * np.multiply.outer(*self.borders)
             scale = power[k] * np.multiply.outer(*self.borders)
             for mu, slope in enumerate(np.gradient(full, edge_order=2)):
@@ -179,21 +179,21 @@ class LatticePhases:
 
     @cached_property
     def spread(self) -> np.ndarray:
-        """Standard deviation of the coframe by noise, along x or y, spread[i, x, y].
+        """Standard deviation of the coframe from noise, along x or y, spread[i, x, y].
 
         Equation
         --------
-        A share s / (sqrt(2) A) of the noise s of a wave of amplitude A turns its phase, and a
-        Gaussian of deviation r makes the slope of that 1 / (sqrt(2) r) times as large.
+        Noise s of a wave of amplitude A changes its phase by s / (sqrt(2) A). The slope of this
+        phase noise is 1 / (sqrt(2) r) times as large for a Gaussian of standard deviation r.
         """
         slope = 1 / (2 * self.blur * np.maximum(self.ratio, TINY))
         return slope / (2 * np.pi * self.step)
 
     @cached_property
     def distortion(self) -> np.ndarray:
-        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y]: from the reference.
+        """beta^a_mu = d_mu u^a in x and y, distortion[a, mu, x, y], relative to the reference.
 
-        NaN in holes. `strain` is its symmetric part, `rotation` the rest.
+        NaN in holes. `strain` is its symmetric part, `rotation` its antisymmetric part.
         """
         unit = np.eye(2)[:, :, None, None]
         return unit - np.einsum("ia,imxy->amxy", self.lattice, self.coframe)
@@ -205,31 +205,32 @@ class LatticePhases:
 
     @property
     def rotation(self) -> np.ndarray:
-        """Angle by which the lattice is turned to the left, in radians, rotation[x, y]."""
+        """Anticlockwise rotation of the lattice, in radians, rotation[x, y]."""
         return (self.distortion[1, 0] - self.distortion[0, 1]) / 2
 
     @property
     def margin(self) -> int:
-        """Pixels at each border whose averages reach beyond it, which `sampled` leaves out."""
-        # A middle that is nearer to the border than half the reach has lost more than 2 % there.
+        """Pixels at each border whose averages reach beyond the border; `sampled` omits them."""
+        # A pixel closer to the border than half the reach loses more than 2 % of its average.
         return int(np.ceil(_reach(self.blur) / 2))
 
     def sampled(self, order: int = 4, *, lengths: bool = False) -> SampledFrame:
         """The coframe as a sampled frame without the margin: maps, loops, Nye tensor.
 
-        Its holes are those of the phases, its sigma is their noise. Noise of neighbours is the same
-        over the resolution here, and that of a gradient, which closes: of single values and of
-        strains sigma holds, of circuits it is a bound far above the scatter.
+        The frame has the holes of the phases, and its sigma is their noise. This noise is
+        correlated over the resolution, and it is a gradient, whose circuit integrals vanish.
+        Therefore sigma is correct for single values and strains; for circuits it is an upper bound,
+        far above the scatter.
 
         Parameters
         ----------
         lengths
-            1 - beta, in units of length along x and y, in the place of lattice coordinates.
+            Return 1 - beta, in units of length along x and y, instead of lattice coordinates.
 
         Raises
         ------
         GridError
-            The margins leave nothing.
+            The margins cover the whole image.
         """
         checks.count(order, "order", GridError, 2)
         sizes = self.waves.shape[1:]
@@ -255,21 +256,21 @@ class LatticePhases:
     # -- whole numbers ----------------------------------------------------------------------------
 
     def burgers(self, loop: Loop, risk: float = 0.05) -> LatticeBurgers:
-        """Burgers vector of a circuit: how often each phase turns along it, a whole number.
+        """Burgers vector of a circuit: the whole number of turns of each phase along it.
 
         Parameters
         ----------
         loop
             In x and y of the image, in its units.
         risk
-            A result is refused where the chance that noise has changed it is larger. That chance
-            is told too large rather than too small.
+            Largest accepted chance that noise has changed the result. The estimated chance is
+            rather too large than too small.
 
         Raises
         ------
         ImageError
             The circuit leaves the image, crosses a hole, or the noise is too strong; the message
-            names the place.
+            names the position.
         """
         limit = checks.positive(risk, "risk", ImageError)
         path = pixel_path(loop, self.step, self.waves.shape[1:], self.unit)
@@ -314,16 +315,16 @@ class LatticePhases:
     def burgers_map(
         self, size: int, plane: tuple[int, int] = (0, 1), *, risk: float = 0.05
     ) -> Survey:
-        """Burgers vectors of the square circuits of size x size pixels at every place.
+        """Burgers vectors of the square circuits of size x size pixels at all positions.
 
-        Whole numbers, the same as `burgers` gives for each of them, and their lengths along x and
-        y. The cost does not grow with the size. risk: as for `burgers`; where the chance of a wrong
-        number is larger, or the circuit touches a hole, b is not known.
+        The survey has the same whole numbers as `burgers` for each circuit, and b along x and y.
+        The cost does not depend on the size. risk: as for `burgers`; b is unknown if the chance of
+        a wrong number is larger, or if the circuit touches a hole.
 
         Raises
         ------
         ImageError
-            The size is not from 2 to what the image holds, or the plane is another than x and y.
+            The size is below 2 or larger than the image, or the plane is not x and y.
         """
         if tuple(plane) != (0, 1):
             raise ImageError("plane: an image has one plane, x and y. Leave the option out.")
@@ -350,8 +351,8 @@ class LatticePhases:
 
     def _errors(self, whole: np.ndarray, chances: np.ndarray) -> Errors:
         """Errors of whole numbers, each with the chance that noise changed it, shape (2, x, y)."""
-        # A number that noise changes adds a lattice vector; spots are known to a third of a pixel
-        # of the transform, and with them the lattice.
+        # Noise that changes a number adds a lattice vector. The error of the lattice vectors comes
+        # from the spots, which are located to a third of a pixel of the transform.
         table = np.einsum("ia,ib,ixy->abxy", self.lattice, self.lattice, chances)
         covariance = {(a, b): table[a, b] for a, b in ((0, 0), (0, 1), (1, 1))}
         lengths = np.hypot(*self.lattice.T)
@@ -367,7 +368,7 @@ class LatticePhases:
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about the image, its lattice, and where it cannot be seen."""
+        """Lines of text about the image, its lattice, and its holes."""
         columns, rows = self.picture.shape
         vectors = ", ".join(f"({x:.4g}, {y:.4g})" for x, y in self.lattice.tolist())
         strength = self.levels / np.median(self.noise, axis=(1, 2))
@@ -381,27 +382,27 @@ class LatticePhases:
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
-        """The picture itself, which has one plane."""
+        """The image itself, which has one plane."""
         x, y = (self.step * np.arange(n) for n in self.picture.shape)
         return Backdrop((x, y), self.picture, "image", "image and circuits")
 
     def _place(self, pixel: np.ndarray) -> str:
-        """A pixel as a place in messages."""
+        """Position of a pixel, for messages."""
         x, y = (self.step * pixel).tolist()
         return f"({x:.6g}, {y:.6g}) {self.unit}"
 
     @cached_property
     def cochain(self) -> Cochain:
-        """Whole turns of both phases along every step from pixel to pixel, as a cochain.
+        """Whole turns of both phases along each step from pixel to pixel, as a cochain.
 
-        Its coboundary is the discrete torsion: not zero on the faces in which a core lies.
+        Its coboundary is the discrete torsion, which is nonzero on the faces that contain a core.
         """
         values = np.concatenate([-turns(self.phase, axis).reshape(2, -1).T for axis in (1, 2)])
         return Cochain(Complex.grid(self.phase.shape[1:]), values)
 
     @cached_property
     def residues(self) -> np.ndarray:
-        """Burgers vector of every square of four pixels, whole numbers, residues[i, x, y]."""
+        """Burgers vector of each square of four pixels, whole numbers, residues[i, x, y]."""
         along_x, along_y = (-turns(self.phase, axis) for axis in (1, 2))
         return np.diff(along_y, axis=1) - np.diff(along_x, axis=2)
 
@@ -414,17 +415,17 @@ class LatticePhases:
 
 
 def turns(phase: np.ndarray, axis: int) -> np.ndarray:
-    """How many whole turns have to be taken off each step of a phase to make it the shortest."""
+    """Number of whole turns to subtract from each step of a phase to make it the shortest."""
     return np.rint(np.diff(phase, axis=axis) / (2 * np.pi)).astype(np.int64)
 
 
 def lattice_phases(
     field: np.ndarray, step: float, unit: str, spots: Spots, blur: float | None
 ) -> LatticePhases:
-    """Filter an image round two spots; see LatticeImage.phases."""
+    """Filter an image around two spots; see LatticeImage.phases."""
     if blur is None:
         blur = _resolution(spots, min(field.shape))
-    # Zeros behind the border keep opposite sides apart.
+    # Zeros beyond the border separate opposite sides in the periodic transform.
     padded = [scipy.fft.next_fast_len(n + int(_reach(blur))) for n in field.shape]
     spectrum = scipy.fft.fft2(field - field.mean(), padded)
     borders = [_inside(n, blur) for n in field.shape]
@@ -433,7 +434,7 @@ def lattice_phases(
     for wave, vector in zip(waves, spots.vectors, strict=True):
         masks = []
         for k, g in zip(lines, vector, strict=True):
-            # Frequencies beyond the end of an axis are those at its other end.
+            # Frequencies are periodic along each axis.
             away = (k - g + 0.5) % 1.0 - 0.5
             masks.append(np.exp(-2 * (np.pi * blur * away) ** 2))
         found = scipy.fft.ifft2(spectrum * np.multiply.outer(*masks), overwrite_x=True)
@@ -450,12 +451,12 @@ def lattice_phases(
 
 
 def _reach(blur: float, deviations: float = 4.0) -> float:
-    """Where a Gaussian has ended."""
+    """Distance at which a Gaussian is cut off."""
     return deviations * blur
 
 
 def _inside(count: int, blur: float) -> np.ndarray:
-    """Share of a Gaussian about each of so many pixels that lies within them."""
+    """Share of a Gaussian around each of `count` pixels that is within these pixels."""
     reach = int(np.ceil(_reach(blur)))
     weights = np.exp(-((np.arange(-reach, reach + 1) / blur) ** 2) / 2)
     every = np.concatenate([[0.0], np.cumsum(weights / weights.sum())])
@@ -465,14 +466,14 @@ def _inside(count: int, blur: float) -> np.ndarray:
 
 
 def _resolution(spots: Spots, size: int, clear: float = 5.0, coarsest: float = 1 / 12) -> float:
-    """One lattice spacing; more where amplitudes would not be clear of the noise.
+    """One lattice spacing, or more if the amplitudes would not be clear of the noise.
 
-    clear: amplitude over noise from which on noise turns no phase round (less than once in a
-    million resolutions). coarsest: share of the image beyond which it is not averaged: circuits
-    need room.
+    clear: ratio of amplitude to noise above which noise adds no turn to a phase (less than once in
+    a million resolutions). coarsest: largest resolution as a share of the image, because circuits
+    need space.
     """
     spacing = 1.0 / float(np.hypot(*spots.vectors.T).min())
-    # A spot without any power asks for more than there is.
+    # The lower bound avoids an infinite resolution for a spot without power.
     weakest = np.maximum(spots.amplitudes, spots.noise / size)
     ratio = float((spots.noise / np.maximum(weakest, TINY)).max())
     needed = clear * ratio / np.sqrt(4 * np.pi)

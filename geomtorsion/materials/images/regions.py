@@ -16,14 +16,14 @@ Region = Sequence[Sequence[float]] | np.ndarray
 def pixels_of(
     given: Region, sizes: tuple[int, ...], step: float, unit: str, least: float
 ) -> np.ndarray:
-    """The pixels of a region, truth values [x, y].
+    """The pixels of a region, as truth values [x, y].
 
     sizes: pixels along x and y. least: width below which a region is too narrow, in units.
 
     Raises
     ------
     ImageError
-        It lies outside of the image, is narrower, or has another shape.
+        The region is outside the image, is too narrow, or has another shape.
     """
     if isinstance(given, np.ndarray) and given.dtype == bool:
         if given.shape != sizes:

@@ -1,4 +1,4 @@
-"""Spots: the Bragg spots of an image, and the noise round them, from its power spectrum."""
+"""Spots: the Bragg spots of an image, and the noise around them, from its power spectrum."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.errors import ImageError
 
@@ -15,10 +15,10 @@ from geomtorsion.errors import ImageError
 class Spots:
     """Two Bragg spots that span the reciprocal lattice.
 
-    vectors: g_1 and g_2 in cycles per pixel, rows, shape (2, 2); from g_1 to g_2 is a turn to the
-        left, and g_1 is the one closer to the x axis.
+    vectors: g_1 and g_2 in cycles per pixel, rows, shape (2, 2); the turn from g_1 to g_2 is
+        anticlockwise, and g_1 is closer to the x axis.
     amplitudes: of exp(2 pi i g x) in the image, shape (2,).
-    noise: standard deviation per pixel of white noise as strong as what lies round each spot.
+    noise: standard deviation per pixel of white noise with the power measured around each spot.
     """
 
     vectors: np.ndarray
@@ -28,12 +28,13 @@ class Spots:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Power of an image under a Hann window, in units of a white noise of variance one.
+    """Power of an image under a Hann window, in units of white noise of variance one.
 
     power: shape (N_x, N_y); x, y: frequencies of rows and columns in cycles per pixel.
-    smoothing: standard deviation in pixels of the transform over which power is added: a
-        dislocation splits a spot into a ring of about one pixel.
-    periods: across the smaller side that a spot has at least: fewer have no phase to speak of.
+    smoothing: standard deviation of the Gaussian that smooths the power, in pixels of the
+        transform, because a dislocation splits a spot into a ring of about one pixel.
+    periods: least number of periods of a spot across the smaller side of the image, because fewer
+        periods do not define a phase.
     """
 
     power: np.ndarray
@@ -44,7 +45,7 @@ class Spectrum:
 
     @classmethod
     def of(cls, field: np.ndarray) -> Spectrum:
-        """The spectrum of a field, whose borders the window hides."""
+        """The spectrum of a field, with a window that suppresses the borders."""
         window = np.multiply.outer(*(_taper(n) for n in field.shape))
         mean = (window * field).sum() / window.sum()
         found = scipy.fft.fft2(window * (field - mean), workers=1)
@@ -52,9 +53,10 @@ class Spectrum:
         return cls(power, scipy.fft.fftfreq(field.shape[0]), scipy.fft.fftfreq(field.shape[1]))
 
     def around(self, place: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Power near a frequency, and the offsets from it, up to so many pixels of the larger axis.
+        """Power near a frequency, and the offsets from the frequency along both axes.
 
-        Frequencies beyond the end of an axis are those at its other end.
+        reach: largest offset, in pixels of the larger axis. Frequencies are periodic along each
+        axis.
         """
         size = np.array(self.power.shape)
         centre = np.round(place * size).astype(int)
@@ -67,26 +69,26 @@ class Spectrum:
 
     @property
     def pixel(self) -> float:
-        """The smaller pixel of the transform, in cycles per pixel of the image."""
+        """The smaller side of a pixel of the transform, in cycles per pixel of the image."""
         return 1.0 / max(self.power.shape)
 
 
 def _taper(count: int) -> np.ndarray:
-    """A window that falls to zero over a quarter of its length at either end."""
+    """A window that falls to zero over a quarter of its length at each end."""
     return scipy.signal.windows.tukey(count, 0.5, sym=False)
 
 
 def find_spots(field: np.ndarray, false_alarm: float = 1e-4) -> Spots:
     """The two Bragg spots of an image that span its lattice, each to a third of a pixel.
 
-    A spot stands out of what lies round it by more than noise does anywhere in an image, except for
-    false alarms. Of the pairs that all other spots are whole multiples of, the strongest is
-    taken.
+    A spot exceeds its surroundings by more than the maximum of noise over the image, except with
+    probability `false_alarm`. The result is the strongest pair whose whole multiples include all
+    other spots.
 
     Raises
     ------
     ImageError
-        No spot stands out, or all lie in one direction, or they come from edges and not a lattice.
+        No spot exceeds the noise, all spots are in one direction, or they come from edges.
     """
     spectrum = Spectrum.of(field)
     places, strengths = _significant(spectrum, false_alarm)
@@ -115,7 +117,7 @@ def find_spots(field: np.ndarray, false_alarm: float = 1e-4) -> Spots:
 
 
 def ordered(pair: np.ndarray) -> np.ndarray:
-    """The two spots with signs and order that do not depend on which was the stronger one."""
+    """The two spots with signs and order that do not depend on their strengths."""
     turned = np.array([g if (g[0] > 0 or (g[0] == 0 and g[1] > 0)) else -g for g in pair])
     slopes = np.abs(np.arctan2(turned[:, 1], turned[:, 0]))
     first, second = turned[np.argsort(slopes, kind="stable")]
@@ -124,7 +126,7 @@ def ordered(pair: np.ndarray) -> np.ndarray:
 
 
 def measured(spectrum: Spectrum, pair: np.ndarray) -> Spots:
-    """Amplitudes of two spots, and the noise in the ring half way to other spots."""
+    """Amplitudes of two spots, and the noise in the ring halfway to other spots."""
     amplitudes, noise = np.empty(2), np.empty(2)
     shortest = float(np.hypot(*pair.T).min())
     for k, place in enumerate(pair):
@@ -132,20 +134,21 @@ def measured(spectrum: Spectrum, pair: np.ndarray) -> Spots:
         block, dx, dy = spectrum.around(place, reach)
         distance = np.hypot(dx, dy)
         ring = (distance < shortest / 2) & (distance > shortest / 4)
-        # The power of noise is exponential: its median is ln 2 of its mean.
+        # The power of noise has an exponential distribution, with median ln 2 times its mean.
         variance = float(np.median(block[ring])) / np.log(2) if ring.any() else 0.0
         inside = distance < min(shortest / 4, 4 * spectrum.smoothing * spectrum.pixel)
         power = block[inside].sum() - variance * inside.sum()
-        # Parseval: the power under the window is A^2 times the number of pixels.
+        # By Parseval's theorem, the power under the window is A^2 times the number of pixels.
         amplitudes[k] = np.sqrt(max(power, 0.0) / spectrum.power.size)
         noise[k] = np.sqrt(variance)
     return Spots(pair, amplitudes, noise)
 
 
 def refined(spectrum: Spectrum, place: np.ndarray) -> np.ndarray:
-    """The centre of gravity of a spot, in a Gaussian window that follows it.
+    """The centroid of a spot, in a Gaussian window that follows it.
 
-    It is the mean gradient of the phase: a dislocation, which splits its spot, does not shift it.
+    The centroid is the mean gradient of the phase. A dislocation splits a spot but does not shift
+    its centroid.
     """
     reach = 4 * spectrum.smoothing
     width = spectrum.smoothing * spectrum.pixel
@@ -163,9 +166,9 @@ def refined(spectrum: Spectrum, place: np.ndarray) -> np.ndarray:
 def _significant(
     spectrum: Spectrum, false_alarm: float, candidates: int = 16
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places of spots, half of the plane, and their power over the noise, strongest first.
+    """Spots in half of the frequency plane, and their power over the noise, strongest first.
 
-    candidates: spots that are looked at: the first orders of any lattice.
+    candidates: number of spots to examine, enough for the first orders of any lattice.
     """
     power = scipy.ndimage.gaussian_filter(spectrum.power, spectrum.smoothing, mode="wrap")
     kx, ky = spectrum.x[:, None], spectrum.y[None, :]
@@ -177,7 +180,7 @@ def _significant(
     ranked = places[np.argsort(-power[tuple(places.T)], kind="stable")][: 4 * candidates]
     limit = _threshold(power.size, spectrum.smoothing, false_alarm)
     radii = np.hypot(kx, ky).ravel()
-    # Places by rings of one pixel, so that each spot looks at the rings next to it alone.
+    # Sort frequencies into rings of one pixel, so that each spot examines only the nearest rings.
     rings = (radii / spectrum.pixel).astype(np.min_scalar_type(max(power.shape)))
     order = np.argsort(rings, kind="stable")
     ends = np.concatenate([[0, 0], np.cumsum(np.bincount(rings)), [len(radii)]])
@@ -187,7 +190,7 @@ def _significant(
         block, dx, dy = spectrum.around(place, 4 * reach)
         distance = np.hypot(dx, dy) / spectrum.pixel
         ring = (distance > 2 * reach) & (distance < 4 * reach)
-        # A glass scatters equally in all directions, and its rings consist of speckle.
+        # A glass scatters equally in all directions: its spots are speckle on a ring.
         radius = float(np.hypot(*place))
         number = int(radius / spectrum.pixel)
         near = order[ends[number] : ends[number + 3]]
@@ -200,9 +203,11 @@ def _significant(
 
 
 def _threshold(count: int, smoothing: float, false_alarm: float) -> float:
-    """What smoothed noise of mean one exceeds nowhere at so many places, but for false alarms.
+    """The level that smoothed noise of mean one exceeds anywhere with chance `false_alarm`.
 
-    A weighted sum of powers is nearly gamma-distributed; the window correlates neighbours.
+    A weighted sum of powers nearly has a gamma distribution; the window correlates neighbours.
+
+    count: number of frequencies.
     """
     weights = np.zeros(33)
     weights[16] = 1.0
@@ -215,9 +220,9 @@ def _threshold(count: int, smoothing: float, false_alarm: float) -> float:
 
 
 def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
-    """Whether what makes a spot lies all over the image, by the participation ratio.
+    """Whether the wave of a spot extends over the whole image, by the participation ratio.
 
-    covered: the ratio below which it comes from edges.
+    covered: the ratio below which the spot comes from edges.
     """
     blur = max(2.0 / float(np.hypot(*place)), 2.0)
     waves = [
@@ -225,7 +230,7 @@ def _covers(field: np.ndarray, place: np.ndarray, covered: float = 0.2) -> bool:
     ]
     found = (field - field.mean()) * np.multiply.outer(*waves)
     every = max(1, int(blur / 2))
-    # Means over blocks are enough to see where the spot comes from.
+    # Means over blocks are sufficient to locate the source of the spot.
     shape = [n // every for n in field.shape]
     found = found[: shape[0] * every, : shape[1] * every]
     found = found.reshape(shape[0], every, shape[1], every).mean(axis=(1, 3))
@@ -243,16 +248,16 @@ def _basis(
     orders: int = 4,
     belonging: float = 0.5,
 ) -> tuple[int, int] | None:
-    """The strongest pair of those that span the most of all spots; None if there is no pair.
+    """The strongest pair among the pairs that span most of the spots; None if there is no pair.
 
-    collinear: sine of the angle, 10 degrees, below which two spots span no lattice.
-    orders: multiples of the two among which the others are sought.
-    belonging: share of the power of all spots that has to belong to one lattice.
+    collinear: sine of the angle, 10 degrees, below which two spots do not span a lattice.
+    orders: largest multiple of the pair that can describe another spot.
+    belonging: least share of the power of all spots that belongs to one lattice.
 
     Raises
     ------
     ImageError
-        No pair spans the larger part of them, as where a ring of speckle comes from a glass.
+        No pair spans the larger part of the spots, such as for the ring of speckle of a glass.
     """
     harmonic = _harmonics(places, strengths, pixel)
     pairs, spanned = [], []
@@ -276,7 +281,7 @@ def _basis(
             "the image has no lattice that can be seen: the spots of its Fourier transform do not "
             "belong together. Cut out a part with one lattice, or give spots=[[x, y], [x, y]]."
         )
-    # Weak spots beside the others, which a defect makes, decide nothing.
+    # Ignore weak spots off the lattice, which come from defects.
     best = [p for p, share in zip(pairs, spanned, strict=True) if share > 0.98 * max(spanned)]
     return max(best, key=lambda pair: (min(strengths[list(pair)]), -sum(pair)))
 
@@ -284,10 +289,10 @@ def _basis(
 def _harmonics(
     places: np.ndarray, strengths: np.ndarray, pixel: float, harmonics: int = 12
 ) -> np.ndarray:
-    """Which spots are harmonics of the strongest one, perhaps folded back at the end of an axis.
+    """Whether each spot is a harmonic of the strongest spot, possibly aliased.
 
-    harmonics: orders of sharp fringes, which are no second direction; their power falls with the
-    square of the order, so that fainter ones decide nothing.
+    harmonics: largest order of harmonics, which sharp fringes have and which do not give a second
+    direction. Their power falls with the square of the order; fainter spots are ignored.
     """
     orders = np.arange(-harmonics, harmonics + 1)[:, None]
     orders = orders[np.abs(orders[:, 0]) > 1]
@@ -295,7 +300,7 @@ def _harmonics(
     rest = places[:, None] - orders * places[first]
     rest -= np.round(rest)
     near = np.hypot(rest[..., 0], rest[..., 1]) < pixel * np.abs(orders[:, 0]) / 2
-    # Twice, since a spot is seldom measured better.
+    # The factor 2 allows for the error of a measured power.
     weak = strengths[:, None] * orders[:, 0] ** 2 < 2 * strengths[first]
     faint = strengths * harmonics**2 < strengths[first]
     return (near & weak).any(axis=1) | faint

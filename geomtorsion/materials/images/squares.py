@@ -1,4 +1,4 @@
-"""Squares: windings of phases round all square circuits of one size, by sums along lines."""
+"""Squares: windings of phases around all square circuits of one size, by sums along lines."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from geomtorsion.materials.images.circuits import expected_clicks
 def squares_of(
     phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, size: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Windings of phases round all squares, which touch no hole, and expected clicks of noise.
+    """Windings of phases around all squares, whether they avoid holes, and expected clicks.
 
-    phase, ratio: phase[i, x, y], and the amplitude in units of its noise. Sums from the first pixel
-    of each line make any size as cheap as a pixel.
+    The cost does not depend on the size, because sums along lines are shared. phase: phase[i, x,
+    y]. ratio: the amplitude in units of its noise.
     """
     sides = [_along(phase, ratio, holes, blur, axis, size) for axis in (1, 2)]
     (whole, clicks, crossed), (up, more, met) = sides
     n = size
-    # Right along the lower side, up the right one, back along the upper one, down the left one.
+    # Along the lower side to the right, up the right side, back along the upper, down the left.
     wound = whole[:, :, :-n] + up[:, n:] - whole[:, :, n:] - up[:, :-n]
     total = clicks[:, :, :-n] + more[:, n:] + clicks[:, :, n:] + more[:, :-n]
     touched = crossed[:, :-n] + met[n:] + crossed[:, n:] + met[:-n]
@@ -28,7 +28,7 @@ def squares_of(
 def _along(
     phase: np.ndarray, ratio: np.ndarray, holes: np.ndarray, blur: float, axis: int, size: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Along all sides of one direction: whole turns, expected clicks, pixels in holes."""
+    """Whole turns, expected clicks and pixels in holes along all sides in one direction."""
     steps = np.diff(phase, axis=axis)
     turns = np.rint(steps / (2 * np.pi)).astype(np.int64)
     clicks = expected_clicks(ratio, steps - 2 * np.pi * turns, blur, axis)
@@ -41,7 +41,7 @@ def _along(
 
 
 def _runs(steps: np.ndarray, axis: int, size: int) -> np.ndarray:
-    """Sums over so many steps that follow each other."""
+    """Sums over `size` consecutive steps."""
     sums = np.cumsum(np.insert(steps, 0, 0, axis), axis=axis)
     count = sums.shape[axis]
     return np.take(sums, range(size, count), axis) - np.take(sums, range(count - size), axis)

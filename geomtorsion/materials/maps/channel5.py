@@ -1,4 +1,4 @@
-"""Channel 5: orientation maps in .cpr, a text, with .crc, the numbers beside it (Oxford, HKL)."""
+"""Channel 5: orientation maps in two files, .cpr (text) and .crc (numbers) (Oxford, HKL)."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from geomtorsion.materials.maps.map_phases import (
 from geomtorsion.materials.maps.map_points import Declared, MapFile, MapPoints, gridded
 from geomtorsion.materials.maps.phases import Phase
 
-# Number of a field -> what it holds and its type; the phase, a byte, goes before all others.
+# Number of a field -> its name and type; the phase, one byte, is before all fields.
 _FIELDS = {
     1: ("x", "<f4"), 2: ("y", "<f4"), 3: ("phi1", "<f4"), 4: ("Phi", "<f4"), 5: ("phi2", "<f4"),
     6: ("deviation", "<f4"), 7: ("contrast", "u1"), 8: ("slope", "u1"), 9: ("field 9", "u1"),
     10: ("bands", "u1"), 11: ("error", "u1"), 12: ("reliability", "<f4"),
 }  # fmt: skip
 _ANGLES = ("phi1", "Phi", "phi2")
-# Section and key in small letters -> value.
+# Section and key in lower case -> value.
 Keys = dict[tuple[str, str], str]
 
 
 def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
-    """A map of two files, of which either may be named; angles are in radians, steps in um.
+    """Read a map from its two files, given the path of either; angles in radians, steps in um.
 
     Raises
     ------
     FileFormatError
-        One of the files is missing, or they do not fit each other.
+        One of the files is missing, or they do not belong together.
     """
     laue = checks.table(given, "laue", FileFormatError)
     text, numbers = (_partner(path, end) for end in (".cpr", ".crc"))
@@ -104,7 +104,7 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
 
 
 def _partner(path: Path, end: str) -> Path:
-    """One of the two files of a map."""
+    """Path of one of the two files of a map."""
     found = [path.with_suffix(each) for each in (end, end.upper())]
     there = [one for one in found if one.is_file()]
     if not there:
@@ -116,7 +116,7 @@ def _partner(path: Path, end: str) -> Path:
 
 
 def _keys(text: str) -> Keys:
-    """Keys of all sections; blanks in keys and sections do not count."""
+    """Values of all sections by section and key; blanks in these names are ignored."""
     found: Keys = {}
     section = ""
     for row in re.split(r"\r\n|\r|\n", text):
@@ -130,7 +130,7 @@ def _keys(text: str) -> Keys:
 
 
 def _number(name: str, keys: Keys, section: str, key: str) -> float:
-    """A finite number."""
+    """The finite number of a key."""
     came = keys.get((section, key), "")
     value = finite_number(came.replace(",", "."))
     if value is None:
@@ -142,7 +142,7 @@ def _number(name: str, keys: Keys, section: str, key: str) -> float:
 
 
 def _whole(name: str, keys: Keys, section: str, key: str) -> int:
-    """A number of things, which the file of numbers must have room for."""
+    """The positive whole number of a key."""
     value = _number(name, keys, section, key)
     if value != int(value) or not 0 < value < 2**31:
         raise FileFormatError(
@@ -153,7 +153,7 @@ def _whole(name: str, keys: Keys, section: str, key: str) -> int:
 
 
 def _count(name: str, keys: Keys, section: str) -> int:
-    """How many fields or phases there are."""
+    """Number of fields or phases."""
     found = _whole(name, keys, section, "count")
     if found > BOUNDS.phases:
         raise FileFormatError(
@@ -164,13 +164,13 @@ def _count(name: str, keys: Keys, section: str) -> int:
 
 
 def _field(name: str, keys: Keys, k: int) -> tuple[str, str]:
-    """Name and type of a field; those that nobody documents have four bytes."""
+    """Name and type of a field; undocumented fields have four bytes."""
     number = _whole(name, keys, "fields", f"field{k}")
     return _FIELDS.get(number, (f"field {number}", "<f4"))
 
 
 def _phase(name: str, keys: Keys, k: int, laue: Mapping[int, str]) -> Phase:
-    """A phase from its section."""
+    """Read a phase from its section."""
     section = f"phase{k}"
     lengths, angles = (
         [_number(name, keys, section, key) for key in names]

@@ -1,4 +1,4 @@
-"""Circuits: closed ways from pixel to neighbouring pixel of a map."""
+"""Circuits: closed paths from pixel to neighbouring pixel of a map."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class Circuit:
     """A closed chain of steps between neighbouring pixels.
 
     starts, ends: row and column of the pixels of each step, shape (k, 2).
-    times: how often each step is made, shape (k,).
-    name: what it is called in messages and pictures.
+    times: how often the circuit makes each step, shape (k,).
+    name: of the circuit, for messages and figures.
 
     Raises
     ------
     OrientationError
-        A step does not lead to a neighbour, or the chain does not close; the message names pixels.
+        A step does not lead to a neighbour, or the chain does not close; the message names a pixel.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Circuit:
     name: str = "circuit"
 
     def __post_init__(self) -> None:
-        """Check steps once: neighbours, closed."""
+        """Check that steps join neighbours and that the chain closes."""
         for key in ("starts", "ends"):
             found = checks.array(getattr(self, key), key, OrientationError, shape=(None, 2))
             if (found != np.rint(found)).any() or (found < 0).any():
@@ -86,14 +86,14 @@ class Circuit:
         Parameters
         ----------
         corner
-            Row and column of the pixel of least row and column.
+            Row and column of the corner pixel with the smallest row and column.
         rows, columns
             Numbers of cells in both directions.
 
         Raises
         ------
         OrientationError
-            A number is no whole number, or no cell is inside.
+            A number is not whole, or no cell is inside.
         """
         row, column = _pixel(corner)
         rows = checks.count(rows, "rows", OrientationError, 1)
@@ -115,9 +115,9 @@ class Circuit:
         Parameters
         ----------
         cells
-            How often the circuit runs round each cell, or whether it does, shape (rows, columns).
+            How often the circuit surrounds each cell, or whether it does, shape (rows, columns).
         corner
-            Row and column of the pixel of least row and column of the first cell.
+            Row and column of the first cell's corner pixel, the one with the smallest indices.
 
         Examples
         --------
@@ -136,7 +136,7 @@ class Circuit:
         if not found.any() or (found != np.rint(found)).any():
             raise OrientationError(needed.format(subject="cells", value=checks.shown(cells)))
         inside = np.pad(found.astype(np.int64), 1)
-        # A step along a row is made once for the cell below it (larger row), back for that above.
+        # A step along a row counts +1 for the cell below it (larger row), -1 for the cell above.
         along = inside[1:, 1:-1] - inside[:-1, 1:-1]
         across = inside[1:-1, :-1] - inside[1:-1, 1:]
         steps = [(np.argwhere(along), (0, 1), along), (np.argwhere(across), (1, 0), across)]
@@ -153,12 +153,13 @@ class Circuit:
         Parameters
         ----------
         pixels
-            Row and column of each corner, shape (k, 2); the last is joined to the first.
+            Row and column of each corner, shape (k, 2); the circuit returns from the last corner
+            to the first.
 
         Raises
         ------
         OrientationError
-            Two pixels that follow each other share neither row nor column.
+            Two consecutive pixels share neither row nor column.
 
         Examples
         --------
@@ -186,12 +187,12 @@ class Circuit:
 
     @property
     def pixels(self) -> np.ndarray:
-        """All pixels that it passes, each once, shape (k, 2)."""
+        """All pixels on the circuit, each once, shape (k, 2)."""
         return np.unique(np.concatenate([self.starts, self.ends]), axis=0)
 
 
 def _counted(cells: object) -> object:
-    """Cells with 1 for True and 0 for False; what is no table of truth values as it came."""
+    """Cells with 1 for True and 0 for False; input that is not truth values is returned as is."""
     try:
         found = np.asarray(cells) if isinstance(cells, list | tuple | np.ndarray) else None
     except ValueError:
@@ -200,7 +201,7 @@ def _counted(cells: object) -> object:
 
 
 def _pixel(pixel: object) -> tuple[int, int]:
-    """Row and column."""
+    """Row and column of a pixel, checked."""
     numbers = checks.entries(pixel, "pixel", OrientationError)
     if len(numbers) != 2:
         raise OrientationError(f"pixel: a row and a column were needed, but {pixel!r} came.")
@@ -213,7 +214,8 @@ def circuit_of(
 ) -> Circuit:
     """The circuit around the cells whose middles a loop surrounds; see OrientationMap.circuit.
 
-    shape: rows and columns of pixels. steps, shift: of the map. unit: of lengths, for messages.
+    shape: numbers of rows and columns of pixels. steps, shift: of the map. unit: of lengths, for
+    messages.
     """
     checks.instance(loop, Loop, "loop")
     if loop.dimension != 2:
@@ -223,7 +225,7 @@ def circuit_of(
     rows, columns = shape
     begin = np.array([steps[0] * min(shift, 0.0), 0.0])
     end = np.array([steps[0] * (columns - 1 + max(shift, 0.0)), steps[1] * (rows - 1)])
-    # Four points for each pixel that it passes, as far as memory goes.
+    # Four points for each pixel along the loop, limited by memory.
     count = int(min(4 * loop.length / min(steps), PIECE))
     points = loop.points(max(count, 400))
     points = np.concatenate([points, points[:, :1]], axis=1)
@@ -245,7 +247,7 @@ def circuit_of(
 
 
 def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
-    """How often a closed polygon runs round the points of a grid, from x to y.
+    """Winding numbers of a closed polygon around the points of a grid, positive from x to y.
 
     points: corners, shape (2, k), the last one equal to the first. Returns shape (ys, xs).
     """
@@ -257,7 +259,7 @@ def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
         low, high = np.searchsorted(ys, sorted((y0, y1)), side="left")
         rows = np.arange(low, high)
         crossings = x0 + (ys[rows] - y0) / (y1 - y0) * (x1 - x0)
-        # All points left of an ascending side lie to its left.
+        # A polygon side changes the winding number of all grid points with x below its crossing.
         np.add.at(found, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1)
     ahead = np.cumsum(found[:, ::-1], axis=1)[:, ::-1]
     return ahead[:, 1:]

@@ -1,4 +1,4 @@
-"""Curvature: how the orientation turns from pixel to pixel, and the dislocations that it needs."""
+"""Curvature: rotation of the lattice from pixel to pixel, and the density of dislocations."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class Curvature:
 
     Equation
     --------
-    kappa_ij = d theta_i / d x_j, theta the rotation of the crystal, j = x, y: from the neighbours
-    on both sides, or on the side on which there is one of the same grain. alpha_ik = kappa_ki -
-    delta_ik kappa_mm (i: component of b, k: of the line, specimen axes), which is
-    eps_kab d_a e_ib of the coframe e = R. One plane of a map determines the components 12, 13, 21,
-    23 and 33 [Pantleon, Scripta Mater. 58 (2008) 994]; strain is neglected.
+    kappa_ij = d theta_i / d x_j, theta the rotation of the crystal, j = x, y. The difference is
+    taken between the neighbours on both sides, or to one neighbour if only one belongs to the
+    same grain. alpha_ik = kappa_ki - delta_ik kappa_mm (i: component of b, k: of the line, specimen
+    axes), which equals eps_kab d_a e_ib of the coframe e = R. One plane of a map determines the
+    components 12, 13, 21, 23 and 33 [Pantleon, Scripta Mater. 58 (2008) 994]; strain is neglected.
 
     tensor: kappa, rad per `unit`, shape (rows, columns, 3, 2), NaN where no neighbour is known.
-    variance: of a component by noise of variance 1, shape (rows, columns, 2).
+    variance: of a component, from noise of variance 1, shape (rows, columns, 2).
     unit: of lengths.
 
     Examples
@@ -62,7 +62,7 @@ class Curvature:
         return found
 
     def gnd_density(self, burgers: float) -> np.ndarray:
-        """Density of geometrically necessary dislocations from the five components.
+        """Density of geometrically necessary dislocations from the five known components.
 
         rho = sqrt(sum alpha_ik alpha_ik) / b, a lower bound, shape (rows, columns), in lines per
         square of `unit`; NaN where a component is missing.
@@ -73,14 +73,14 @@ class Curvature:
             Length of the Burgers vector, in `unit`.
         """
         b = checks.positive(burgers, "burgers", OrientationError)
-        # Of the others, none is known at any pixel.
+        # The other components are unknown at all pixels.
         known = self.nye[..., [0, 0, 1, 1, 2], [1, 2, 0, 2, 2]]
         return np.sqrt((known**2).sum(axis=-1)) / b
 
     def floor(
         self, burgers: float, phase: np.ndarray, noise: Mapping[int, np.ndarray]
     ) -> np.ndarray:
-        """What noise alone makes of the density in the root mean square, shape (rows, columns).
+        """Root mean square of the density from noise, shape (rows, columns).
 
         phase: number of each pixel. noise: covariance of an orientation of each phase, rad^2.
         """
@@ -105,13 +105,13 @@ def curvature_of(
 ) -> Curvature:
     """The curvature of orientations within grains.
 
-    quaternions: in the variant of each grain, shape (rows, columns, 4). grain: number of each
-    pixel, -1 where nothing is known. shift: of every second row, in steps. threshold: of the angle
-    between neighbours, rad, above which there is a wall between them.
+    quaternions: in the variant of each grain, shape (rows, columns, 4). grain: number of the grain
+    of each pixel, -1 where nothing is known. shift: of every second row, in steps. threshold: angle
+    between neighbours, rad, above which a wall separates them.
     """
     turns = _Turns(quaternions, grain, threshold)
     odd = np.arange(len(grain)) % 2
-    # In hexagonal grids two pixels of the next row are equally near.
+    # In a hexagonal grid, two pixels of the next row are equally close.
     near = [0 * odd] if not shift else [odd - 1, odd] if shift > 0 else [-odd, 1 - odd]
     sides = (
         ([(0, 0 * odd + 1)], [(0, 0 * odd - 1)]),
@@ -126,7 +126,7 @@ def curvature_of(
         both = np.isfinite(there) & np.isfinite(behind)
         one = np.where(np.isfinite(there), there, -behind)
         tensor[..., axis] = np.where(both, (there - behind) / 2, one) / steps[axis]
-        # The mean of two neighbours has half the variance of one.
+        # The mean of two neighbours has half the variance of a single one.
         part = 1 / len(ahead)
         spread = np.where(both[..., 0], part / 2, 1 + part) / steps[axis] ** 2
         variance[..., axis] = np.where(np.isfinite(one[..., 0]), spread, np.nan)
@@ -135,15 +135,19 @@ def curvature_of(
 
 @dataclass(frozen=True, eq=False)
 class _Turns:
-    """Orientations and grains, and the turn from each pixel to a neighbour below a threshold."""
+    """Orientations and grains, for rotations from pixels to their neighbours."""
 
     quaternions: np.ndarray
     grain: np.ndarray
     threshold: float
 
     def to(self, rows: int, columns: np.ndarray) -> np.ndarray:
-        """Rotation vectors to the pixels so many rows and, row by row, columns further, specimen
-        axes, rad, shape (rows, columns, 3); NaN where these are of another grain."""
+        """Rotation vectors to the pixels at an offset, rad, specimen axes, (rows, columns, 3).
+
+        NaN where the other pixel belongs to another grain or the angle reaches the threshold.
+
+        rows: offset, one for all pixels. columns: offset, one for each row.
+        """
         row, column = np.indices(self.grain.shape)
         other = row + rows, column + columns[:, None]
         inside = np.ones(self.grain.shape, dtype=bool)

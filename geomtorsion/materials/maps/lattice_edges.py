@@ -1,4 +1,4 @@
-"""Lattice edges: grains of a map, steps between pixels, and how much orientations scatter."""
+"""Lattice edges: grains of a map, steps between pixels, and noise of orientations."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from geomtorsion.rigid.attitude import product
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GrainMap:
-    """Grains, and orientations in variants that agree within each.
+    """Grains, and orientations in variants that agree within each grain.
 
     grain: number of the grain of each pixel, -1 where nothing was indexed, shape (rows, columns);
-        pixels belong together when steps below the threshold join them.
-    quaternions: crystal to specimen, each in the variant that is nearest to that of the pixel
-        before it on the spanning tree of its grain, shape (rows, columns, 4).
-    right, down: whether the step to the next pixel in a row, or in a column, stays in one grain,
+        a grain is a set of pixels connected by steps below the threshold.
+    quaternions: crystal to specimen, each in the variant nearest to the previous pixel on the
+        spanning tree of the grain, shape (rows, columns, 4).
+    right, down: whether the step to the next pixel in a row, or in a column, stays in one grain and
         below the threshold, shapes (rows, columns - 1) and (rows - 1, columns).
     """
 
@@ -74,14 +74,14 @@ def grains_of(
         mine = np.flatnonzero(phases == name)
         variants = _along_trees(q, mine, forest.parent, forest.depth, group)
         chosen[mine] = product(q[mine], group.quaternions[variants])
-    # Two ways from pixel to pixel may lead to two variants: no circuit uses such a step.
+    # Two paths to a pixel may give two variants. Circuits do not use a step between such variants.
     agree = joined.copy()
     between = product(conjugated(chosen[tree[:, 0]]), chosen[tree[:, 1]])
     agree[joined] = angle_of(between) < threshold
     split = shape[0] * (shape[1] - 1)
     known = phases > 0
     grain = np.full(phase.size, -1)
-    # Numbers of grains ascend with their first pixels.
+    # Grains are numbered in the order of their first pixels.
     _, first, which = np.unique(forest.root[known], return_index=True, return_inverse=True)
     grain[known] = np.argsort(np.argsort(first))[which]
     return GrainMap(
@@ -95,7 +95,7 @@ def grains_of(
 def _along_trees(
     q: np.ndarray, mine: np.ndarray, parent: np.ndarray, depth: np.ndarray, group: LaueGroup
 ) -> np.ndarray:
-    """Number of the variant of each pixel of a phase: products of the steps from its root."""
+    """Variant of each pixel of a phase: the product of the steps from the root of its tree."""
     place = np.zeros(len(q), dtype=np.int64)
     place[mine] = np.arange(len(mine))
     is_root = parent[mine] < 0
@@ -103,7 +103,7 @@ def _along_trees(
     variants, _ = group.nearest(q[before], q[mine])
     variants[is_root] = 0
     above = place[before]
-    # Each round doubles the length of the way that is multiplied up.
+    # Each pass doubles the length of the path whose product is known.
     for _ in range(int(depth[mine].max(initial=0)).bit_length()):
         variants, above = group.products[variants, variants[above]], above[above]
     return variants
@@ -126,10 +126,10 @@ def given_covariance(sigma: object) -> np.ndarray:
 def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
     """Covariance of the noise of each orientation as a small rotation in map axes, rad^2, (3, 3).
 
-    Differences of sixth order along rows and columns within grains, and medians, so that walls and
-    cores do not count. Pixels are taken to be independent.
+    The estimate uses differences of sixth order along rows and columns within grains, and medians,
+    which are insensitive to walls and cores. It assumes that pixels are independent.
 
-    chosen: the pixels that count, truth values, shape (rows, columns).
+    chosen: which pixels to use, truth values, shape (rows, columns).
     """
     right = grains.right & chosen[:, 1:] & chosen[:, :-1]
     down = grains.down & chosen[1:] & chosen[:-1]
@@ -148,7 +148,7 @@ def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
 
 
 def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
-    """Differences along rows as rotations in map axes, with the variance of one pixel, (k, 3)."""
+    """Differences along rows as rotations in map axes, scaled to the noise of a pixel, (k, 3)."""
     count = joined.shape[1] - SMOOTH + 1
     if count < 1:
         return np.zeros((0, 3))
@@ -161,7 +161,7 @@ def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
     weights = [(-1) ** k * comb(SMOOTH, k) for k in range(SMOOTH + 1)]
     for k, weight in enumerate(weights):
         one = q[row, column + k]
-        # q and -q are the same turn.
+        # q and -q are the same rotation.
         sign = np.where((one * middle).sum(axis=1) < 0, -1.0, 1.0)
         total += (weight * sign)[:, None] * one
     turns = 2 * product(total, conjugated(middle))[:, 1:]
@@ -169,7 +169,7 @@ def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
 
 
 def spread_of(moments: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Covariance of a sum of w_k x t_k, w_k independent with one covariance, (3, 3).
+    """Covariance of a sum of w_k x t_k, w_k independent with equal covariance, (3, 3).
 
     moments: t_k, shape (k, 3).
     """

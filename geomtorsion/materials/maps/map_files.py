@@ -1,4 +1,4 @@
-"""Map files: orientation maps in .ctf (Oxford, HKL) and .ang (EDAX, TSL, ASTAR)."""
+"""Map files: orientation maps in .ctf (Oxford, HKL) and .ang (EDAX, TSL, ASTAR) files."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ ANG_LAUE = {
 }  # fmt: skip
 
 
-# How a .ctf file begins.
+# The first words of a .ctf file.
 CTF = "Channel Text File"
 
 
 def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
-    """A map from a .ctf or .ang file; where its header and its points disagree, x and y decide."""
+    """Read a map from a .ctf or .ang file; x and y decide where header and points disagree."""
     groups = checks.table(laue, "laue", FileFormatError)
     text = read_text(path, LARGEST_ARRAYS, otherwise="latin-1")
-    # Names may hold letters at which `splitlines` breaks, such as the three dots of Windows.
+    # Names may contain characters at which `splitlines` breaks, such as the ellipsis of Windows.
     lines = re.split(r"\r\n|\r|\n", text.removesuffix("\n").removesuffix("\r"))
     source = _Source(path.name, lines, groups, len(text))
     found = source.ctf() if ending(path) == ".ctf" else source.ang()
@@ -51,7 +51,7 @@ def read_text_map(path: Path, laue: Mapping[int, str] | None) -> MapFile:
 
 @dataclass(frozen=True, eq=False)
 class _Source:
-    """The lines of a file, what a user says about its phases, and its length."""
+    """The lines of a file, the Laue groups given by the user, and the length of the file."""
 
     name: str
     lines: list[str]
@@ -59,20 +59,20 @@ class _Source:
     size: int
 
     def fail(self, line: int, message: str) -> NoReturn:
-        """Refuse the file at a line, counted from 0."""
+        """Raise an error about a line, counted from 0."""
         raise FileFormatError(f"{self.name}: line {line + 1}: {message}")
 
     def number(self, line: int, text: str, what: str) -> float:
-        """A finite number that stands in a line."""
+        """The finite number in a field of a line."""
         found = finite_number(text.strip().replace(",", "."))
         if found is None:
             self.fail(line, f"{what}: a number was needed, but {text.strip()[:60]!r} came.")
         return found
 
     def whole(self, line: int, text: str, what: str) -> int:
-        """A whole number of things that stands in a line."""
+        """The positive whole number in a field of a line."""
         found = self.number(line, text, what)
-        # A file holds a line for each thing that it counts.
+        # The file has at least one line for each counted row, column or phase.
         most = len(self.lines)
         if found != int(found) or not 1 <= found <= most:
             self.fail(
@@ -85,7 +85,7 @@ class _Source:
     # -- .ctf -------------------------------------------------------------------------------------
 
     def ctf(self) -> MapPoints:
-        """A map of Oxford Instruments; angles in degrees."""
+        """Points of a .ctf file (Oxford Instruments); angles in degrees."""
         if not self.lines or not self.lines[0].startswith(CTF):
             self.fail(0, "'Channel Text File' was needed. Is this a .ctf file?")
         header: dict[str, tuple[int, str]] = {}
@@ -129,7 +129,7 @@ class _Source:
             ]
             if [len(part) for part in lattice] != [3, 3]:
                 self.fail(k, f"phase {number}: three lengths and three angles were needed.")
-            # Groups that are not listed, and what is no whole number, are not known.
+            # Numbers that are not listed or not whole give an unknown group, None.
             laue = LAUE_NUMBERS.get(self.number(k, parts[3], f"Laue group of phase {number}"))
             phases[number] = described(
                 f"{self.name}: line {k + 1}", number, parts[2].strip(), laue, self.laue,
@@ -151,9 +151,10 @@ class _Source:
     # -- .ang -------------------------------------------------------------------------------------
 
     def ang(self) -> MapPoints:
-        """A map of EDAX, or of ASTAR in nm; angles in radians; square or hexagonal grid.
+        """Points of an .ang file (EDAX in um, ASTAR in nm); square or hexagonal grid.
 
-        Columns are angles, x, y, quality, confidence and phase; those of ASTAR may have no phase.
+        Columns are angles in radians, x, y, quality, confidence and phase. ASTAR files may have no
+        column for the phase.
         """
         start = next((k for k, row in enumerate(self.lines) if not row.startswith("#")), None)
         if start is None or start == 0:
@@ -192,7 +193,7 @@ class _Source:
         phase = self.ang_phases(start, table, phases, is_astar)
         known = (table[:, :3] < NOT_INDEXED).all(axis=1)
         if width > 6 and not is_astar:
-            # A confidence of -1.
+            # A confidence of -1 marks a point that was not indexed.
             known &= table[:, 6] >= 0
         found = whole_phases(self.name, np.where(known, phase, 0), phases, start + 1)
         unit = 1e-3 if is_astar else 1.0
@@ -205,13 +206,13 @@ class _Source:
         )  # fmt: skip
 
     def ang_grid(self, header: Mapping[str, tuple[int, str]]) -> Declared | None:
-        """The grid of a header, where it has one."""
+        """The grid in a header; None if the header does not describe one."""
         keys = ("NCOLS_ODD", "NCOLS_EVEN", "NROWS")
         if not all(key in header for key in ("GRID", "XSTEP", "YSTEP", *keys)):
             return None
         odd, even, rows = (self.whole(*header[key], key) for key in keys)
         dx, dy = (self.number(*header[key], key) for key in ("XSTEP", "YSTEP"))
-        # A longer second row begins half a step before the first one.
+        # If the second row is longer, it begins half a step before the first one.
         is_hexagonal = header["GRID"][1].lower().startswith("hex")
         shift = (0.5 if odd >= even else -0.5) if is_hexagonal else 0.0
         return Declared(np.where(np.arange(rows) % 2, even, odd), (dx, dy), shift)
@@ -219,10 +220,10 @@ class _Source:
     def ang_phases(
         self, start: int, table: np.ndarray, phases: Mapping[int, Phase], is_astar: bool
     ) -> np.ndarray:
-        """The phase of each point: the eighth column, or that of the only phase without one."""
+        """The phase of each point: the eighth column, or without it the only phase."""
         found = table[:, 7] if table.shape[1] > 7 else None
         if found is not None and is_astar and not np.isin(found, [0, *phases]).all():
-            # A reliability, in files of one phase.
+            # In files with one phase, this column holds a reliability.
             found = None
         if found is None:
             if len(phases) > 1:
@@ -233,15 +234,15 @@ class _Source:
                 )
             return np.full(len(table), next(iter(phases)))
         if list(phases) == [1] and not (found == 1).any():
-            # With one phase alone the column may hold zeros.
+            # In files with one phase, the column may hold zeros.
             return np.where(found == 0, 1.0, found)
         if is_astar and (found == 0).any() and found.max() < len(phases):
-            # Phases without a number in the header are counted from 0.
+            # Points count phases from 0 if the header gives them no numbers.
             return found + 1
         return found
 
     def ang_phase(self, about: Mapping[str, tuple[int, str]], following: int) -> tuple[int, Phase]:
-        """A phase from the lines that describe it; the following number where it has none."""
+        """A phase from the lines that describe it; without a number it gets `following`."""
         line, text = about["LatticeConstants"]
         if "Symmetry" not in about:
             self.fail(line, "Symmetry is missing above it. Export the map with its full header.")
@@ -258,12 +259,12 @@ class _Source:
     # -- both -------------------------------------------------------------------------------------
 
     def table(self, start: int, width: int) -> np.ndarray:
-        """The rows of numbers from a line on; shape (points, width)."""
+        """The rows of numbers from a line to the end of the file; shape (points, width)."""
         rows = self.lines[start:]
         while rows and not rows[-1].strip():
             rows.pop()
         text = "\n".join(rows)
-        # Some countries write decimals with a comma; a point without an orientation may have none.
+        # Some locales write a decimal comma, except perhaps at points without an orientation.
         text = text.replace(",", ".")
         if not rows:
             self.fail(start - 1, "the file ends before the first point. Is it complete?")
@@ -286,7 +287,7 @@ class _Source:
         self.fail(start, f"expected {width} columns of numbers. Export the map again.")
 
     def check_angles(self, start: int, angles: np.ndarray, most: float, unit: str) -> None:
-        """Refuse angles of more than two turns, which are those of another unit."""
+        """Refuse angles of more than two turns, which must be in another unit."""
         far = (np.abs(angles) > most).any(axis=1)
         if far.any():
             k = int(np.argmax(far))

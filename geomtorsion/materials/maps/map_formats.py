@@ -1,4 +1,4 @@
-"""Map formats: which files hold orientation maps, and what reads each."""
+"""Map formats: file formats of orientation maps, and their readers."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from geomtorsion.materials.maps.map_tables import read_map_table, seems_table
 class MapFormat:
     """A format of orientation maps.
 
-    read: takes a path and Laue groups of phases, and gives the map. seems: whether bytes are the
-    content of such a file; None where it is no text, which the page does not take. begins: first
-    bytes of its files, none where text may begin with anything.
+    read: reads the map from a path, with Laue groups of phases. seems: whether bytes look like such
+    a file; None for binary files, which the page does not accept. begins: possible first bytes;
+    none for text files that may begin with anything.
     """
 
     read: Callable[[Path, Mapping[int, str] | None], MapFile]
@@ -31,18 +31,18 @@ class MapFormat:
 
 
 def _seems_ctf(content: bytes) -> bool:
-    """Whether it begins as programs of Oxford Instruments write it."""
+    """Whether a text begins like a .ctf file of Oxford Instruments."""
     return content.removeprefix(b"\xef\xbb\xbf").startswith(CTF.encode())
 
 
 def _seems_ang(content: bytes) -> bool:
-    """Whether a header of comments goes before rows of angles, place, quality and phase."""
+    """Whether a text has a header of comments before rows of angles, x, y, quality and phase."""
     lines = content.removeprefix(b"\xef\xbb\xbf").splitlines()
     row = next((line for line in lines if line.strip() and not line.startswith(b"#")), b"")
     return bool(lines) and lines[0].startswith(b"#") and b"," not in row and len(row.split()) >= 8
 
 
-# Ending of a name -> the format. A new format is a line here.
+# File ending -> format. To add a format, add a line here.
 FORMATS: dict[str, MapFormat] = {
     ".ctf": MapFormat(read_text_map, _seems_ctf, (CTF.encode(),)),
     ".ang": MapFormat(read_text_map, _seems_ang),
@@ -57,16 +57,16 @@ FORMATS: dict[str, MapFormat] = {
 
 
 def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> MapFile:
-    """An orientation map from a file, by the ending of its name.
+    """Read an orientation map from a file in the format of its file ending.
 
-    laue: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
-    file says.
+    laue: number of a phase (0: all other phases) -> name of its Laue group, which overrides the
+    group in the file.
 
     Raises
     ------
     FileFormatError
-        The file is no such map: truncated, with wrong columns, mixed steps or an unknown phase;
-        the message names file, line and remedy.
+        The file is truncated, or has wrong columns, mixed steps or an unknown phase; the message
+        names file, line and remedy.
     """
     path = Path(path)
     suffix = ending(path)

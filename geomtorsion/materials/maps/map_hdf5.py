@@ -1,4 +1,4 @@
-"""Map HDF5: orientation maps in .h5oina (Oxford), by h5py, and in files that orix reads."""
+"""Map HDF5: orientation maps in .h5oina files (Oxford), by h5py, and in files that orix reads."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ from geomtorsion.materials.maps.results import UNITS
 
 
 def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
-    """A map of Oxford Instruments (AZtec), as its published specification has it.
+    """Read a map of Oxford Instruments (AZtec), following its published specification.
 
-    Angles are in radians, places in um. A file holds one acquisition.
+    Angles are in radians, positions in um. A file holds one acquisition.
 
     Raises
     ------
     MissingExtraError
         h5py is not installed.
     FileFormatError
-        The file is damaged, or holds no EBSD map or several.
+        The file is damaged, or does not hold exactly one EBSD map.
     """
     laue = checks.table(given, "laue", FileFormatError)
     try:
@@ -63,7 +63,7 @@ def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     except GeomtorsionError:
         raise
     except Exception as error:  # noqa: BLE001
-        # A group in the place of numbers, or other shapes, fail in many ways.
+        # A group instead of numbers, or a wrong shape, can raise many types of error.
         raise FileFormatError(
             f"{path.name}: expected the data sets of an .h5oina file, got others "
             f"({type(error).__name__}: {cut(str(error))}). Export it again, or as .ctf."
@@ -108,7 +108,7 @@ def _h5oina(path: Path, group: Any, laue: Mapping[int, str]) -> MapPoints:
         column(name).ravel() if name in data else step * place
         for name, step, place in (("X", steps[0], across), ("Y", steps[1], row))
     )
-    # Outside of maps of other shapes than rectangles nothing is a number.
+    # A map that is not a rectangle is padded with NaN.
     phase = np.where(np.isfinite(euler).all(axis=1), phase, 0)
     there = np.isfinite(x) & np.isfinite(y)
     return MapPoints(
@@ -118,7 +118,7 @@ def _h5oina(path: Path, group: Any, laue: Mapping[int, str]) -> MapPoints:
 
 
 def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
-    """Refuse points of orix that do not stand row by row."""
+    """Refuse points of orix that are not sorted row by row."""
     rows, columns = found.shape
     row, column = np.divmod(np.arange(rows * columns), columns)
     for axis, values, place, step in (
@@ -136,23 +136,23 @@ def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
 
 
 def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
-    """A square grid of an HDF5 file that orix knows (its own, kikuchipy's, EMsoft's, Bruker's).
+    """Read a square grid from an HDF5 file that orix supports (orix, kikuchipy, EMsoft, Bruker).
 
-    Numbers of phases are those of orix and one more: its phases begin with 0. Steps are in um.
+    Phase numbers are one larger than in orix, which counts from 0. Steps are in um.
 
-    given: number of a phase (0 of every other one) -> name of its Laue group, instead of what the
-    file says.
+    given: number of a phase (0: all other phases) -> name of its Laue group, which overrides the
+    group in the file.
 
     Raises
     ------
     MissingExtraError
         orix is not installed.
     FileFormatError
-        orix cannot read the file, or it holds no whole square grid.
+        orix cannot read the file, or the file does not hold a complete square grid.
     """
     laue = checks.table(given, "laue", FileFormatError)
     try:
-        # GPL: imported where it is installed, and never needed for anything else.
+        # orix is GPL software: it is optional, and only this reader imports it.
         io, h5py = import_module("orix.io"), import_module("h5py")
     except ImportError:
         raise MissingExtraError(
@@ -162,7 +162,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     names = check_hdf5(path, h5py)
     try:
         with warnings.catch_warnings():
-            # Angles in degrees that stand for radians: orix reads them and says so.
+            # If a file gives degrees instead of radians, orix reads it and only warns.
             warnings.filterwarnings("error", "Angles are quite high")
             found = io.load(str(path))
         rows, columns = found.shape
@@ -170,7 +170,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         number = np.where(found.is_indexed, found.phase_id + 1, 0)
         steps = float(found.dx), float(found.dy)
     except Exception as error:  # noqa: BLE001
-        # Readers of several formats, each with errors of its own.
+        # orix has readers of several formats, which raise different errors.
         reason = cut(str(error)) or type(error).__name__
         raise FileFormatError(
             f"{path.name}: orix cannot read a map of rows and columns from it ({reason}); it "
@@ -182,10 +182,10 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
             f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
             f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
         )
-    # Of Bruker's files orix puts the points in order, but not their places.
+    # For Bruker files, orix sorts the points but not their positions.
     if "XSAMPLE" not in found.prop:
         _check_places(path.name, found, steps)
-    # orix writes px where nobody said how large a step is.
+    # orix writes px if the step size was not given.
     said = str(found.scan_unit)
     if said not in UNITS:
         raise FileFormatError(

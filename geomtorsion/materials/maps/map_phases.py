@@ -1,4 +1,4 @@
-"""Map phases: phases as files of orientation maps describe them, and as users correct them."""
+"""Map phases: phases from files of orientation maps, with corrections by the user."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ def described(
     lattice: tuple[Sequence[float], Sequence[float]] = ((0.0, 0.0, 0.0), (90.0, 90.0, 90.0)),
     horizontal: str = "x",
 ) -> Phase:
-    """A phase with the Laue group that the user gives, or else the file.
+    """A phase with the Laue group given by the user, or otherwise by the file.
 
-    where: the place in the file. lattice: lengths and angles. horizontal: as of a `Phase`.
+    where: position in the file, for messages. lattice: lengths and angles. horizontal: as in
+    `Phase`.
 
     Raises
     ------
     FileFormatError
-        Nobody says its symmetry, or its lattice is none.
+        The symmetry is given neither by the user nor by the file, or the lattice is invalid.
     """
     group = given.get(number, given.get(0, laue))
     if group is None:
@@ -51,7 +52,7 @@ def described(
 
 
 def check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) -> None:
-    """Refuse groups of phases that are not in the file."""
+    """Refuse Laue groups for phases that are not in the file."""
     for number in laue:
         if number not in (0, *phases):
             raise FileFormatError(
@@ -63,9 +64,9 @@ def check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) 
 def whole_phases(
     name: str, phase: np.ndarray, phases: Mapping[int, Phase], start: int | None = None
 ) -> np.ndarray:
-    """Numbers of phases as whole numbers; one that the file does not describe is refused.
+    """Phase numbers as whole numbers; phases that the file does not describe are refused.
 
-    start: line of the first one, from 1; None of binary files.
+    start: line of the first point, counted from 1; None for binary files.
     """
     unknown = ~np.isin(phase, [0, *phases])
     if unknown.any():

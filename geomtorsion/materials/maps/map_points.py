@@ -1,4 +1,4 @@
-"""Map points: measured points in any order, and the grid of pixels that their places make."""
+"""Map points: measured points in any order, and the grid of pixels that contains them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from geomtorsion.npz import most_unpacked
 
 @dataclass(frozen=True, eq=False)
 class MapFile:
-    """What a file of an orientation map holds.
+    """The content of a file of an orientation map.
 
     euler: Bunge's angles phi1, Phi, phi2 in radians, shape (rows, columns, 3).
     phase: number of the phase of each pixel, 0 where nothing was indexed, shape (rows, columns).
-    phases: number -> phase. steps: of x and y. shift: of every second row, as a share of the step
-        of x: 0 for square grids, 1/2 (or -1/2) for hexagonal ones.
+    phases: number -> phase. steps: along x and y. shift: of every second row, as a share of the
+        step along x: 0 for square grids, 1/2 (or -1/2) for hexagonal grids.
     """
 
     euler: np.ndarray
@@ -33,7 +33,8 @@ class MapFile:
 class Declared:
     """The grid that the header of a file describes.
 
-    counts: pixels of each row. steps: of x and y. shift: of every second row, in steps.
+    counts: number of pixels in each row. steps: along x and y. shift: of every second row, in
+    steps.
     """
 
     counts: np.ndarray
@@ -51,11 +52,11 @@ class Declared:
 
 @dataclass(frozen=True, eq=False)
 class MapPoints:
-    """Points of a file in their order.
+    """Points of a file, in the order of the file.
 
-    name, size: of the file, bytes. x, y: places in um, shape (points,). euler: radians, shape
-    (points, 3). phase: shape (points,). declared: by the header, if it has a grid. start: line of
-    the first point, from 1; None of binary files.
+    name: of the file. size: of the file in bytes. x, y: positions in um, shape (points,). euler:
+    radians, shape (points, 3). phase: shape (points,). declared: the grid in the header, or None.
+    start: line of the first point, counted from 1; None for binary files.
     """
 
     name: str
@@ -69,7 +70,7 @@ class MapPoints:
     start: int | None = None
 
     def where(self, k: int) -> str:
-        """The place of a point in the file."""
+        """Position of a point in the file, in words."""
         return f"point {k + 1}" if self.start is None else f"line {self.start + k}"
 
 
@@ -84,20 +85,20 @@ class _Pixels:
 
 
 def gridded(points: MapPoints) -> MapFile:
-    """The map of points; where they and the header disagree, x and y decide.
+    """The map of points; x and y decide where they and the header disagree.
 
-    Points that are left out are pixels without an orientation.
+    Missing points become pixels without an orientation.
 
     Raises
     ------
     FileFormatError
-        The file is truncated, points lie on no grid, or two of them at one place.
+        The file is truncated, the points are not on a grid, or two points have one position.
     LimitError
         A few points far apart would make a grid of very many pixels.
     """
     pixels = _pixels(points)
     rows, columns = (int(k.max()) + 1 for k in (pixels.row, pixels.column))
-    # Angles and phase of a pixel, as they are kept in memory.
+    # Angles and phase take 32 bytes of memory for each pixel.
     most = most_unpacked(points.size)
     if 32 * rows * columns > most:
         raise LimitError(
@@ -124,14 +125,14 @@ def gridded(points: MapPoints) -> MapFile:
 
 def _pixels(points: MapPoints) -> _Pixels:
     """The pixel of each point, and the grid."""
-    # Half of half a step tells square grids from hexagonal ones.
+    # Rows of hexagonal grids are shifted by half a step. Half of that separates the two grids.
     found = _by_order(points, 0.25)
     if found is not None:
         return found
     try:
         return _by_place(points)
     except FileFormatError:
-        # Coordinates may have so few digits that they say no more than the order of the points.
+        # Coordinates with few digits may determine only the order of the points.
         found = _by_order(points, 0.5)
         if found is None:
             raise
@@ -139,8 +140,10 @@ def _pixels(points: MapPoints) -> _Pixels:
 
 
 def _by_order(points: MapPoints, most: float) -> _Pixels | None:
-    """Pixels as the header has them, where each point is nearer to its place there than so many
-    steps."""
+    """Pixels in the order of the header, if each point is close to its pixel; otherwise None.
+
+    most: largest distance from the pixel, in steps, along x and along y.
+    """
     declared = points.declared
     if declared is None or min(declared.steps) <= 0 or not len(points.x):
         return None
@@ -168,13 +171,13 @@ def _by_order(points: MapPoints, most: float) -> _Pixels | None:
 def _steps(
     points: MapPoints, row: np.ndarray, across: np.ndarray, otherwise: tuple[float, float]
 ) -> tuple[float, float]:
-    """Steps of x and y: those of the header where they fit, or others."""
+    """Steps along x and y: the steps of the header if they fit the points, or fitted steps."""
     dx, dy = otherwise if points.declared is None else points.declared.steps
     return _better(points.x, across, dx), _better(points.y, row, dy)
 
 
 def _better(values: np.ndarray, place: np.ndarray, declared: float) -> float:
-    """The step of the header, unless the points fit one of their own twice as well."""
+    """The step of the header, unless a fitted step describes the points twice as well."""
     off, at = values - values[0], place - place[0]
     own = float((off * at).sum() / max((at * at).sum(), 1e-300))
     rests = [float(np.abs(off - step * at).max()) for step in (declared, own)]
@@ -183,7 +186,7 @@ def _better(values: np.ndarray, place: np.ndarray, declared: float) -> float:
 
 
 def _by_place(points: MapPoints) -> _Pixels:
-    """Pixels as x and y have them: rows of equal y, points in them a step apart or several."""
+    """Pixels from x and y: a row has equal y, and its points are whole numbers of steps apart."""
     if not len(points.x):
         raise FileFormatError(
             f"{points.name}: expected points of a map, got none. Export it again."
@@ -212,7 +215,7 @@ def _by_place(points: MapPoints) -> _Pixels:
 
 
 def _distinct(values: np.ndarray) -> np.ndarray:
-    """Different values, ascending; what differs by rounding in single precision is one."""
+    """Different values, ascending; values that differ by single-precision rounding are merged."""
     found = np.unique(values)
     rounding = 8 * np.finfo(np.float32).eps * float(np.abs(found).max(initial=0))
     return found[np.append(True, np.diff(found) > rounding)]
@@ -221,9 +224,9 @@ def _distinct(values: np.ndarray) -> np.ndarray:
 def _indices(
     points: MapPoints, axis: str, values: np.ndarray, gaps: np.ndarray, start: float, parts: int
 ) -> tuple[np.ndarray, float]:
-    """Number of each coordinate in parts of a step, and the step, which gaps suggest.
+    """Number of each coordinate in parts of a step, and the step, estimated from the gaps.
 
-    Most neighbours are a step apart; where most points are missing, the nearest are.
+    The step is the median gap or, if most points are missing, the smallest gap.
     """
     gaps = gaps[gaps > 8 * np.finfo(np.float32).eps * float(np.abs(values).max(initial=0))]
     if not len(gaps):
@@ -235,14 +238,14 @@ def _indices(
     for guess in (float(np.median(gaps)), float(gaps.min())):
         step = guess
         for _ in range(3):
-            # A sum of many gaps has the rounding of its ends alone.
+            # In a sum of consecutive gaps, only the two end points contribute rounding.
             times = np.rint(gaps / step)
             used = (times > 0) & (np.abs(gaps - times * step) < step / 4)
             step = float(gaps[used].sum() / times[used].sum()) if used.any() else step
         number = np.rint(parts * (values - start) / step)
         off = np.abs(values - start - number * step / parts) > step / (4 * parts)
         lost = np.rint(gaps / step) == 0
-        # By chance half of all points are off; neighbours become one where a step is too large.
+        # With a wrong step, half of the points are off by chance; a large one merges neighbours.
         if max(off.mean(), lost.mean()) < 0.25 and number.max() < 2**40:
             break
     else:
@@ -261,7 +264,7 @@ def _indices(
 def _off(
     points: MapPoints, k: int, axis: str, found: float, step: float, expected: float
 ) -> FileFormatError:
-    """The error for a point beside the grid."""
+    """The error for a point that is not on the grid."""
     return FileFormatError(
         f"{points.name}: {points.where(k)}: {axis} = {found:g}, where steps of {step:g} make "
         f"{expected:g} of it. Steps are mixed: export the map on its full grid."

@@ -16,7 +16,7 @@ from geomtorsion.files import BOUNDS, read_text
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
 
-# What programs call a column, in small letters without units -> what it is here.
+# Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {
     "phi1": "phi1", "euler1": "phi1", "e1": "phi1", "phi_1": "phi1", "φ1": "phi1",
     "phi": "Phi", "euler2": "Phi", "e2": "Phi", "φ": "Phi", "ϕ": "Phi",
@@ -26,22 +26,23 @@ _NAMES = {
 }  # fmt: skip
 _NEEDED = ("phi1", "Phi", "phi2", "x", "y")
 _MARKS = "#%"
-# A unit behind a name: phi1(deg), x [um].
+# A unit after a name: phi1(deg), x [um].
 _UNIT = re.compile(r"[\[(]\s*([^\])]*)[\])]")
 
 
 def seems_table(content: bytes) -> bool:
-    """Whether the first row that is no comment, or the last comment, names the columns."""
+    """Whether the first row after the comments, or the last comment, names the columns."""
     text = content.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace")
     return _header(text.splitlines()) is not None
 
 
 def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
-    """A table with a row of names, in any order; others are passed over.
+    """Read a table with a row of column names, in any order; unknown columns are ignored.
 
-    Names stand in the first row, or in the last row of comments (#, %), with blanks, tabs, commas
-    or semicolons between them. Angles are in degrees, unless a unit says (rad); places in um.
-    Without a phase all points are of phase 1. The table says no symmetry: give `laue`.
+    The names are in the first row, or in the last row of comments (#, %), separated by blanks,
+    tabs, commas or semicolons. Angles are in degrees, unless a name has the unit (rad); positions
+    are in um. Without a phase column, all points have phase 1. A table contains no symmetry: give
+    `laue`.
 
     Raises
     ------
@@ -104,7 +105,7 @@ Header = tuple[int, list[str], str | None, bool]
 
 
 def _header(lines: Sequence[str]) -> Header | None:
-    """Row of the names, the names, what splits columns (None: blanks), whether in radians."""
+    """Row of the names, the names, the separator (None: blanks), whether angles are in radians."""
     for k, line in enumerate(lines[:1000]):
         row = line.strip().lstrip(_MARKS).strip()
         if not row:
@@ -112,7 +113,7 @@ def _header(lines: Sequence[str]) -> Header | None:
         split = next((mark for mark in (",", ";", "\t") if mark in row), None)
         words = [word.strip().strip("\"'") for word in row.split(split)]
         if split is None:
-            # Units may stand apart from their names.
+            # A blank may separate a unit from its name.
             words = _UNIT.sub(lambda one: f"({one[1]})", re.sub(r"\s+([\[(])", r"\1", row)).split()
         names = [_NAMES.get(_UNIT.sub("", word).strip().lower(), word) for word in words]
         if set(_NEEDED) <= set(names):
@@ -127,7 +128,7 @@ def _header(lines: Sequence[str]) -> Header | None:
 def _table(
     name: str, lines: Sequence[str], kept: Sequence[int], width: int, split: str | None
 ) -> np.ndarray:
-    """The rows of numbers; nan where there is none."""
+    """The rows of numbers; nan for missing numbers."""
     rows = [lines[k] for k in kept]
     if not rows:
         return np.zeros((0, width))
@@ -150,7 +151,7 @@ def _table(
 
 
 def _value(word: str) -> float:
-    """A number, or nan for a word, such as the name of a phase, or nothing."""
+    """A number, or nan for an empty field or a word, such as the name of a phase."""
     try:
         return float(word) if word.isascii() and "_" not in word else float("nan")
     except ValueError:

@@ -54,21 +54,21 @@ class OrientationMap:
 
     Equation
     --------
-    e^i_mu = R^i_mu, the rotation from specimen to crystal: the coframe of a crystal that is turned
-    but hardly strained. b^i = closed integral of e^i_mu dx^mu within a grain, by trapezoids from
-    pixel to pixel.
+    e^i_mu = R^i_mu, the rotation from specimen to crystal: the coframe of a crystal that is
+    rotated but hardly strained. b^i = closed integral of e^i_mu dx^mu within a grain, by the
+    trapezoidal rule from pixel to pixel.
 
-    quaternions: of the turn from crystal axes to specimen axes (Bunge's g is its inverse), scalar
+    quaternions: rotation from crystal axes to specimen axes (the inverse of Bunge's g), scalar
         first, shape (rows, columns, 4). x runs along rows of pixels, y along columns; the specimen
-        axes are those of the map.
+        axes are the axes of the map.
     phase: number of the phase of each pixel, 0 where nothing is known, shape (rows, columns).
     phases: number -> Phase.
     steps: from pixel to pixel along x and y, in `unit`.
-    shift: of every second row along x, as a share of the step: 0, or 1/2 (or -1/2) for hexagonal
-        grids.
+    shift: of every second row along x, as a share of the step: 0 for square grids, 1/2 (or -1/2)
+        for hexagonal grids.
     threshold: degrees; neighbours that differ by less belong to one grain.
-    sigma: standard deviation of the noise of an orientation about each of the map axes, degrees;
-        one number or three; None: estimated from sixth differences, for each phase.
+    sigma: standard deviation of the noise of an orientation about each of the map axes, degrees,
+        one number or three. If None, it is estimated from sixth differences for each phase.
     unit: of lengths.
     slip: the structure (such as "fcc") whose slip systems make up b in `MapBurgers.facts`; empty
         for none.
@@ -101,7 +101,7 @@ class OrientationMap:
     slip: str = ""
 
     def __post_init__(self) -> None:
-        """Check shapes and numbers once."""
+        """Check shapes and numbers."""
         q = checks.array(
             self.quaternions, "quaternions", OrientationError, shape=(None, None, 4), infinite=None
         )
@@ -168,34 +168,37 @@ class OrientationMap:
         sigma: float | Sequence[float] | None = None,
         slip: str = "",
     ) -> OrientationMap:
-        """From a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
+        """Read a .ctf, .ang, .cpr or .h5oina file, a text table, or HDF5 by orix; lengths in um.
 
-        A .cpr file lies beside its .crc; .h5oina needs h5py. A table (.txt, .csv) has a row of the
-        names phi1, Phi, phi2, x, y and perhaps phase, angles in degrees unless a name says (rad);
-        it needs `laue`. Where a header and the places of the points disagree, the places decide.
+        A .cpr file needs its .crc file in the same folder; .h5oina needs h5py. A table (.txt, .csv)
+        has a row of column names: phi1, Phi, phi2, x, y and optionally phase. Its angles are in
+        degrees unless a name has the unit (rad), and it needs `laue`. If a header and the positions
+        of the points disagree, the positions decide.
 
-        Euler angles are degrees in .ctf files and radians in .ang files, as instruments write them.
-        Small ones in the other unit look like grains that hardly turn: if a map of your own program
-        shows one grain, or noise, where several were expected, look there. More than two turns are
-        refused. `from_euler` takes angles in degrees from anywhere.
+        Euler angles are in degrees in .ctf files and in radians in .ang files, as instruments write
+        them. Small angles in the wrong unit look like grains that are hardly rotated. If a map from
+        your own program shows one grain, or noise, instead of several grains, check the unit.
+        Angles of more than two turns are refused. `from_euler` accepts an array of angles in
+        degrees.
 
         Parameters
         ----------
         laue
-            Number of a phase (0: of every other one) -> name of its Laue group, where the file is
-            wrong or silent.
+            Number of a phase (0: all other phases) -> name of its Laue group, if the file has a
+            wrong one or none.
         axes
-            Rotation from the axes of the map (x along rows, y along columns) to those to which the
-            Euler angles refer, shape (3, 3); the same axes if not given. Instruments differ here:
-            it turns b in specimen axes and decides which steps are which in the crystal.
+            Rotation from the axes of the map (x along rows, y along columns) to the axes of the
+            Euler angles, shape (3, 3); by default these are the same. Instruments use different
+            axes. The rotation changes b in specimen axes and the directions of the steps in the
+            crystal.
         threshold, sigma, slip
             As for the class.
 
         Raises
         ------
         FileFormatError
-            The file is truncated, has wrong columns, mixed steps or an unknown phase; the message
-            names file, line and remedy.
+            The file is truncated, or has wrong columns, mixed steps or an unknown phase; the
+            message names file, line and remedy.
         """
         path = checks.file_name(path)
         file = read_map_file(path, laue)
@@ -227,7 +230,7 @@ class OrientationMap:
         sigma: float | Sequence[float] | None = None,
         unit: str = "um",
     ) -> OrientationMap:
-        """From Bunge's angles phi1, Phi, phi2 in degrees, of one phase; NaN where unknown.
+        """Map of one phase from Bunge's angles phi1, Phi, phi2 in degrees; NaN where unknown.
 
         Parameters
         ----------
@@ -251,13 +254,13 @@ class OrientationMap:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of pixels."""
+        """Numbers of rows and columns of pixels."""
         rows, columns = self.phase.shape
         return rows, columns
 
     @cached_property
     def grains(self) -> GrainMap:
-        """Grains, and the variants of symmetry chosen along their spanning trees."""
+        """Grains, and the symmetry variants chosen along their spanning trees."""
         groups = {number: phase.group for number, phase in self.phases.items()}
         return grains_of(self.quaternions, self.phase, groups, np.radians(self.threshold))
 
@@ -268,7 +271,7 @@ class OrientationMap:
 
     @cached_property
     def coframe(self) -> np.ndarray:
-        """e^i_mu in the variant of each grain, mu = x, y alone, shape (rows, columns, 3, 2)."""
+        """e^i_mu in the variant of each grain, for mu = x, y, shape (rows, columns, 3, 2)."""
         return matrix_from_quaternion(conjugated(self.grains.quaternions))[..., :2]
 
     @cached_property
@@ -278,7 +281,7 @@ class OrientationMap:
         Raises
         ------
         OrientationError
-            No grain has seven pixels in a row from which it could be estimated.
+            No grain has seven pixels in a row, which the estimate needs.
         """
         if self.sigma is not None:
             return dict.fromkeys(self.phases, given_covariance(self.sigma))
@@ -289,20 +292,21 @@ class OrientationMap:
                 try:
                     found[number] = estimated_covariance(self.grains, mine)
                 except OrientationError:
-                    # Too few of its pixels stand in a row: all others are the best guess.
+                    # The phase has too few pixels in a row, so all phases together are used.
                     found[number] = estimated_covariance(self.grains, self.phase > 0)
         return found
 
     @cached_property
     def curvature(self) -> Curvature:
-        """Lattice curvature within grains, and five components of the Nye tensor from it."""
+        """Lattice curvature within grains, which gives five components of the Nye tensor."""
         q, most = self.grains.quaternions, np.radians(self.threshold)
         return curvature_of(q, self.grain, self.steps, self.shift, most, self.unit)
 
     def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
         """Density of geometrically necessary dislocations from the curvature, and its noise floor.
 
-        See `Curvature.gnd_density`; lines per square of `unit`, shape (rows, columns) each.
+        Both have shape (rows, columns) and are in lines per square of `unit`; see
+        `Curvature.gnd_density`.
 
         burgers: length of the Burgers vector, in `unit`: 0.25e-3 um for 0.25 nm.
         """
@@ -312,19 +316,19 @@ class OrientationMap:
     def frame(self, grain: int, order: int = 2) -> SampledFrame:
         """The coframe of one grain as a sampled frame, for curved loops and the Nye tensor.
 
-        In a plane its Nye tensor has the three components of lines across the map alone: those of
-        a bend about an axis in the plane are in `curvature`.
+        The Nye tensor of a plane frame has only the three components of lines normal to the map.
+        `curvature` has the components of a bend about an axis in the plane.
 
-        Axes are x and y: node [column, row]; pixels of other grains are holes. Its rows are crystal
-        axes; its sigma is the mean over the axes of the noise of its phase, taken as independent
-        from component to component.
+        The axes are x and y, so that a node is [column, row]; pixels of other grains are holes.
+        The rows of the coframe are crystal axes. Its sigma is the noise of the phase, averaged over
+        the axes and assumed independent in each component.
 
         Parameters
         ----------
         grain
-            Its number in `grain`.
+            Number of the grain in `grain`.
         order
-            Of interpolation, as for `SampledFrame`.
+            Order of the interpolation, as for `SampledFrame`.
 
         Raises
         ------
@@ -370,18 +374,18 @@ class OrientationMap:
     def cochain(self) -> Cochain:
         """The steps within grains as a cochain: nodes are pixels, numbered row by row.
 
-        Its forest closes every fundamental cycle of every grain; sums over any chain are exact to
-        rounding. Noise is not in its errors: `burgers` tells it.
+        Its spanning forest gives all fundamental cycles of all grains. Sums over a chain are exact
+        up to rounding. Its errors do not include noise: `burgers` estimates the noise.
         """
         return self._grid.cochain
 
     def circuit(self, loop: Loop) -> Circuit:
-        """The circuit round the cells whose middles a loop surrounds.
+        """The circuit around the cells whose middles a loop surrounds.
 
         Parameters
         ----------
         loop
-            In the plane, x and y in `unit` from the first pixel.
+            A loop in the plane; x and y are in `unit`, from the first pixel.
 
         Raises
         ------
@@ -396,7 +400,8 @@ class OrientationMap:
         Parameters
         ----------
         circuit
-            A Circuit from pixel to pixel; of a Loop in the plane, the circuit round its cells.
+            A Circuit from pixel to pixel, or a Loop in the plane, which gives the circuit around
+            its cells.
 
         Raises
         ------
@@ -436,15 +441,15 @@ class OrientationMap:
         )
 
     def burgers_map(self, size: int, plane: tuple[int, int] = (0, 1)) -> Survey:
-        """Burgers vectors of the square circuits of size x size cells at every place.
+        """Burgers vectors of the square circuits of size x size cells at all positions.
 
-        Sums along rows and columns make a circuit of any size as cheap as a cell. Components are
-        those in crystal axes, arrows those in specimen axes; places are numbered along x, then y.
+        The cost does not depend on the size, because sums along rows and columns are shared. The
+        components of b refer to crystal axes, the arrows to specimen axes; places have axes x, y.
 
         Raises
         ------
         OrientationError
-            The size is not from 1 to what the map holds, or the plane is another than x and y.
+            The size is below 1 or larger than the map, or the plane is not x and y.
         """
         if tuple(plane) != (0, 1):
             raise OrientationError(
@@ -465,12 +470,12 @@ class OrientationMap:
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about its size, its grains and its noise."""
+        """Lines of text about the size, the grains and the noise of the map."""
         grains = self.grains.count
         origin = "estimated from sixth differences" if self.sigma is None else "given"
         noise = []
         for number, covariance in self.noise.items():
-            # Noise about one axis, in the mean over the three.
+            # Standard deviation about one axis, from the mean variance of the three axes.
             degrees = np.degrees(np.sqrt(np.trace(covariance) / 3))
             noise.append(f"{degrees:.3g} degrees in {self.phases[number].name}")
         return (
@@ -483,9 +488,9 @@ class OrientationMap:
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
-        """The grains of the map; its one plane is the section."""
+        """The grains of the map; its only plane is the section."""
         rows, columns = self.shape
-        # Columns of hexagonal grids are drawn between those of even and of odd rows.
+        # Columns of a hexagonal grid are drawn halfway between the even and the odd rows.
         x = self.steps[0] * (np.arange(columns) + self.shift / 2)
         values = np.where(self.grain < 0, np.nan, self.grain).T
         title = f"grains at {self.threshold:g} degrees"

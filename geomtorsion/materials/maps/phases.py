@@ -1,4 +1,4 @@
-"""Phases: what a crystal in a map is: its Laue group, its lattice, its families of lines."""
+"""Phases: crystal structures in a map, with Laue group, lattice and families of lines."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from geomtorsion.rigid.attitude import rotated
 
 @dataclass(frozen=True)
 class Phase:
-    """A crystal structure, as far as circuits need it.
+    """A crystal structure, with the properties that circuits need.
 
-    name: what it is called. laue: name of its Laue group, such as "m-3m".
+    name: of the phase. laue: name of its Laue group, such as "m-3m".
     lengths: a, b, c in angstrom; zeros where they are not known.
     angles: alpha, beta, gamma in degrees.
-    horizontal: which axis of the crystal frame lies along the lattice: "x": a along x (as in .ang
-        files); "y": b along y (as in .ctf files). z is along c (orthogonal to a and b at least).
+    horizontal: which axis of the crystal frame is parallel to a lattice vector: "x" (a along x, as
+        in .ang files) or "y" (b along y, as in .ctf files). z is along c, or at least orthogonal to
+        a and b.
 
     Raises
     ------
     OrientationError
-        The Laue group is unknown, or the constants make no lattice.
+        The Laue group is unknown, or no lattice has these constants.
 
     Examples
     --------
@@ -45,7 +46,7 @@ class Phase:
     horizontal: str = "x"
 
     def __post_init__(self) -> None:
-        """Check the group and the constants once."""
+        """Check the group and the constants."""
         _ = self.group
         for key in ("lengths", "angles"):
             subject = f"phase {self.name!r}: {key}"
@@ -68,9 +69,11 @@ class Phase:
 
     @property
     def _excess(self) -> tuple[float, ...]:
-        """By how many degrees, halved, two of the angles are more than the third, and all of them
-        less than 360: above 0 for three edges that lie in no plane."""
-        # As they are written: 40.1 + 50.2 - 90.3 of doubles is not 0.
+        """180 - s and s minus each angle, in degrees, with s half of the sum of the angles.
+
+        All four are above 0 if and only if the three edges of the cell are not in one plane.
+        """
+        # Exact decimals, because 40.1 + 50.2 - 90.3 of doubles is not 0.
         angles = [checks.repr_fraction(angle) for angle in self.angles]
         half = sum(angles) / 2
         return tuple(float(x) for x in (180 - half, *(half - angle for angle in angles)))
@@ -90,7 +93,7 @@ class Phase:
         a, b, c = self.lengths
         alpha, beta, gamma = np.radians(self.angles)
         cosine = (np.cos(alpha) - np.cos(beta) * np.cos(gamma)) / np.sin(gamma)
-        # As a product the height of c over a and b keeps its digits where the cell is flat, too.
+        # Written as a product, the height of c over a and b keeps its digits for a flat cell.
         height = 2 * np.sqrt(np.prod(np.sin(np.radians(self._excess)))) / np.sin(gamma)
         columns = np.array(
             [
@@ -100,14 +103,14 @@ class Phase:
             ]
         )
         if self.horizontal == "y" and self.laue in ("-3", "-3m", "6/m", "6/mmm"):
-            # The same lattice, turned about c until b lies along y.
+            # The same lattice, rotated about c so that b is along y.
             turn = np.pi / 2 - gamma
             cos, sin = np.cos(turn), np.sin(turn)
             columns = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]]) @ columns
         return columns
 
     def family(self, vector: Sequence[float]) -> np.ndarray:
-        """All vectors that are equivalent to one, up to sign, in crystal axes, angstrom.
+        """All symmetry equivalents of a vector, up to sign, in crystal axes, angstrom.
 
         Parameters
         ----------
@@ -124,7 +127,7 @@ class Phase:
         if not one.any():
             raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
         found: list[np.ndarray] = []
-        # Lattice constants have four digits or so.
+        # Lattice constants have about four digits.
         near = 1e-4 * np.abs(one).max()
         for image in images_of(self, one[None])[:, 0]:
             if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
@@ -133,20 +136,20 @@ class Phase:
 
 
 def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
-    """All that the rotations of a phase make of vectors, crystal axes, shape (rotations, k, 3).
+    """Images of vectors under the rotations of a phase, crystal axes, shape (rotations, k, 3).
 
     Raises
     ------
     OrientationError
-        They do not bring the lattice upon itself: what they make is not equivalent.
+        The rotations do not map the lattice to itself, so that the images are not equivalent.
     """
     edges = phase.lattice.T
     both = np.concatenate([edges, vectors])
     turns = phase.group.quaternions
     found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
     whole = found[:, :3] @ np.linalg.inv(edges)
-    # Constants that are hardly off do no harm: what they bring nearer to a lattice vector than to
-    # the middle between two is meant to be one.
+    # Small errors of the constants are harmless: an image closer to a lattice vector than to the
+    # middle between two lattice vectors counts as the lattice vector.
     off = np.abs(whole - np.rint(whole))
     if (off > 0.5 - off).any():
         raise OrientationError(
@@ -160,12 +163,12 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
 def cell_vector(
     given: Sequence[float], subject: str, phase: Phase, *, plane: bool = False
 ) -> np.ndarray:
-    """Three indices of a direction or a plane, from three or from Bravais' four.
+    """Three indices of a direction or a plane, from three indices or from Bravais' four.
 
     Raises
     ------
     OrientationError
-        There are not three or four numbers, or four that belong to no such cell.
+        There are not three or four indices, or the four indices are not valid for this cell.
 
     Examples
     --------

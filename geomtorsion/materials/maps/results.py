@@ -1,4 +1,4 @@
-"""Results: the Burgers vector of a circuit in an orientation map, and lines that make it up."""
+"""Results: Burgers vector of a circuit in an orientation map, and its decomposition into lines."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ UNITS = {"angstrom": 1.0, "nm": 1e1, "um": 1e4, "mm": 1e7, "m": 1e10}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FamilyLines:
-    """How many dislocation lines of a family a circuit encloses at least.
+    """The least numbers of dislocation lines of a family that a circuit encloses.
 
     family: Burgers vector in units of a, b, c. vectors: its equivalents in crystal axes, angstrom,
-    shape (k, 3). numbers: how many lines of each, negative for opposite ones, shape (k,).
+    shape (k, 3). numbers: of lines for each vector, negative for opposite lines, shape (k,).
     """
 
     family: tuple[float, ...]
@@ -39,7 +39,7 @@ class FamilyLines:
 
     @property
     def total(self) -> float:
-        """Number of lines of all of them."""
+        """Number of lines of all vectors."""
         return float(np.abs(self.numbers).sum())
 
     def __repr__(self) -> str:
@@ -53,16 +53,17 @@ class MapBurgers(Burgers):
 
     Equation
     --------
-    b^i = closed integral of R^i_mu dl^mu, R from specimen to crystal: the coframe that does not
-    stretch. Rounded from x to y (right-handed about z), as MTEX's integral weighted Burgers vector.
+    b^i = closed integral of R^i_mu dl^mu, R from specimen to crystal: the coframe of a lattice
+    without strain. The circuit turns from x to y (right-handed about z), as for the integral
+    weighted Burgers vector of MTEX.
 
-    vector, covariance: in crystal axes (in the variant of its grain): the sum of the Burgers
-        vectors of all lines through the circuit. The systematic error is the distance from a rule
-        of fourth order along the steps, without the part that noise explains.
+    vector, covariance: in crystal axes (in the variant of the grain); b is the sum of the Burgers
+        vectors of all lines through the circuit. The systematic error is the difference from a rule
+        of fourth order along the steps, minus the part that noise explains.
     circuit: from pixel to pixel.
     rotation: from crystal to specimen at the first pixel of the circuit, shape (3, 3).
-    grain: its number. phase: of the grain.
-    structure: whose slip systems make up b in `facts`; empty for none.
+    grain: number of the grain. phase: of the grain.
+    structure: the structure whose slip systems make up b in `facts`; empty for none.
     """
 
     circuit: Circuit
@@ -73,12 +74,12 @@ class MapBurgers(Burgers):
 
     @property
     def specimen(self) -> np.ndarray:
-        """b in specimen axes (those of the map), shape (3,), in `unit`."""
+        """b in specimen axes (the axes of the map), shape (3,), in `unit`."""
         return self.rotation @ self.vector
 
     @property
     def facts(self) -> Json:
-        """Specimen axes, grain, phase, steps; lattice coordinates and slip where they are known."""
+        """b in specimen axes, grain, phase, steps; lattice coordinates and slip where known."""
         found: Json = {
             "specimen": self.specimen.tolist(),
             "grain": self.grain,
@@ -100,7 +101,7 @@ class MapBurgers(Burgers):
 
     @property
     def per_area(self) -> np.ndarray:
-        """b^i per area, crystal axes, shape (3,), one over `unit`.
+        """b^i per area, in crystal axes, shape (3,), in 1 / `unit`.
 
         Raises
         ------
@@ -124,13 +125,13 @@ class MapBurgers(Burgers):
         return self.vector * angstrom_in(self.unit)
 
     def lines(self, *families: Sequence[float]) -> tuple[FamilyLines, ...]:
-        """The shortest lines (sum of number times |b|) that add up to the vector.
+        """The lines that add up to the vector with the least sum of number times |b|.
 
         Parameters
         ----------
         families
-            Burgers vectors in units of a, b, c, such as (0.5, 0.5, 0); their equivalents by
-            symmetry are found.
+            Burgers vectors in units of a, b, c, such as (0.5, 0.5, 0); their symmetry equivalents
+            are added.
 
         Raises
         ------
@@ -165,7 +166,7 @@ class MapBurgers(Burgers):
         )
 
     def slip(self, *families: SlipFamily) -> tuple[SlipDensity, ...]:
-        """The least density of edges and screws of slip families that has this b per area.
+        """The least density of edges and screws of slip families that gives this b per area.
 
         Parameters
         ----------
@@ -179,7 +180,7 @@ class MapBurgers(Burgers):
         Raises
         ------
         OrientationError
-            No family is given, or together they do not make up b.
+            No family is given, or the families cannot make up b.
 
         Examples
         --------

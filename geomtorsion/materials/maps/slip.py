@@ -1,4 +1,4 @@
-"""Slip: systems of a plane and a Burgers vector, all that symmetry makes of one, and densities."""
+"""Slip: slip systems (plane and Burgers vector), families of equivalent systems, densities."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.errors import OrientationError
@@ -18,10 +18,10 @@ FAMILIES = {name: one.slip for name, one in STRUCTURES.items() if one.slip}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SlipFamily:
-    """All slip systems that symmetry makes of one.
+    """All symmetry equivalents of a slip system.
 
-    name: plane and Burgers vector as they were given. normals: of the planes, unit vectors in
-    crystal axes, shape (k, 3). vectors: Burgers vectors, crystal axes, angstrom, shape (k, 3).
+    name: plane and Burgers vector as given. normals: of the planes, unit vectors in crystal axes,
+    shape (k, 3). vectors: Burgers vectors, crystal axes, angstrom, shape (k, 3).
     """
 
     name: str
@@ -30,19 +30,20 @@ class SlipFamily:
 
     @classmethod
     def of(cls, phase: Phase, plane: Indices, vector: Indices) -> SlipFamily:
-        """From a plane and a Burgers vector in the crystal's own cell.
+        """The family of a plane and a Burgers vector in the cell of the crystal.
 
         Parameters
         ----------
         plane
-            Miller's indices h, k, l, or Bravais' four h, k, i, l of hexagonal and trigonal cells.
+            Miller indices h, k, l, or Bravais' four indices h, k, i, l of hexagonal and trigonal
+            cells.
         vector
             In units of a, b, c, such as (0.5, -0.5, 0); or with four indices.
 
         Raises
         ------
         OrientationError
-            The vector does not lie in the plane, either is zero, or the lattice is not known.
+            The vector is not in the plane, one of them is zero, or the lattice is not known.
 
         Examples
         --------
@@ -66,7 +67,7 @@ class SlipFamily:
         images = images_of(phase, np.stack([normal / sizes[0], one / sizes[1]]))
         kept: list[np.ndarray] = []
         for pair in images:
-            # Planes have no sides, and b and -b belong to one system.
+            # A normal and its opposite belong to one system; so do b and -b.
             if all(np.abs(np.einsum("ki,ki->k", pair, x)).min() < 1 - 1e-9 for x in kept):
                 kept.append(pair)
         pairs = np.array(kept)
@@ -78,10 +79,10 @@ class SlipFamily:
 
 @dataclass(frozen=True, eq=False)
 class SlipDensity:
-    """Dislocations of a slip family that a circuit needs at least.
+    """The least density of dislocations of a slip family that explains a circuit.
 
-    edge, screw: density of each system, lines per square of the unit of the map, shape (k,),
-    signed: along n x b, and along b. Screws of systems with one b count once.
+    edge, screw: signed density of each system, lines per square of the unit of the map, shape (k,);
+    edge lines are along n x b, screw lines along b. Screws of systems with equal b count once.
     """
 
     family: SlipFamily
@@ -90,7 +91,7 @@ class SlipDensity:
 
     @property
     def total(self) -> float:
-        """Of all systems."""
+        """Sum of the absolute densities of all systems."""
         return float(np.abs(self.edge).sum() + np.abs(self.screw).sum())
 
 
@@ -110,7 +111,7 @@ def slip_families(phase: Phase, structure: str) -> tuple[SlipFamily, ...]:
 def least_combination(
     columns: np.ndarray, wanted: np.ndarray, costs: np.ndarray
 ) -> np.ndarray | None:
-    """Numbers n with columns @ n = wanted and the least sum of costs times |n|; None if none are.
+    """Numbers n with columns @ n = wanted and the least sum of costs * |n|; None without solution.
 
     columns: shape (3, k). wanted: shape (3,). costs: positive, shape (k,).
 
@@ -135,7 +136,7 @@ def least_combination(
 def densities(
     per_area: np.ndarray, normal: np.ndarray, families: Sequence[SlipFamily], angstrom: float
 ) -> tuple[SlipDensity, ...]:
-    """The least density of edges and screws of slip families that has a given b per area.
+    """The least density of edges and screws of slip families that gives a b per area.
 
     Equation
     --------
@@ -143,7 +144,7 @@ def densities(
     and along b of a screw; the sum of |rho_t| is least [Pantleon, Scripta Mater. 58 (2008) 994,
     with the three components that one plane of a map has].
 
-    per_area: crystal axes, one over the unit. normal: crystal axes. angstrom: in a unit.
+    per_area: in crystal axes, 1 / unit. normal: in crystal axes. angstrom: angstroms in a unit.
     """
     kinds: list[np.ndarray] = []
     place: list[tuple[int, int, bool]] = []

@@ -22,7 +22,7 @@ Noise = Mapping[int, np.ndarray]
 def survey_of_squares(
     grid: StepGrid, phase: np.ndarray, noise: Callable[[], Noise], n: int, unit: str
 ) -> Survey:
-    """All squares of n x n cells; see OrientationMap.burgers_map.
+    """Survey of all squares of n x n cells; see OrientationMap.burgers_map.
 
     phase: number of the phase of each pixel. noise: covariance of orientations of each phase.
     """
@@ -46,22 +46,22 @@ def survey_of_squares(
 
 
 def _turns(grid: StepGrid, n: int) -> np.ndarray:
-    """Rotations from crystal to specimen at the first pixels of squares, (rows, columns, 3, 3)."""
+    """Rotations from crystal to specimen at the first pixel of squares, (rows, columns, 3, 3)."""
     return matrix_from_quaternion(grid.grains.quaternions[:-n, :-n])
 
 
 def _in_specimen(grid: StepGrid, n: int, vectors: np.ndarray) -> np.ndarray:
-    """b along specimen axes, shape (3, x, y), from those along crystal axes, (y, x, 3)."""
+    """b along specimen axes, shape (3, x, y), from b along crystal axes, shape (y, x, 3)."""
     return np.einsum("yxij,yxj->ixy", _turns(grid, n), vectors)
 
 
 def _errors(
     grid: StepGrid, phase: np.ndarray, noise: Callable[[], Noise], n: int, clean: np.ndarray
 ) -> Errors:
-    """Errors of all squares; clean: those that have a Burgers vector, shape (rows, columns)."""
+    """Errors of all squares; clean: which squares have a Burgers vector, shape (rows, columns)."""
     turns, bends = _turns(grid, n), np.linalg.norm(grid.square_bends(n), axis=-1)
     covariance, systematic = np.zeros((*clean.shape, 3, 3)), np.full(clean.shape, np.nan)
-    # Circuits from odd rows of hexagonal grids have other places than those from even ones.
+    # In hexagonal grids, circuits that begin in odd rows have other positions than in even rows.
     odd = (np.arange(len(clean)) % 2 == 1) & bool(grid.shift)
     for row, rows in ((0, ~odd), (1, odd)):
         if not rows.any():

@@ -1,4 +1,4 @@
-"""Step grid: integrals of a coframe along the steps between pixels, and sums of them."""
+"""Step grid: integrals of a coframe along the steps between pixels, and sums over steps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from geomtorsion.materials.maps.lattice_edges import GrainMap
 
 
 def two_steps(steps: object) -> tuple[float, float]:
-    """Steps along x and y, from one number for both or from two."""
+    """Steps along x and y, from two numbers or from one for both."""
     given = (steps, steps)
     if checks.real(steps) is None:
         given = checks.numbers(steps, 2, "steps", OrientationError)
@@ -26,9 +26,10 @@ def two_steps(steps: object) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Steps to the next pixel in a row or a column, and how often each is made.
+    """Steps to the next pixel in a row or a column, with multiplicities.
 
-    starts, ends: row and column of pixels, shape (k, 2); times: shape (k,).
+    starts, ends: row and column of pixels, shape (k, 2). times: how often each step is made, shape
+    (k,).
     """
 
     starts: np.ndarray
@@ -37,16 +38,16 @@ class Chain:
 
     @property
     def along(self) -> np.ndarray:
-        """Which steps run along a row."""
+        """Whether each step runs along a row."""
         return self.starts[:, 0] == self.ends[:, 0]
 
 
 @dataclass(frozen=True, eq=False)
 class StepGrid:
-    """Trapezoids of the coframe e^i_mu along the steps of a map.
+    """Integrals of the coframe e^i_mu along the steps of a map, by the trapezoidal rule.
 
-    grains: which steps stay in a grain. coframe: shape (rows, columns, 3, 2). steps, shift: of the
-    map. threshold: of grains, degrees, for messages.
+    grains: of the map, which decide which steps are allowed. coframe: shape (rows, columns, 3, 2).
+    steps, shift: of the map. threshold: of grains, degrees, for messages.
     """
 
     grains: GrainMap
@@ -57,7 +58,7 @@ class StepGrid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns of pixels."""
+        """Numbers of rows and columns of pixels."""
         rows, columns = self.grains.grain.shape
         return rows, columns
 
@@ -75,7 +76,7 @@ class StepGrid:
         e = self.coframe
         found = self.steps[1] / 2 * (e[:-1, :, :, 1] + e[1:, :, :, 1])
         if self.shift:
-            # On from an even row to an odd one, back from an odd one.
+            # The shift is positive from an even row to an odd one, and negative from an odd row.
             sign = 1 - 2 * (np.arange(self.shape[0] - 1) % 2)
             way = sign[:, None, None] * self.shift * self.steps[0]
             found += way / 2 * (e[:-1, :, :, 0] + e[1:, :, :, 0])
@@ -83,25 +84,26 @@ class StepGrid:
 
     @cached_property
     def bends(self) -> tuple[np.ndarray, np.ndarray]:
-        """What a rule of fourth order has more than the trapezoid of each step, as right and down.
+        """Fourth-order rule minus trapezoidal rule for each step, in the order right, down.
 
-        (-f_-1 + 13 f_0 + 13 f_1 - f_2) / 24 - (f_0 + f_1) / 2: second differences at both ends,
-        of which one stands for both at the edge of a grain; without any, a step tells nothing.
+        (-f_-1 + 13 f_0 + 13 f_1 - f_2) / 24 - (f_0 + f_1) / 2 is the mean of the second differences
+        at both ends, times -1/12. At the edge of a grain, the only known second difference is used
+        for both ends; a step without any contributes zero.
         """
         e, grain = self.coframe, self.grains.grain
         right = -_bends(self.steps[0] * e[..., 0].swapaxes(0, 1), grain.T).swapaxes(0, 1)
         if not self.shift:
             return right, -_bends(self.steps[1] * e[..., 1], grain)
-        # Straight on from row to row, columns move by one at every second row.
+        # Along a straight line from row to row, the column changes by one at every second row.
         rows, columns = self.shape
         down = np.zeros((rows - 1, columns, 3))
         for first, way in ((0, 1), (1, -1)):
-            # To the right from even rows where odd ones begin further on, else to the left.
+            # From even rows, lines go right if odd rows begin further right, otherwise left.
             shifts = way * int(np.sign(self.shift)) * ((np.arange(rows) + first) // 2)
             index = (np.arange(columns) + shifts[:, None]) % columns
             place = (np.arange(rows)[:, None], index)
             step = self.steps[1] * e[..., 1] + way * self.shift * self.steps[0] * e[..., 0]
-            # What comes in at the other side is on another line.
+            # A line that leaves the map and re-enters at the other side is a different line.
             laps = (np.arange(columns) + shifts[:, None]) // columns
             mine = grain[place] + (laps - laps.min()) * (grain.max() + 1)
             found = -_bends(step[place], np.where(grain[place] < 0, -1, mine))
@@ -127,7 +129,7 @@ class StepGrid:
     # -- one circuit ------------------------------------------------------------------------------
 
     def chain(self, circuit: Circuit) -> Chain:
-        """The steps of a circuit, after looking at each: it stays in the map and in one grain."""
+        """The steps of a circuit; raise an error unless all are in the map and in one grain."""
         found = self.ascending(circuit)
         along = found.along
         fine = np.empty(len(along), dtype=bool)
@@ -135,7 +137,7 @@ class StepGrid:
         fine[~along] = self.grains.down[tuple(found.starts[~along].T)]
         if not fine.all():
             self._refuse(found.starts[~fine], found.ends[~fine])
-        # Parts that do not touch, such as cells far from each other, may lie in several.
+        # Separate parts of a circuit, such as distant cells, may be in different grains.
         grains = np.unique(self.grains.grain[tuple(found.starts.T)]).tolist()
         if len(grains) > 1:
             raise OrientationError(
@@ -145,7 +147,7 @@ class StepGrid:
         return found
 
     def ascending(self, circuit: Circuit) -> Chain:
-        """The steps of a circuit, those that go back as negative multiples of those that go on."""
+        """The steps of a circuit in ascending direction; backward steps count negative."""
         last = np.maximum(circuit.starts, circuit.ends)
         outside = (last >= self.shape).any(axis=1)
         if outside.any():
@@ -159,7 +161,7 @@ class StepGrid:
         return Chain(first, last, sign * circuit.times)
 
     def _refuse(self, starts: np.ndarray, ends: np.ndarray) -> None:
-        """Say which pixels a circuit must not join, and why; of many, of the first three."""
+        """Raise an error that names the first three forbidden steps of a circuit, with reasons."""
         named = []
         for one, other in zip(starts[:3].tolist(), ends[:3].tolist(), strict=True):
             pixels = tuple(one), tuple(other)
@@ -190,7 +192,7 @@ class StepGrid:
         return chain.times @ values
 
     def bend(self, chain: Chain) -> np.ndarray:
-        """What the trapezoids of a chain lack, as the bend of the coframe says, shape (3,)."""
+        """Correction of the trapezoidal rule along a chain, from the sum of `bends`, shape (3,)."""
         along, (right, down) = chain.along, self.bends
         values = np.empty((len(along), 3))
         values[along] = right[tuple(chain.starts[along].T)]
@@ -199,14 +201,14 @@ class StepGrid:
 
     def area(self, chain: Chain) -> float:
         """Half of the sum of x dy - y dx: the area that a chain encloses."""
-        # Cells are whole numbers: where as many are run round in either sense nothing is left.
+        # The net number of enclosed cells is a whole number; if it is 0, the area is exactly 0.
         if not (chain.times * chain.starts[:, 0])[chain.along].sum():
             return 0.0
         one, other = self.places(chain.starts), self.places(chain.ends)
         return float(chain.times @ (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])) / 2
 
     def moments(self, chain: Chain) -> np.ndarray:
-        """How each pixel enters the sum: half of the steps that touch it, shape (pixels, 3)."""
+        """Weight of each pixel in the sum: half of the steps that touch it, shape (pixels, 3)."""
         ways = self.places(chain.ends) - self.places(chain.starts)
         keys = np.concatenate([chain.starts, chain.ends]) @ np.array([self.shape[1], 1])
         _, where = np.unique(keys, return_inverse=True)
@@ -215,10 +217,10 @@ class StepGrid:
         return found
 
     def bent_moments(self, chain: Chain) -> np.ndarray:
-        """How each pixel enters `bend` where grains have no edges, shape (pixels, 3)."""
+        """Weight of each pixel in `bend`, ignoring edges of grains, shape (pixels, 3)."""
         ways = chain.times[:, None] * (self.places(chain.ends) - self.places(chain.starts)) / 24
         one, two = chain.starts, chain.ends
-        # Straight on before the first pixel and behind the second.
+        # The straight line through a step has a pixel before its start and one after its end.
         every = np.concatenate([one, two, 2 * one - two, 2 * two - one])
         keys = every @ np.array([4 * self.shape[1], 1])
         _, where = np.unique(keys, return_inverse=True)
@@ -227,7 +229,7 @@ class StepGrid:
         return found
 
     def places(self, pixels: np.ndarray) -> np.ndarray:
-        """x and y of pixels from the first one, shape (k, 2)."""
+        """x and y of pixels, relative to the first pixel of the map, shape (k, 2)."""
         rows, columns = pixels.T
         x = (columns + self.shift * (rows % 2)) * self.steps[0]
         return np.stack([x, rows * self.steps[1]], axis=1)
@@ -235,9 +237,9 @@ class StepGrid:
     # -- all squares ------------------------------------------------------------------------------
 
     def squares(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Integrals round all squares of n x n cells, and which stay in one grain.
+        """Integrals around all squares of n x n cells, and whether each stays in one grain.
 
-        Sums over windows make any size as cheap as a cell.
+        The cost does not depend on n, because sums over windows are shared.
         """
         across = window_sums((~self.grains.right).astype(np.int32), n, 1)
         along = window_sums((~self.grains.down).astype(np.int32), n, 0)
@@ -250,15 +252,16 @@ class StepGrid:
 
     @staticmethod
     def _rounds(n: int, right: np.ndarray, down: np.ndarray) -> np.ndarray:
-        """Sums of steps round all squares."""
+        """Sums of steps around all squares."""
         bottom, side = window_sums(right, n, 1), window_sums(down, n, 0)
         return bottom[:-n] - bottom[n:] + side[:, n:] - side[:, :-n]
 
 
 def _bends(f: np.ndarray, grain: np.ndarray) -> np.ndarray:
-    """A twelfth of the second differences of each step along the first axis, at its ends in mean.
+    """A twelfth of the second difference of f, averaged over both ends of each step on axis 0.
 
-    f: shape (points, lines, 3); grain: shape (points, lines), differences of one grain count.
+    f: shape (points, lines, 3). grain: shape (points, lines); only second differences within one
+    grain are used.
     """
     bend, known = np.zeros_like(f), np.zeros(grain.shape, dtype=bool)
     bend[1:-1] = f[2:] - 2 * f[1:-1] + f[:-2]

@@ -1,8 +1,8 @@
 """Symmetry: the rotations of the 11 Laue groups, variants of orientations, disorientations.
 
-An orientation is a unit quaternion that turns crystal axes into specimen axes (as in
-`rigid.attitude`, scalar first). A rotation s of the crystal that its lattice does not notice gives
-the variant q s of the same orientation.
+An orientation is a unit quaternion that rotates crystal axes into specimen axes (as in
+`rigid.attitude`, scalar first). A rotation s that maps the lattice to itself gives the variant q s
+of the orientation q.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from geomtorsion.errors import OrientationError
 from geomtorsion.loops.quadrature import PIECE
 from geomtorsion.rigid.attitude import product, quaternion_from_rotation_vector, rotated
 
-# Generators of the rotations: axis, and how many of them make a full turn. "h" is the horizontal
-# two-fold axis of -3m, which lies along x or y according to how the axes of the crystal are laid.
+# Generators of the rotations: axis, and number of rotations in a full turn. _H is the horizontal
+# two-fold axis of -3m, which is along x or y depending on the choice of crystal axes.
 _Z, _Y, _X, _D, _H = (0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, 1), None
 GENERATORS: dict[str, tuple[tuple[Sequence[int] | None, int], ...]] = {
     "-1": (),
@@ -35,8 +35,8 @@ GENERATORS: dict[str, tuple[tuple[Sequence[int] | None, int], ...]] = {
     "m-3m": ((_Z, 4), (_D, 3)),
 }
 LAUE_GROUPS = tuple(GENERATORS)
-# A direction that lies on no axis and no mirror of any Laue group, near z and nearer x than y: what
-# is nearer to it than to its images is the standard triangle.
+# A direction off all axes and mirrors of all Laue groups, near z and nearer to x than to y. The
+# standard triangle contains the directions that are nearer to it than to its images.
 _GENERIC = np.array([0.41, 0.17, 0.9])
 
 
@@ -44,8 +44,8 @@ _GENERIC = np.array([0.41, 0.17, 0.9])
 class LaueGroup:
     """The rotations of a Laue group.
 
-    name: as in the International Tables, such as "m-3m". The unique axis of 2/m is y, that of all
-        other groups z.
+    name: as in the International Tables, such as "m-3m". The unique axis of 2/m is y; all other
+        groups have the unique axis z.
     quaternions: one for each rotation, the identity first, shape (n, 4).
 
     Examples
@@ -64,7 +64,7 @@ class LaueGroup:
         return np.abs(found @ self.quaternions.T).argmax(axis=-1)
 
     def nearest(self, one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Which variant of the other orientations lies nearest to the first ones, and how near.
+        """The variant of each other orientation nearest to the first one, and the angle.
 
         Parameters
         ----------
@@ -97,8 +97,8 @@ class LaueGroup:
     def disorientation(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
         """The misorientation of two orientations of one phase, in the fundamental zone.
 
-        The smallest turn from one to a variant of the other, with its axis in crystal axes within
-        the standard triangle; which of the two came first does not matter.
+        This is the smallest rotation from one to a variant of the other. Its axis, in crystal axes,
+        is within the standard triangle. The order of the two orientations does not matter.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class LaueGroup:
 
         Examples
         --------
-        A turn by 50 degrees about z is one by 40 degrees in a cubic crystal.
+        In a cubic crystal, a rotation by 50 degrees about z equals a rotation by 40 degrees.
 
         >>> import numpy as np
         >>> turn = quaternion_from_rotation_vector([0, 0, np.radians(50)])
@@ -126,7 +126,7 @@ class LaueGroup:
         turn = product(conjugated(p), product(q, self.quaternions[variants]))
         turn = np.where(turn[:, :1] < 0, -turn, turn)
         images = rotated(self.quaternions, np.broadcast_to(_GENERIC, (len(self.quaternions), 3)))
-        # The inverse turn counts as well: it is that from the other orientation to the first.
+        # The inverse rotation, from the other orientation to the first, is also a candidate.
         nearness = turn[:, 1:] @ images.T
         best = np.abs(nearness).argmax(axis=1)
         sign = np.sign(np.take_along_axis(nearness, best[:, None], axis=1))
@@ -144,7 +144,7 @@ def laue_group(name: str, horizontal: str = "x") -> LaueGroup:
     Parameters
     ----------
     horizontal
-        Where the two-fold axis of -3m lies: "x" (a along x, as in .ang files) or "y" (b along y,
+        Direction of the two-fold axis of -3m: "x" (a along x, as in .ang files) or "y" (b along y,
         as in .ctf files).
 
     Raises
@@ -161,7 +161,7 @@ def laue_group(name: str, horizontal: str = "x") -> LaueGroup:
         direction = np.array(across if axis is None else axis, dtype=float)
         turn = 2 * np.pi / times * direction / np.linalg.norm(direction)
         generators.append(quaternion_from_rotation_vector(turn))
-    # Each new rotation is multiplied by each generator until nothing new comes.
+    # Multiply each new rotation by each generator until no new rotation appears.
     for rotation in found:
         for generator in generators:
             new = product(generator, rotation)
@@ -171,10 +171,10 @@ def laue_group(name: str, horizontal: str = "x") -> LaueGroup:
 
 
 def conjugated(q: np.ndarray) -> np.ndarray:
-    """The inverse turns, shape (..., 4)."""
+    """The inverse rotations, shape (..., 4)."""
     return q * np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def angle_of(q: np.ndarray) -> np.ndarray:
-    """Angles of turns in [0, pi], rad, shape (...); small ones lose no digits."""
+    """Rotation angles in [0, pi], rad, shape (...); small angles keep all digits."""
     return 2 * np.arctan2(np.linalg.norm(q[..., 1:], axis=-1), np.abs(q[..., 0]))
