@@ -85,7 +85,7 @@ def test_what_does_not_close_is_refused() -> None:
     for periods, message in (
         ({3: 1}, r"periods\[3\]: expected a whole number from 0 to 2"),
         ({"phi": 1}, r"periods\['phi'\]: expected a whole number"),
-        ({1: 0}, r"periods\[1\]: a positive number"),
+        ({1: 0}, r"periods\[1\]: expected a positive number"),
         ({1: "a"}, "unknown|a"),
     ):
         with pytest.raises(ValueError, match=message):
