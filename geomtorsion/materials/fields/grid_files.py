@@ -1,4 +1,4 @@
-"""Grid files: sampled frames in NPZ, NetCDF, HDF5, CSV and VTK, each by the library that has it."""
+"""Grid files: sampled frames in NPZ, NetCDF, HDF5, CSV and VTK files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.checks import cut, shown, unmasked
@@ -51,27 +51,32 @@ FORMS = {
     "vector_unit": ArrayForm((), "U", optional=True),
     "source": ArrayForm((), "U", optional=True),
 }
-# What may say how the values scatter.
+# Arrays that may hold the noise of the values.
 NOISE = ("sigma", "covariance")
-# What says where nothing is known, beside NaN.
+# The array that marks unknown nodes, besides NaN.
 MASK = "mask"
-# What says in NetCDF that numbers are packed, or which of them are none.
+# NetCDF attributes that mark packed numbers or missing values.
 PACKED = ("scale_factor", "add_offset", "_FillValue", "missing_value")
 
 
 def read_grid(path: Path) -> Contents:
-    """What a file holds, by the end of its name.
+    """Read a sampled frame in the format of the file ending.
 
     .npz: an array `coframe` or `distortion` of shape (rows, d, N_1, ..., N_d), and one array
-    `axis_x`, `axis_y`, ... for each axis, in the order in which `names` lists them (or in which
-    they stand in the file). .h5, .hdf5: the same as data sets (extra `files`); an attribute `names`
-    lists the axes, which may be left out if they are x, y, ... .nc: a variable `coframe` or
-    `distortion` with dimensions (row, column, x, y, ...) and a coordinate variable for each
-    dimension of the grid. .npz may hold a `displacement` of shape (rows, N_1, ..., N_d) in its
-    place, and the vectors of its jumps, `branch` (NaN where they are looked for). .csv: see
-    `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`). All may hold sigma,
-    units, periods and a source; .npz, .h5 and .nc a covariance in its place, and a mask, 1 at each
-    node where nothing is known.
+    `axis_x`, `axis_y`, ... for each axis, in the order of `names` (or of the arrays in the file).
+    Instead of the coframe, .npz may hold a `displacement` of shape (rows, N_1, ..., N_d) and the
+    vectors of its jumps, `branch` (NaN to search for them).
+
+    .h5, .hdf5: the same names as data sets (extra `files`). The attribute `names` lists the axes;
+    it is optional if they are x, y, ...
+
+    .nc: a variable `coframe` or `distortion` with dimensions (row, column, x, y, ...) and a
+    coordinate variable for each dimension of the grid.
+
+    .csv: see `tables.read_csv`. .vtk, .vtu: see `tables.read_vtk` (extra `files`).
+
+    All formats may hold sigma, units, periods and a source. .npz, .h5 and .nc may hold a covariance
+    instead of sigma, and a mask, which is 1 at unknown nodes.
 
     Raises
     ------
@@ -92,14 +97,14 @@ def read_grid(path: Path) -> Contents:
 
 
 def save_grid(path: Path, contents: Contents) -> None:
-    """Write a file that `read_grid` reads, under the very name that is given.
+    """Write a file that `read_grid` reads, with exactly the given name.
 
-    Without an end of its name it becomes .npz.
+    The format is .npz if the name has no ending.
 
     Raises
     ------
     GridError
-        No format is known by the end of the name.
+        There is no format with this file ending.
     """
     kind = path.suffix.lower() or ".npz"
     if kind not in FORMATS:
@@ -111,12 +116,12 @@ def save_grid(path: Path, contents: Contents) -> None:
 
 
 def holds_covariance(path: Path) -> bool:
-    """Whether the format that a name ends in has room for covariances: tables have none."""
+    """Whether the format of a file ending can store covariances, which tables cannot."""
     return (path.suffix.lower() or ".npz") not in (".csv", ".vtk", ".vtu")
 
 
 def _npz(path: Path) -> Contents:
-    """A grid from an NPZ file."""
+    """Read an NPZ file."""
     message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
     arrays = read_npz(path, FORMS, message=message)
     key = "displacement" if "displacement" in arrays else key_of(path, arrays)
@@ -140,7 +145,7 @@ def _npz(path: Path) -> Contents:
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
     options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
     if key == "displacement" and "branch" in arrays:
-        # A vector that is not known is looked for.
+        # Unknown vectors (NaN) request a search for jumps.
         branch = arrays["branch"]
         options["branch"] = FIND if np.isnan(branch).all() else branch
     values = arrays[key]
@@ -148,7 +153,7 @@ def _npz(path: Path) -> Contents:
 
 
 def _write_npz(path: Path, contents: Contents) -> None:
-    """A grid as an NPZ file."""
+    """Write an NPZ file."""
     key = "displacement" if contents.is_displacement else "coframe"
     arrays: dict[str, Any] = {key: contents.values, "names": np.array(contents.names)}
     for name, axis in zip(contents.names, contents.axes, strict=True):
@@ -158,20 +163,20 @@ def _write_npz(path: Path, contents: Contents) -> None:
 
 
 def read_netcdf(path: Path) -> Contents:
-    """By xarray if it is installed; classic files by scipy otherwise."""
+    """Read NetCDF by xarray if it is installed; otherwise read classic files by scipy."""
     try:
         xarray = import_module("xarray")
     except ImportError:
         return _classic(path)
 
     def load() -> Any:
-        # Times stay the numbers that they are, as the other reader has them.
+        # Times remain numbers, as in the scipy reader.
         with xarray.open_dataset(path, decode_times=False) as data:
             dimensions = {str(name): each.dims for name, each in data.variables.items()}
             key, names = _axes(path, dimensions)
             wanted = [name for name in (key, *names, *NOISE, MASK) if name in dimensions]
             check_room(path, {name: data[name].shape for name in wanted})
-            # What is not wanted may be as large as it likes.
+            # Only the wanted variables are loaded; the size of the others does not matter.
             return key, names, {name: data[name].values for name in wanted}, dict(data.attrs)
 
     if _is_hdf5(path):
@@ -186,7 +191,7 @@ def _is_hdf5(path: Path) -> bool:
 
 
 def _axes(path: Path, dimensions: Mapping[str, Sequence[Any]]) -> tuple[str, tuple[str, ...]]:
-    """Which variable holds the values, and the names of its axes: all others have that order."""
+    """Name of the variable with the values, and its axis names, whose order holds for all."""
     key = key_of(path, dimensions)
     names = tuple(str(name) for name in dimensions[key][2:])
     for name in names:
@@ -210,13 +215,13 @@ def _contents(
     arrays: Mapping[str, np.ndarray],
     said: Mapping[str, Any],
 ) -> Contents:
-    """Contents from the arrays of a file and what it says in words."""
+    """Contents from the arrays and the texts of a file."""
     axes = [arrays[name] for name in names]
     return Contents(axes, arrays[key], names, key == "distortion", _options(path, arrays, said))
 
 
 def _classic(path: Path) -> Contents:
-    """A classic file, by scipy."""
+    """Read a classic file by scipy."""
     if _is_hdf5(path):
         raise MissingExtraError(
             f"{path}: this is NetCDF 4, which needs xarray with a backend. "
@@ -224,10 +229,10 @@ def _classic(path: Path) -> Contents:
         )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
-        # Values that mark what is missing, and scales, are those of the attributes, as in xarray.
+        # Missing values and scales follow the attributes, as in xarray.
         with scipy.io.netcdf_file(path, mmap=False, maskandscale=True) as data:
             for name, variable in data.variables.items():
-                # scipy compares with one mark only.
+                # scipy supports only one missing value.
                 if np.size(getattr(variable, "missing_value", 0)) != 1:
                     raise FileFormatError(
                         f"{path}: missing_value of {name}: one number was needed. Mark what is "
@@ -249,7 +254,7 @@ def _classic(path: Path) -> Contents:
 
 
 def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[str, Any]:
-    """Noise, holes, periods and texts."""
+    """Options of the contents: noise, holes, periods and texts."""
     found: dict[str, Any] = {key: texts[key] for key in TEXTS if key in texts}
     found |= _known(path, arrays)
     if "periodic" in texts:
@@ -258,7 +263,7 @@ def _options(path: Path, arrays: Mapping[str, np.ndarray], texts: Any) -> dict[s
 
 
 def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Noise, and where nothing is known: True, or 1 where a format has no truth values."""
+    """Noise, and the mask of unknown nodes: True, or 1 in formats without truth values."""
     found = {name: arrays[name] for name in NOISE if name in arrays}
     if MASK in arrays:
         if not np.isin(arrays[MASK], (0, 1)).all():
@@ -271,7 +276,7 @@ def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray
 
 
 def write_netcdf(path: Path, contents: Contents) -> None:
-    """A classic file, which every library reads."""
+    """Write a classic NetCDF file, which all libraries read."""
     with scipy.io.netcdf_file(path, "w") as data:
         for name, axis in zip(contents.names, contents.axes, strict=True):
             data.createDimension(name, len(axis))
@@ -293,7 +298,7 @@ def write_netcdf(path: Path, contents: Contents) -> None:
 
 
 def _texts(contents: Contents) -> dict[str, str]:
-    """What is said in attributes."""
+    """Texts of the contents, for the attributes of a file."""
     found = {key: contents.options[key] for key in TEXTS if contents.options.get(key)}
     if "periodic" in contents.options:
         pairs = zip(contents.names, contents.options["periodic"], strict=True)
@@ -305,7 +310,7 @@ def _texts(contents: Contents) -> dict[str, str]:
 
 
 def read_hdf5(path: Path) -> Contents:
-    """Data sets coframe (or distortion), axis_x, ... and sigma; texts as attributes."""
+    """Read data sets coframe (or distortion), axis_x, ... and sigma; texts are attributes."""
     h5py = module("h5py", path)
 
     def load() -> Contents:
@@ -317,7 +322,7 @@ def read_hdf5(path: Path) -> Contents:
             if "names" in said:
                 axes = checks.text(said["names"], f"{path}: names", FileFormatError).split()
             elif axes != list("xyz")[: len(axes)]:
-                # HDF5 lists what is in a file by the alphabet.
+                # HDF5 lists data sets alphabetically, not in the order of the axes.
                 raise FileFormatError(
                     f"{path}: names: the axes {', '.join(axes)} stand in no order. Say it in an "
                     f"attribute of the file, such as names = {' '.join(axes)!r}."
@@ -338,7 +343,7 @@ def read_hdf5(path: Path) -> Contents:
 
 
 def _text(value: Any) -> Any:
-    """A text, which HDF5 may hold as bytes, or words in a list; all else as it came."""
+    """A text, which HDF5 may hold as bytes or as a list of words; other values unchanged."""
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "OSU":
         words = [_text(word) for word in value.tolist()]
         return " ".join(words) if all(isinstance(word, str) for word in words) else value
@@ -374,7 +379,7 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
 
 
 def write_hdf5(path: Path, contents: Contents) -> None:
-    """The same names as in an NPZ file."""
+    """Write an HDF5 file with the names of an NPZ file."""
     h5py = module("h5py", path)
     with h5py.File(path, "w") as file:
         file["coframe"] = contents.values
@@ -391,7 +396,7 @@ def write_hdf5(path: Path, contents: Contents) -> None:
 class GridFormat:
     """A format of sampled frames.
 
-    read, write: take a path (and contents). begins: first bytes of its files; none for text.
+    read, write: functions of a path (and contents). begins: first bytes of files; none for text.
     """
 
     read: Callable[[Path], Contents]
@@ -400,12 +405,12 @@ class GridFormat:
 
 
 def _csv(path: Path) -> Contents:
-    """A coframe, a distortion or a displacement, as the row of names says."""
+    """Read a coframe, a distortion or a displacement, depending on the row of names."""
     return read_displacement(path) if holds_displacement(path) else tables.read_csv(path)
 
 
 _NETCDF = GridFormat(read_netcdf, write_netcdf, (b"CDF\x01", b"CDF\x02", HDF5))
-# Ending of a name -> the format. A new format is a line here.
+# File ending -> format. To add a format, add a line here.
 FORMATS: dict[str, GridFormat] = {
     ".npz": GridFormat(_npz, _write_npz, (b"PK\x03\x04",)),
     ".nc": _NETCDF, ".cdf": _NETCDF, ".netcdf": _NETCDF,

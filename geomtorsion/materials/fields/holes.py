@@ -1,4 +1,4 @@
-"""Holes: connected nodes of which nothing is known, and circuits round them."""
+"""Holes: connected sets of unknown nodes, and circuits around them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.errors import GridError
@@ -16,10 +16,10 @@ from geomtorsion.materials.fields.grid import Grid
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Hole:
-    """Neighbouring nodes (by sides, edges or corners) of which nothing is known.
+    """A set of unknown nodes, connected by sides, edges or corners.
 
     number: in the list of holes. nodes: their numbers along the axes, shape (k, d); on a periodic
-    axis they go on beyond the last one where the hole does.
+    axis the numbers continue beyond the last node if the hole crosses the end.
     """
 
     number: int
@@ -27,12 +27,12 @@ class Hole:
 
     @property
     def low(self) -> tuple[int, ...]:
-        """The least number of a node along each axis."""
+        """The smallest node number along each axis."""
         return tuple(self.nodes.min(axis=0).tolist())
 
     @property
     def high(self) -> tuple[int, ...]:
-        """The largest number of a node along each axis."""
+        """The largest node number along each axis."""
         return tuple(self.nodes.max(axis=0).tolist())
 
     def __repr__(self) -> str:
@@ -43,14 +43,14 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
     """All holes, in the order of their first nodes."""
     if not grid.has_holes:
         return ()
-    # Round periodic axes one more node is laid on each side, so that neighbours are neighbours.
+    # Periodic axes get one more node at each end, so that neighbours across the end are adjacent.
     ends = [(int(wraps), int(wraps)) for wraps in grid.periodic]
     padded = np.pad(grid.holes, ends, mode="wrap")
     labels, _ = scipy.ndimage.label(padded, np.ones((3,) * grid.dimension))
     nodes = np.argwhere(padded)
     names = labels[tuple(nodes.T)]
     nodes = (nodes - [low for low, _ in ends]) % np.array(grid.shape)
-    # A node that was laid twice joins the two labels that it has.
+    # A node that occurs twice joins its two labels.
     keys = np.ravel_multi_index(tuple(nodes.T), grid.shape)
     unique, where = np.unique(keys, return_inverse=True)
     size = len(unique) + labels.max() + 1
@@ -68,7 +68,7 @@ def holes_of(grid: Grid) -> tuple[Hole, ...]:
 
 
 def _unwrapped(nodes: np.ndarray, grid: Grid) -> np.ndarray:
-    """Nodes of a hole that goes over the end of a periodic axis, in one piece."""
+    """Nodes of a hole that crosses the end of a periodic axis, with consecutive numbers."""
     found = nodes.copy()
     for axis, (points, wraps) in enumerate(zip(grid.shape, grid.periodic, strict=True)):
         there = np.unique(nodes[:, axis])
@@ -79,7 +79,7 @@ def _unwrapped(nodes: np.ndarray, grid: Grid) -> np.ndarray:
 
 
 def chosen_hole(holes: Sequence[Hole], wanted: object) -> Hole:
-    """A hole by its number; the only one where there is one."""
+    """A hole by its number; without a number, the only hole."""
     if isinstance(wanted, Hole):
         return wanted
     if not holes:
@@ -97,7 +97,7 @@ def chosen_hole(holes: Sequence[Hole], wanted: object) -> Hole:
 def loop_around(
     grid: Grid, hole: Hole, margin: int, plane: tuple[int, int], at: Sequence[int]
 ) -> Loop:
-    """The rectangle along lines of nodes that surrounds a hole by so many nodes."""
+    """The rectangle along lines of nodes that surrounds a hole at a margin in nodes."""
     low, high = list(at), list(at)
     for axis in plane:
         low[axis], high[axis] = hole.low[axis] - margin, hole.high[axis] + margin

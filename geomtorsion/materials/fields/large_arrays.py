@@ -1,4 +1,4 @@
-"""Large arrays: fields of which parts are read, in files of NPY and Zarr, or arrays of dask."""
+"""Large arrays: fields that are read in parts, from NPY and Zarr files or dask arrays."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from geomtorsion.materials.fields.noise import SMOOTH, estimated_from_parts
 from geomtorsion.materials.fields.packed_chunks import check_packed
 from geomtorsion.npz import LARGEST_ARRAYS
 
-# Packings of Zarr that only pack: any other one might run what it finds.
+# Zarr codecs that only compress. Other codecs might execute code from the file.
 HARMLESS = frozenset(
     "blosc zstd gzip zlib lz4 bz2 lzma bytes crc32c transpose sharding_indexed endian".split()
 )
 
-# Nodes from which noise is estimated, some ten megabytes, and nodes of each window of a larger
-# field: the median over so many has an error of half a per cent.
+# Number of nodes in the sample for the noise, about ten megabytes, and in each window of a larger
+# field. The median over a sample has an error of half a per cent.
 SAMPLE, WINDOW = 8 * PIECE, PIECE // 8
 _CHUNK = re.compile(r"(c[/.])?[0-9]{1,18}([/.][0-9]{1,18})*")
-# What the array of a field is called in a Zarr group.
+# Name of the array of a field in a Zarr group.
 INNER = "coframe"
 
 
@@ -41,8 +41,8 @@ INNER = "coframe"
 class LargeArray:
     """Values of shape (rows, columns, grid...) that are read part by part.
 
-    given: the path of an .npy file or a Zarr array, or an array that can be sliced: of NumPy, Zarr
-    or dask.
+    given: the path of an .npy file or a Zarr array, or an array of NumPy, Zarr or dask, which can
+    be sliced.
     """
 
     given: Any
@@ -50,7 +50,7 @@ class LargeArray:
 
     @classmethod
     def of(cls, given: Any) -> LargeArray:
-        """An array whose shape is that of a field."""
+        """An array with the shape of a field."""
         array = opened(str(given) if isinstance(given, str | Path) else given)
         sizes = tuple(int(n) for n in array.shape)
         if len(sizes) < 4 or sizes[1] < len(sizes) - 2:
@@ -60,12 +60,12 @@ class LargeArray:
             )
         if 0 in sizes:
             raise GridError(f"source: expected one node or more along each axis, got {sizes}.")
-        # A path is opened again where it is read: a mapped array would be copied to a worker.
+        # Keep the path and open it again for each read; a mapped array would be copied to workers.
         return cls(str(given) if isinstance(given, str | Path) else array, sizes)
 
     @property
     def digest(self) -> str | None:
-        """SHA-256 of all values or their files; None of arrays that may take long to read."""
+        """SHA-256 of all values or their files; None for arrays that may be slow to read."""
         if isinstance(self.given, str):
             return digest_of(Path(self.given))
         if not isinstance(self.given, np.ndarray):
@@ -73,7 +73,7 @@ class LargeArray:
         return digest_of_arrays(np.asarray(self.given[:, :, k]) for k in range(self.shape[2]))
 
     def read(self, low: Sequence[int], high: Sequence[int]) -> np.ndarray:
-        """The values of nodes from low to high; beyond the ends of an axis it begins again."""
+        """The values of nodes from low to high; indices beyond the ends of an axis wrap around."""
         shape = (*self.shape[:2], *(b - a for a, b in zip(low, high, strict=True)))
         if 8 * prod(shape) > LARGEST_ARRAYS:
             raise LimitError(
@@ -93,12 +93,12 @@ class LargeArray:
     def _part(self, array: Any, index: tuple[slice, ...], shape: tuple[int, ...]) -> np.ndarray:
         """The values of a slice, checked: dask may give another shape or type than it declares."""
         if isinstance(self.given, str):
-            # A damaged chunk is known only when it is unpacked.
+            # A damaged chunk is detected only when it is decompressed.
             part = guarded(Path(self.given), lambda: np.asarray(array[index]))
         else:
             part = array[index]
         if hasattr(part, "compute"):
-            # This runs inside a task: another pool of threads would multiply the memory.
+            # This runs inside a task, where another thread pool would multiply the memory.
             part = part.compute(scheduler="synchronous")
         part = np.asarray(part)
         if part.shape != shape or part.dtype.kind not in "fiu":
@@ -110,7 +110,7 @@ class LargeArray:
 
 
 def digest_of_arrays(parts: Iterable[np.ndarray]) -> str:
-    """SHA-256 of the bytes of arrays, one after another."""
+    """SHA-256 of the concatenated bytes of arrays."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(np.ascontiguousarray(part).data)
@@ -118,15 +118,15 @@ def digest_of_arrays(parts: Iterable[np.ndarray]) -> str:
 
 
 def _pieces(low: int, high: int, points: int) -> list[tuple[int, int, int]]:
-    """Stretches of an axis that begins again: place in the result, first and last node."""
+    """Pieces of a periodic axis: position in the result, first and last node."""
     ends = [low, *range((low // points + 1) * points, high, points), high]
     return [(a - low, a % points, a % points + b - a) for a, b in pairwise(ends)]
 
 
 def opened(given: Any, *, again: bool = False) -> Any:
-    """An array in memory or on disk, of which parts are read when they are asked for.
+    """An array in memory or on disk, whose parts are read on request.
 
-    again: whether it was opened before, so that its chunks need not be counted.
+    again: whether it was opened before; if so, its chunks are not counted again.
     """
     if not isinstance(given, str):
         found = given
@@ -145,12 +145,12 @@ def opened(given: Any, *, again: bool = False) -> Any:
 
 
 def _npy(path: Path) -> np.ndarray:
-    """An NPY file, mapped; nothing in it is unpickled."""
+    """A memory map of an NPY file, without unpickling."""
     return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
 def _zarr(path: Path, again: bool) -> Any:
-    """A Zarr array, or one in a group, if it is only packed and all of it is there."""
+    """A Zarr array, or an array in a group, if its codecs are harmless and it is complete."""
     for inner in (path, path / INNER):
         for name in (".zarray", "zarr.json"):
             if (inner / name).is_file():
@@ -173,7 +173,7 @@ def _zarr(path: Path, again: bool) -> Any:
 
 
 def _check_packing(path: Path, said: dict[str, Any]) -> None:
-    """Refuse packings that do more than pack."""
+    """Refuse codecs that do more than compress."""
     listed = [said.get("compressor"), *(said.get("filters") or []), *(said.get("codecs") or [])]
     while listed:
         one = listed.pop()
@@ -188,12 +188,12 @@ def _check_packing(path: Path, said: dict[str, Any]) -> None:
 
 
 def _check_chunks(path: Path, array: Any) -> None:
-    """Refuse an array whose chunks are none, too large, or missing.
+    """Refuse an array with empty, too large or missing chunks.
 
-    A missing chunk is read as the fill value of the array. That is right where it is NaN, a hole;
-    any other value would be taken for a measured one.
+    A missing chunk is read as the fill value of the array. This is correct if the value is NaN (a
+    hole). Any other value would be used like a measured value.
     """
-    # Where chunks are packed into shards, a shard is a file.
+    # If chunks are packed into shards, each shard is a file.
     sizes = getattr(array, "shards", None) or array.chunks
     if not all(array.shape) or not all(sizes):
         raise FileFormatError(
@@ -221,7 +221,7 @@ def _check_chunks(path: Path, array: Any) -> None:
 
 
 def _is_chunk(key: str, counts: Sequence[int]) -> bool:
-    """Whether the name of a file is the key of a chunk: c/0/1 or, of format 2, 0.1 or 0/1."""
+    """Whether the name of a file is the key of a chunk: c/0/1 or, in format 2, 0.1 or 0/1."""
     if not _CHUNK.fullmatch(key):
         return False
     numbers = [int(word) for word in re.findall("[0-9]+", key)]
@@ -231,14 +231,14 @@ def _is_chunk(key: str, counts: Sequence[int]) -> bool:
 def estimated_sigma(source: LargeArray) -> np.ndarray:
     """Noise of each component, shape (rows, columns along the grid), from a sample of the field.
 
-    The estimate is that of `SampledFrame(sigma="estimate")`, from all nodes of a small field, and
-    from windows spread evenly over a large one.
+    The method is the same as in `SampledFrame(sigma="estimate")`. It uses all nodes of a small
+    field, and evenly distributed windows of a large field.
     """
     shape = source.shape[2:]
     d = len(shape)
     windows = [[(0, n)] for n in shape]
     if prod(shape) > SAMPLE:
-        # Windows as wide as sixth differences need, or wider.
+        # Windows are at least as wide as sixth differences require.
         side = max(SMOOTH + 1, round(WINDOW ** (1 / d)))
         count = max(2, round((SAMPLE / WINDOW) ** (1 / d)))
         sides = [min(n, side) for n in shape]

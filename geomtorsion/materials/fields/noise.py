@@ -18,9 +18,9 @@ from geomtorsion.materials.fields.grid import ORDERS, REGULAR, Grid, numbers
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# Two components of a coframe: row and column of the one, row and column of the other.
+# Two components of a coframe: row and column of the first, row and column of the second.
 Pair = tuple[int, int, int, int]
-# Differences of the sixth order leave nothing of a field that is smooth over seven nodes.
+# Differences of sixth order cancel a field that is smooth over seven nodes.
 SMOOTH = ORDERS[-2]
 # The median of |x| of a normal distribution of standard deviation 1.
 MEDIAN = NormalDist().inv_cdf(3 / 4)
@@ -30,8 +30,8 @@ MEDIAN = NormalDist().inv_cdf(3 / 4)
 class Noise:
     """Covariances of values at nodes that are independent of each other.
 
-    rows: frame indices. terms: {(i, mu, j, nu): covariance of e^i_mu and e^j_nu at each node, with
-    axes of length 1 where nothing varies}; those that are not there are zero.
+    rows: number of frame indices. terms: {(i, mu, j, nu): covariance of e^i_mu and e^j_nu at each
+    node}, with length 1 along axes without variation; missing terms are zero.
     """
 
     rows: int
@@ -52,21 +52,21 @@ class Noise:
         return cls(rows, {(i, k, j, m): given[i, k, j, m] for i, k, j, m in every})
 
     def between(self, columns: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:
-        """Covariance of e^i_mu with e^j_nu for these mu and nu, by (i, j)."""
+        """Covariances of e^i_mu with e^j_nu by (i, j), for two columns mu and nu."""
         return {(i, j): c for (i, k, j, m), c in self.terms.items() if (k, m) == columns}
 
     @property
     def joins_columns(self) -> bool:
-        """Whether different columns have anything to do with each other."""
+        """Whether different columns are correlated."""
         return any(k != m for _, k, _, m in self.terms)
 
     def at_nodes(self, row: int, column: int, shape: tuple[int, ...]) -> np.ndarray:
-        """Variance of one component at every node, shape of the grid."""
+        """Variance of one component at each node, shape of the grid."""
         key = (row, column, row, column)
         return np.broadcast_to(self.terms.get(key, np.zeros((1,) * len(shape))), shape)
 
     def in_a_row(self) -> Noise:
-        """The same for nodes by their numbers."""
+        """The same noise for a flat list of nodes."""
         return Noise(self.rows, {pair: c.ravel() for pair, c in self.terms.items()})
 
     def of_sum(self, weights: np.ndarray) -> np.ndarray:
@@ -97,7 +97,7 @@ class Noise:
 
 
 def along(matrix: csr_array, values: np.ndarray, axis: int) -> np.ndarray:
-    """A matrix for one line, or for all of them, along an axis of values on a grid."""
+    """Apply a matrix, for one line or for all lines, along an axis of values on a grid."""
     moved = np.moveaxis(values, axis, 0)
     lines = matrix.shape[1] // len(moved)
     flat = moved.ravel() if lines > 1 else moved.reshape(len(moved), -1)
@@ -128,7 +128,7 @@ def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarr
     if not np.isfinite(table).all():
         raise GridError("covariance: finite numbers were needed. Mask what is not known.")
     size = np.abs(table).max(axis=(1, 2), initial=0.0)
-    # As tables are rounded.
+    # Tolerance for the rounding of tables.
     away = np.abs(table - table.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0)
     least = np.linalg.eigvalsh(table)[:, 0]
     bad = (away > REGULAR * size) | (least < -REGULAR * size)
@@ -146,9 +146,9 @@ def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarr
 def noise_of(
     sigma: object, covariance: object, values: np.ndarray, grid: Grid
 ) -> tuple[np.ndarray | None, np.ndarray | Noise | None, Noise | None, str]:
-    """Standard deviations, covariances as given, the noise of both, and how it is known.
+    """Standard deviations, covariances as given, the resulting noise, and its origin in words.
 
-    values: shape (rows, columns, grid...), columns along the axes of the grid alone.
+    values: shape (rows, columns, grid...), with columns only along the axes of the grid.
     """
     shape, ones = values.shape, (1,) * grid.dimension
     if covariance is None:
@@ -182,7 +182,7 @@ def noise_of(
 
 
 def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
-    """Standard deviations with all axes of the coframe, of length 1 where nothing varies.
+    """Standard deviations with all axes of the coframe, of length 1 without variation.
 
     given: a number, or an array of the shape of the grid, of (rows, columns), or of the coframe.
     """
@@ -201,7 +201,7 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
     found = found.reshape(shapes[found.shape])
     bad = ~(found >= 0) | np.isinf(found)
     if found.shape[2:] == grid.shape:
-        # Nothing is asked about holes.
+        # Values in holes are not checked.
         bad &= ~grid.holes
         found = np.where(grid.holes, 0.0, found)
     if bad.any():
@@ -225,8 +225,9 @@ def estimated(values: np.ndarray, grid: Grid) -> np.ndarray:
 def estimated_from_parts(parts: Sequence[tuple[np.ndarray, Grid]]) -> np.ndarray:
     """Standard deviation of each component, from differences of sixth order in parts of one field.
 
-    sigma = median |difference| / (0.6745 sqrt(sum of squared binomials)), the least along the axes:
-    what is smooth over seven nodes cancels, and the median knows nothing of cores and cuts.
+    sigma = median |difference| / (0.6745 sqrt(sum of squared binomials)), the least along the axes.
+    The differences cancel a field that is smooth over seven nodes, and the median ignores cores and
+    cuts.
 
     parts: values of shape (rows, columns, grid...) with their grids. Returns shape
     (rows, columns, 1, ...).
@@ -243,7 +244,7 @@ def estimated_from_parts(parts: Sequence[tuple[np.ndarray, Grid]]) -> np.ndarray
 
 
 def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
-    """Covariance of the components at a node, from differences of sixth order as `estimated`.
+    """Covariance of the components at a node, from differences of sixth order as in `estimated`.
 
     values: shape (rows, columns, grid...). Returns shape (rows, columns, rows, columns, 1, ...).
     """
@@ -256,17 +257,17 @@ def estimated_covariance(values: np.ndarray, grid: Grid) -> np.ndarray:
 
 
 def spread(numbers: np.ndarray) -> float:
-    """Standard deviation of numbers about 0, by the median of their sizes; infinite of none."""
+    """Standard deviation of numbers about 0, from the median of |x|; infinite without numbers."""
     if not numbers.size:
         return inf
     return float(np.median(np.abs(numbers))) / MEDIAN
 
 
 def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
-    """Covariance of normal numbers about 0, one row for each, by medians of sums and differences.
+    """Covariance of normal numbers about 0, one variable per row, by medians of sums, differences.
 
-    C_xy = (s(x + y)^2 - s(x - y)^2) / 4 (Gnanadesikan and Kettenring 1972): walls and cores, being
-    few, do not count. Both are put in units of their own spreads first.
+    C_xy = (s(x + y)^2 - s(x - y)^2) / 4 (Gnanadesikan and Kettenring 1972), after scaling x and y
+    by their spreads. The medians ignore walls and cores, because these are few.
     """
     sizes = np.array([spread(row) for row in rows])
     found = np.eye(len(rows))
@@ -275,13 +276,13 @@ def robust_covariance(rows: list[np.ndarray]) -> np.ndarray:
             one, two = rows[a] / sizes[a], rows[b] / sizes[b]
             more, less = spread(one + two) ** 2, spread(one - two) ** 2
             found[a, b] = found[b, a] = (more - less) / (more + less)
-    # Medians alone do not make sure that no direction has a negative variance.
+    # Medians do not guarantee a nonnegative variance in all directions.
     values, vectors = np.linalg.eigh(found * np.outer(sizes, sizes))
     return (vectors * np.maximum(values, 0)) @ vectors.T
 
 
 def _check_estimate(found: np.ndarray) -> None:
-    """Refuse an estimate for which there were no differences."""
+    """Refuse an estimate without any differences."""
     if not np.isfinite(found).all():
         raise GridError(
             "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
@@ -290,7 +291,7 @@ def _check_estimate(found: np.ndarray) -> None:
 
 
 def _differences(grid: Grid) -> list[Callable[[np.ndarray], np.ndarray]]:
-    """For each axis the known differences of sixth order, scaled to the variance of one node."""
+    """For each axis, the known differences of sixth order, scaled to the variance of one node."""
     found = []
     for axis, points in enumerate(grid.shape):
         order = min(SMOOTH, points - 1)

@@ -1,4 +1,4 @@
-"""Packed chunks: how large the chunks of a Zarr array are unpacked, seen before any is read."""
+"""Packed chunks: decompressed sizes of the chunks of a Zarr array, checked before reading."""
 
 from __future__ import annotations
 
@@ -14,28 +14,29 @@ from geomtorsion.errors import FileFormatError, LimitError
 from geomtorsion.files import BOUNDS
 from geomtorsion.npz import DENSEST, unpacked_size
 
-# Packings whose size has to be counted, and how each is unpacked.
+# Codecs whose decompressed size must be counted, and their decompressors.
 _COUNTED = {
     "gzip": lambda: zlib.decompressobj(wbits=31),
     "zlib": zlib.decompressobj,
     "bz2": bz2.BZ2Decompressor,
     "lzma": lzma.LZMADecompressor,
 }
-# Packings that write the size at the beginning.
+# Codecs that write the decompressed size at the beginning.
 _WRITTEN = ("blosc", "zstd", "lz4")
 
 
 def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> None:
-    """Refuse an array of which a chunk unpacks to more than its size.
+    """Refuse an array with a chunk that unpacks to more than its size.
 
-    said: the description of the array. size: bytes of a chunk, unpacked; inner: chunks in a shard.
+    said: the description of the array. size: bytes of a decompressed chunk. inner: chunks in a
+    shard.
 
     Raises
     ------
     LimitError
-        A chunk unpacks to more.
+        A chunk unpacks to more than its size.
     FileFormatError
-        Chunks are packed twice, or in shards that are not understood.
+        Chunks are compressed twice, or the shards have an unsupported format.
     """
     codecs = [*(said.get("codecs") or []), said.get("compressor"), *(said.get("filters") or [])]
     named = {_name(one): one for one in codecs if one}
@@ -68,12 +69,12 @@ def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> 
 
 
 def _name(codec: Any) -> str:
-    """The name of a packing, in either version of Zarr."""
+    """The name of a codec, in both versions of Zarr."""
     return str(codec.get("id") or codec.get("name")) if isinstance(codec, Mapping) else ""
 
 
 def _check_index(path: Path, configuration: Mapping[str, Any]) -> None:
-    """Refuse shards whose index is more than numbers with a checksum."""
+    """Refuse shards whose index is not plain numbers with a checksum."""
     codecs = configuration.get("index_codecs") or []
     names = [_name(one) for one in codecs]
     order = (codecs[0].get("configuration") or {}).get("endian", "little") if codecs else ""
@@ -87,7 +88,7 @@ def _check_index(path: Path, configuration: Mapping[str, Any]) -> None:
 def _parts(
     stream: BinaryIO, length: int, inner: int, sharding: Mapping[str, Any]
 ) -> Iterator[tuple[int, int]]:
-    """Where the chunks of a shard are, and how many bytes they have."""
+    """Positions and lengths in bytes of the chunks in a shard."""
     configuration = sharding["configuration"]
     size = 16 * inner
     checked = 4 * (len(configuration["index_codecs"]) - 1)
@@ -95,19 +96,19 @@ def _parts(
     stream.seek(0 if at_start else max(0, length - size - checked))
     index = stream.read(size)
     for start, count in struct.iter_unpack("<QQ", index[: len(index) // 16 * 16]):
-        # Of a chunk that a shard does not hold, both numbers are 2**64 - 1.
+        # Both numbers are 2**64 - 1 for a chunk that is not in the shard.
         if start < length:
             yield start, min(count, length - start)
 
 
 def _unpacked(stream: BinaryIO, packing: str, count: int, most: int) -> int:
-    """Bytes to which a chunk unpacks, or more than `most`; its reader refuses a damaged one."""
+    """Decompressed bytes of a chunk, or more than `most`; its reader refuses a damaged chunk."""
     if packing in _COUNTED:
-        # What cannot unpack to much is read as it is.
+        # A chunk that cannot unpack to a large size is not counted.
         if packing in ("gzip", "zlib") and count * DENSEST <= BOUNDS.unpacked:
             return 0
         return unpacked_size(_COUNTED[packing](), stream.read(count), most)
-    # The longest head, that of Zstandard, has 18 bytes.
+    # The longest header, in Zstandard frames, has 18 bytes.
     head = stream.read(min(count, 18))
     if packing == "zstd":
         return _of_zstd(head, most)
@@ -117,7 +118,7 @@ def _unpacked(stream: BinaryIO, packing: str, count: int, most: int) -> int:
 
 
 def _of_zstd(head: bytes, most: int) -> int:
-    """The size in the head of a Zstandard frame [RFC 8878]; without a size it is too large."""
+    """The size in the header of a Zstandard frame [RFC 8878]; too large if there is no size."""
     if len(head) < 6 or head[:4] != b"\x28\xb5\x2f\xfd":
         return 0
     kind, single, named = head[4] >> 6, head[4] >> 5 & 1, head[4] & 3

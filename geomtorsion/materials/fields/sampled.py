@@ -37,30 +37,31 @@ class SampledFrame(Samples):
 
     axes: coordinates of the grid, one increasing or decreasing array each, equally spaced.
     coframe: e^i_mu at the nodes, shape (rows, d, N_1, ..., N_d): i, mu, then the grid. A plane map
-        (d = 2) may hold all three columns; the third one, across the map, enters no circuit.
-    order: order of interpolation, quadrature and differences in the spacing: 2, 4, 6 or 8. Every
-        error is measured against another order (the next lower one; for 2 the next higher one).
+        (d = 2) may hold all three columns; circuits do not use the third column, normal to the map.
+    order: order of interpolation, quadrature and differences in the spacing: 2, 4, 6 or 8. Errors
+        come from the comparison with another order (the next lower one; for 2, the next higher
+        one).
     names: of the axes.
-    mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are holes as well.
-        Circuits may surround holes; what touches one is refused (arrays have NaN there). Near a
-        hole stencils are one-sided, as at the edge of the grid, or of lower order.
-    sigma: standard deviation of the noise of each value, independent from value to value: a number,
+    mask: True where nothing is known, shape (N_1, ..., N_d); nodes with NaN are also holes.
+        Circuits may surround holes, but circuits that touch a hole are refused (arrays have NaN
+        there). Near a hole, stencils are one-sided, as at the edge of the grid, or of lower order.
+    sigma: standard deviation of the noise of each value, independent for all values: a number, or
         an array of the shape of the grid, of (rows, d) or of the coframe; or "estimate", from the
-        data: the median of differences of sixth order (`noise.estimated`). Every error then
-        contains the noise, propagated along the very circuit.
-    periodic: one truth value for each axis, or names of axes; the period is N steps, so that the
+        median of differences of sixth order in the data (`noise.estimated`). Errors then include
+        the noise, propagated along the circuit.
+    periodic: one truth value for each axis, or names of axes. The period is N steps, so that the
         first node is not repeated at the end.
-    source, sigma_source: where the values and sigma come from, in words.
-    displacement: what the values were made of by `from_displacement`. Circuits are then sums of its
+    source, sigma_source: origin of the values and of sigma, in words.
+    displacement: the displacement given to `from_displacement`. Circuits are then sums of its
         jumps, without interpolation.
-    unit, vector_unit: of the axes, and of what integrals of the coframe are (if not given, the
-        same); any text, shown with results.
+    unit, vector_unit: of the axes, and of integrals of the coframe (by default the same); any text,
+        shown with results.
 
     Raises
     ------
     GridError
-        Shapes do not fit, an axis is not regular or too short, a value is infinite, nothing is
-        known, or sigma is negative.
+        Shapes do not fit, an axis is irregular or too short, a value is infinite, all values are
+        unknown, or sigma is negative.
 
     Examples
     --------
@@ -95,14 +96,14 @@ class SampledFrame(Samples):
         Parameters
         ----------
         hole
-            One of `holes`, or its number; not needed where there is one.
+            One of `holes`, or its number; optional if there is only one hole.
         margin
-            Nodes between the hole and the rectangle, the rectangle counted.
+            Nodes from the hole to the rectangle, including the rectangle.
         plane
-            The two axes, turned from the first to the second.
+            The two axes; the rectangle turns from the first to the second.
         at
-            Number of the node on each axis where the rectangle lies, for grids of three axes or
-            more; the entries of the plane do not count. Without it the middle of the hole.
+            Node number of the rectangle on each axis, for grids of three axes or more; the entries
+            of the plane are ignored. The default is the middle of the hole.
 
         Raises
         ------
@@ -122,7 +123,7 @@ class SampledFrame(Samples):
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about its size, its noise and its source."""
+        """Lines of text about the size, the noise and the source of the frame."""
         noise = self.sigma_source or "not known: errors are those of the grid alone"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
@@ -130,9 +131,9 @@ class SampledFrame(Samples):
     # -- closure ----------------------------------------------------------------------------------
 
     def plaquettes(self, plane: tuple[int, int] = (0, 1)) -> Survey:
-        """Burgers vector of every cell in a coordinate plane, by integrals along its four edges.
+        """Burgers vector of each cell in a coordinate plane, by integrals along its four edges.
 
-        Neighbouring cells share edges, so that the sum over a region is the loop round it.
+        Neighbouring cells share edges, so that the sum over a region equals the loop around it.
 
         Raises
         ------
@@ -142,9 +143,9 @@ class SampledFrame(Samples):
         return self.burgers_map(1, plane)
 
     def burgers_map(self, size: int | Sequence[int], plane: tuple[int, int] = (0, 1)) -> Survey:
-        """Burgers vectors of rectangular circuits of one size at every place, with their noise.
+        """Burgers vectors of rectangular circuits of one size at all positions, with their noise.
 
-        A circuit may surround a hole, but not touch one. The cost hardly grows with the size.
+        A circuit may surround a hole, but not touch it. The cost hardly grows with the size.
 
         Parameters
         ----------
@@ -154,7 +155,7 @@ class SampledFrame(Samples):
         Raises
         ------
         GridError
-            The size is no whole number, or larger than the grid.
+            The size is not a whole number, or larger than the grid.
 
         Examples
         --------
@@ -194,7 +195,7 @@ class SampledFrame(Samples):
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
-        """|b| per area of every cell, in the layer next to the section; holes stay blank."""
+        """|b| per area of each cell, in the layer next to the section; holes are blank."""
         found = self.burgers_map(1, section.plane)
         others = [k for k in range(self.dimension) if k not in section.plane]
         middle = [float(np.mean(self.axes[k])) for k in others]
@@ -211,9 +212,9 @@ class SampledFrame(Samples):
     def torsion(self, plane: tuple[int, int] = (0, 1)) -> tuple[np.ndarray, np.ndarray]:
         """Torsion 2 S_ab^i = d_a e^i_b - d_b e^i_a at the nodes, and its error.
 
-        Returns arrays of shape (rows, N_1, ..., N_d): the values, and their distance from
-        differences of another order, with the noise where sigma is known. NaN at nodes that have
-        not three known nodes in a row.
+        Returns arrays of shape (rows, N_1, ..., N_d): the values, and their errors, which combine
+        the difference from another order with the noise if sigma is known. Nodes without three
+        known nodes in a row have NaN.
         """
         curl, difference, sigmas = self._torsion(self._plane(plane))
         return curl, np.hypot(difference, sigmas) if self.sigma is not None else difference
@@ -231,12 +232,12 @@ class SampledFrame(Samples):
 
     @cached_property
     def nye_noise(self) -> np.ndarray:
-        """Standard deviation of the Nye tensor by noise, its floor; zero without sigma."""
+        """Standard deviation of the Nye tensor from noise (its noise floor); zero without sigma."""
         found = [self._torsion(pair)[2] for pair in self._nye_planes]
         return np.stack(found, axis=1)
 
     def _torsion(self, plane: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Torsion at the nodes, its distance from another order, and its sigma."""
+        """Torsion at the nodes, its difference from another order, and its sigma."""
         if self.displacement is not None:
             return displaced_torsion(self._grid, self.rows, self.order, plane)
         return cells.torsion(self._field, plane)
@@ -256,9 +257,9 @@ class SampledFrame(Samples):
     def gnd_density(self, burgers: float) -> tuple[np.ndarray, np.ndarray]:
         """Density of geometrically necessary dislocations, and its noise floor.
 
-        rho = sqrt(sum alpha^{ik} alpha^{ik}) / b, a lower bound where only some components are
-        known; the floor is sqrt(sum sigma^2) / b, what noise alone makes of it in the root mean
-        square. Shape (N_1, ..., N_d) each, in lines per square of the unit of length.
+        rho = sqrt(sum alpha^{ik} alpha^{ik}) / b, a lower bound if only some components are known.
+        The noise floor is the root mean square of rho from noise, sqrt(sum sigma^2) / b. Both have
+        shape (N_1, ..., N_d), in lines per square of the unit of length.
 
         Parameters
         ----------
@@ -272,11 +273,12 @@ class SampledFrame(Samples):
 
     @cached_property
     def cochain(self) -> Cochain:
-        """The integral of the coframe along every edge of the grid, on the complex of the grid.
+        """The integral of the coframe along each edge of the grid, on the complex of the grid.
 
-        Its coboundary holds the Burgers vectors of all cells in all planes. Edges run as the axes
-        are listed. Errors of edges hold one standard deviation of the noise; added up they are
-        more than what a circuit scatters by, which `burgers` and `burgers_map` tell.
+        Its coboundary holds the Burgers vectors of all cells in all planes. Edges run in the
+        listed order of the axes. The error of an edge includes one standard deviation of the noise.
+        The sum of these errors exceeds the scatter of a circuit; `burgers` and `burgers_map` return
+        the scatter.
 
         Raises
         ------
@@ -303,7 +305,7 @@ class SampledFrame(Samples):
     def along_edges(self, starts: np.ndarray, ends: np.ndarray) -> EdgeIntegrals:
         """Integrals along straight edges through the grid, shape (edges, d) each, for networks.
 
-        Errors hold one standard deviation of the noise, as those of `cochain`.
+        Errors include one standard deviation of the noise, as in `cochain`.
 
         Raises
         ------
@@ -351,7 +353,7 @@ class SampledFrame(Samples):
         )
 
     def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
-        """Two different axes."""
+        """Two different axes, checked."""
         pair = tuple(plane) if checks.is_list(plane) else ()
         if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
             raise GridError(
