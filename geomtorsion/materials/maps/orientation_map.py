@@ -11,11 +11,7 @@ import numpy as np
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
-from geomtorsion.errors import (
-    FileFormatError,
-    GeomtorsionError,
-    OrientationError,
-)
+from geomtorsion.errors import FileFormatError, GeomtorsionError, OrientationError
 from geomtorsion.loops import Cochain, Loop
 from geomtorsion.materials.burgers import PLANE, Section
 from geomtorsion.materials.fields import SampledFrame
