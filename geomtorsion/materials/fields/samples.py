@@ -175,14 +175,14 @@ class Samples:
         | None = None,
         **options: Any,
     ) -> Self:
-        """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
+        """Samples of displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
 
         The coframe is e = 1 + d u, as for `from_distortion`. Its integral along an edge is the
-        difference of u, without interpolation. Where u has one value at each place, the
-        differences cancel round every circuit: b is zero, however steep u is and however noisy.
+        difference of u, without interpolation. If u has no jumps, the differences cancel around
+        each circuit, and b is zero for any slope and any noise of u.
 
-        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are taken out
-        edge by edge, and b is a sum of whole lattice vectors.
+        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are subtracted
+        on each edge, and b is a sum of whole lattice vectors.
 
         Parameters
         ----------

@@ -172,7 +172,7 @@ class _Rules:
         return Spread(covariance, *ends)
 
     def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
-        """The squares of all weights times variances; the inner ones are one sum over a window."""
+        """Sums of squared weights times variances; inner nodes are summed over a window."""
         along = self.axis
         # Nodes that an edge beyond the end of a sum reaches, and where rules are one-sided.
         margin = self.order + 2

@@ -256,7 +256,7 @@ class KnownNodes:
         places: in units of the spacing, shape (d, k).
         """
         cells = np.floor(places + SLACK).astype(int)
-        # Next to unknown nodes, a point on a line of nodes uses only nodes of this line.
+        # In a grid with holes, a point on a line of nodes uses only nodes of this line.
         thin = np.abs(places - cells) < SLACK
         if self.holes is None:
             thin[:] = False

@@ -297,7 +297,7 @@ class Triangulation:
     def departures(self) -> tuple[csr_array, np.ndarray]:
         """Deviations from planes through the neighbours, scaled to the variance of a node.
 
-        A matrix of shape (k, nodes), and the nodes of its rows, which are the inner nodes.
+        A matrix of shape (k, nodes), and the nodes of its rows: nodes with enough neighbours.
         """
         node, other, step = self._neighbours
         count = len(self.points)
