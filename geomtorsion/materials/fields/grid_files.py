@@ -351,7 +351,7 @@ def _text(value: Any) -> Any:
 
 
 def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
-    """A data set of numbers as they are: no link, all of it written, nothing packed."""
+    """A data set of numbers, without links, missing parts or packed values."""
     link = file.get(name, getlink=True)
     if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
         raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
@@ -361,7 +361,7 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
             f"{path}: {name}: real numbers were needed, but it holds "
             f"{'nothing' if found.shape is None else found.dtype}."
         )
-    # What was never written is read as zeros.
+    # Parts that were never written would be read as zeros.
     parts = math.prod(-(-n // m) for n, m in zip(found.shape, found.chunks or (), strict=False))
     written = found.id.get_num_chunks() if found.chunks else bool(found.id.get_storage_size())
     if written < parts and found.size:

@@ -28,7 +28,7 @@ _WRITTEN = ("blosc", "zstd", "lz4")
 def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> None:
     """Refuse an array with a chunk that unpacks to more than its size.
 
-    said: the description of the array. size: bytes of a decompressed chunk. inner: chunks in a
+    `said`: the description of the array. size: bytes of a decompressed chunk. inner: chunks in a
     shard.
 
     Raises

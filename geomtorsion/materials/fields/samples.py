@@ -1,4 +1,4 @@
-"""Samples: the values of a coframe on a grid, checked, and the makers that they come from."""
+"""Samples: the checked values of a coframe on a grid, and the functions that make them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from geomtorsion.geometry import Frame
 
 
-# What a frame keeps is what came, checked.
+# Fields of a frame, which are replaced by their checked values.
 KEPT = "axes coframe names mask periodic vector_unit sigma covariance noise sigma_source".split()
 
 
@@ -52,7 +52,7 @@ class Samples:
     coframe: np.ndarray
     order: int = 4
     names: Sequence[str] = ()
-    # These come in several kinds; kept are arrays, and one truth value for each axis.
+    # Input of these fields has several types; they are stored as arrays, periodic as truth values.
     mask: Any = field(default=None, kw_only=True)
     sigma: Any = field(default=None, kw_only=True)
     covariance: Any = field(default=None, kw_only=True)
@@ -65,7 +65,7 @@ class Samples:
     sigma_source: str = field(default="", init=False)
 
     def __post_init__(self) -> None:
-        """Check axes and values once."""
+        """Check axes and values."""
         check_order(self.order)
         names = tuple(self.names) or tuple("xyzuvw"[: len(self.axes)])
         check_names(self.axes, names)
@@ -107,10 +107,10 @@ class Samples:
         names: Sequence[str] = (),
         **options: Any,
     ) -> Self:
-        """From a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
+        """Samples of a distortion beta^i_mu = d_mu u^i (row: displacement, column: derivative).
 
-        The coframe is e = 1 + beta: it maps a step in the crystal as it is to the ideal lattice
-        when u points from the real to the ideal place. For displacements from ideal to real places
+        The coframe is e = 1 + beta. It maps a step in the real crystal to the ideal lattice if u
+        points from the real to the ideal position. For displacements from ideal to real positions,
         give -beta (small distortions), or the inverse of (1 + beta) minus 1.
 
         options: mask, sigma, periodic, unit, vector_unit, as for `SampledFrame`.
@@ -175,28 +175,28 @@ class Samples:
         | None = None,
         **options: Any,
     ) -> Self:
-        """From displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
+        """Samples of displacements u^i at the nodes, shape (rows, N_1, ..., N_d), which may jump.
 
         The coframe is e = 1 + d u, as for `from_distortion`. Its integral along an edge is the
-        difference of u, without interpolation. Where u has one value at each place, the
-        differences cancel round every circuit: b is zero, however steep u is and however noisy.
+        difference of u, without interpolation. If u has no jumps, the differences cancel around
+        each circuit, and b is zero for any slope and any noise of u.
 
-        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are taken out
-        edge by edge, and b is a sum of whole lattice vectors.
+        A dislocation makes u jump by a lattice vector across a cut. Declared jumps are subtracted
+        on each edge, and b is a sum of whole lattice vectors.
 
         Parameters
         ----------
         branch
             Lattice vectors by which u may jump, shape (k, rows), one vector, or one length for all
-            axes. "find" looks for them: steps of one size that stand out from their neighbours
-            along the line, and make lines; the error of a vector that was found is in that of b.
-            Slip bands may look like that, and values alone do not tell one from the other. `source`
-            says what was found. Cells round which jumps do not close hold a core, or a value that
-            noise has spoilt: their corners become holes.
+            axes. "find" searches for them: steps of equal size that exceed their neighbours along
+            the line, and that form lines. The error of b includes the error of the vectors found,
+            and `source` lists them. Slip bands can have the same pattern; the values do not
+            distinguish them from jumps. If the jumps around a cell do not add up to zero, the cell
+            contains a core, or noise has changed a value; the corners of such cells become holes.
         options
             mask, periodic, unit, vector_unit, as for `SampledFrame`; sigma: of u at each node,
-            one number, an array of the shape of the grid, or "estimate". Noise changes b only where
-            it carries a difference beyond half of a lattice vector.
+            one number, an array of the shape of the grid, or "estimate". Noise changes b only if it
+            shifts a difference beyond half of a lattice vector.
 
         Examples
         --------
@@ -240,7 +240,7 @@ class Samples:
         names: Sequence[str] = (),
         **options: Any,
     ) -> Self:
-        """From a strain and a rotation: e = 1 + beta, beta_ij = e_ij + w_ij [Cloete2022].
+        """Samples of a strain and a rotation: e = 1 + beta, beta_ij = e_ij + w_ij [Cloete2022].
 
         Parameters
         ----------
@@ -266,17 +266,17 @@ class Samples:
 
     @classmethod
     def read(cls, path: str | Path, order: int = 4) -> Self:
-        """From a file: .npz, .nc, .csv, .h5, .vtk or .vtu (contents: `grid_files.read_grid`).
+        """Read an .npz, .nc, .csv, .h5, .vtk or .vtu file (contents: `grid_files.read_grid`).
 
-        A .csv, .txt or .dat file with columns x, y, u, v, or of DaVis, is a displacement.
+        A .csv, .txt or .dat file with columns x, y, u, v, or from DaVis, is a displacement.
 
         Raises
         ------
         FileFormatError
-            The file is missing, truncated or malformed, lacks an array, or what it holds is no
-            regular grid of finite numbers.
+            The file is missing, truncated or malformed, lacks an array, or does not hold a regular
+            grid of finite numbers.
         GridError
-            The order is none.
+            The order is invalid.
         """
         check_order(order)
         found = read_grid(checks.file_name(path))
@@ -289,16 +289,16 @@ class Samples:
             raise FileFormatError(f"{path}: {error}") from None
 
     def save(self, path: str | Path) -> None:
-        """Write a file that `read` reads back, of the format that its name ends in.
+        """Write a file that `read` reads back, in the format of the file ending.
 
-        Values, holes, sigma, periods, units and source are kept. Tables (CSV, VTK) keep of a
-        covariance sigma alone. Of a displacement .npz keeps the displacement itself; all others
-        keep the coframe, and circuits through what is read interpolate it.
+        The file keeps values, holes, sigma, periods, units and source. Tables (CSV, VTK) keep only
+        the sigma of a covariance. A displacement is kept only in .npz. All other formats keep its
+        coframe, and circuits in the frame read back interpolate this coframe.
 
         Raises
         ------
         GridError
-            No format is known by that end.
+            There is no format with this file ending.
         MissingExtraError
             The library for the format is not installed.
         """
@@ -319,7 +319,7 @@ class Samples:
             save_grid(target, contents)
 
     def _as_displacement(self, found: Displacement, options: dict[str, Any]) -> Contents:
-        """The displacement as a file keeps it: with its own noise, and its jumps as declared."""
+        """Contents of a file of the displacement, with its noise, and its jumps as declared."""
         kept = {k: options[k] for k in ("unit", "vector_unit", "periodic") if k in options}
         if found.variances is not None:
             kept["sigma"] = np.sqrt(found.variances)[:, None]
@@ -329,7 +329,7 @@ class Samples:
             kept["branch"] = found.jumps.vectors
         return Contents(list(self.axes), found.values, tuple(self.names), False, kept, True)
 
-    # -- what it is -------------------------------------------------------------------------------
+    # -- properties -------------------------------------------------------------------------------
 
     @cached_property
     def _grid(self) -> Grid:
@@ -338,7 +338,7 @@ class Samples:
 
     @cached_property
     def _field(self) -> Field:
-        """The values as integrals use them."""
+        """The values, prepared for integrals."""
         d, grid = self.dimension, self._grid
         inner = tuple(range(2, 2 + d))
         values = self.coframe[:, :d]
@@ -368,12 +368,12 @@ class Samples:
 
     @property
     def other_order(self) -> int:
-        """The order against which errors are measured."""
+        """The order to compare with, which gives the errors."""
         return other_order(self.order)
 
     @cached_property
     def holes(self) -> tuple[Hole, ...]:
-        """Connected nodes of which nothing is known, in the order of their first nodes."""
+        """Connected sets of unknown nodes, in the order of their first nodes."""
         return holes_of(self._grid)
 
     def __repr__(self) -> str:
@@ -415,9 +415,9 @@ def strain_and_rotation(strain: object, rotation: object) -> np.ndarray:
 
 
 def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
-    """A rotation as w_ij = (d_j u_i - d_i u_j) / 2, from that, from its vector or its angle.
+    """A rotation as w_ij = (d_j u_i - d_i u_j) / 2, from this matrix, its vector or its angle.
 
-    The vector w turns as u = w x r does: w_ij = - eps_ijk w_k; an angle is w_3.
+    The vector w gives u = w x r, so that w_ij = - eps_ijk w_k; an angle is w_3.
     """
     w = numbers(rotation, "rotation")
     if w.shape == (n, n, *shape):
@@ -440,7 +440,7 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
 def _check_turned(values: np.ndarray, sign: int, name: str, word: str) -> None:
     """Refuse a matrix that is not symmetric, or not antisymmetric."""
     with np.errstate(invalid="ignore"):
-        # Tables are rounded as axes are.
+        # Tolerance for the rounding of tables, as for axes.
         away = np.abs(values - sign * np.swapaxes(values, 0, 1))
         bad = np.argwhere(away > REGULAR * np.nanmax(np.abs(values), initial=0.0))
     if len(bad):

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Self
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -34,28 +34,28 @@ from geomtorsion.materials.fields.triangulation import Triangulation
 from geomtorsion.materials.source import Backdrop
 from geomtorsion.materials.survey import Errors, Survey
 
-# A circuit along edges: {number of the edge: how often it is run through}.
+# A circuit along edges: {number of the edge: signed multiplicity}.
 Chain = Mapping[int, int]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ScatteredFrame:
-    """A coframe between scattered points in the plane or in space, joined by Delaunay's edges.
+    """A coframe between scattered points in the plane or in space, joined by Delaunay edges.
 
-    Make one of `from_coframe`, `from_distortion`, `from_strain_rotation` (values at the points) or
-    `from_displacement`. Circuits run along edges; what is integrated is a cochain, whose coboundary
-    is the Burgers vector of every triangle.
+    Make it with `from_coframe`, `from_distortion`, `from_strain_rotation` (values at the points) or
+    `from_displacement`. Circuits run along edges. The integrals along edges are a cochain, whose
+    coboundary is the Burgers vector of each triangle.
 
     mesh: points and triangles. cochain: integral of the coframe along each edge, with the error of
-    the interpolation. difference: of the integrals from those of another rule, shape (edges, rows).
-    noise: of the integrals, or None. sigma_source: how it is known. order: 2 for trapezoids, 4 with
-    slopes at the points, 0 where nothing is interpolated.
-    unit, vector_unit: of points, and of b (if not given, the same).
+    the interpolation. difference: of the integrals from another rule, shape (edges, rows). noise:
+    of the integrals, or None. sigma_source: origin of the noise. order: 2 for trapezoids, 4 with
+    slopes at the points, 0 without interpolation. unit: of points. vector_unit: of b (by default
+    the same).
 
-    Options of all makers: mask, True at points where nothing is known (NaN says the same); longest,
-    the length beyond which an edge joins nothing; boundary, polygons (plane points alone) of which
-    the region is what lies in an odd number; sigma and covariance, the noise of each value,
-    independent from point to point, or "estimate"; unit, vector_unit, source.
+    Options of all makers: mask, True at unknown points (equivalent to NaN); longest, the largest
+    length of an edge; boundary, polygons (only for plane points), where the region consists of the
+    points inside an odd number of polygons; sigma and covariance, the noise of each value,
+    independent for all points, or "estimate"; unit, vector_unit, source.
 
     Examples
     --------
@@ -96,7 +96,7 @@ class ScatteredFrame:
         covariance: Any = None,
         **options: Any,
     ) -> Self:
-        """From e^i_mu at the points.
+        """Frame from values e^i_mu at the points.
 
         Parameters
         ----------
@@ -106,14 +106,15 @@ class ScatteredFrame:
             Shape (rows, d, N); plane points may have all three columns.
         order
             4: trapezoids, corrected by the slopes of planes through neighbours; the error is the
-            correction. 2: trapezoids alone.
+            correction. 2: trapezoids without correction.
         options
             mask, longest, boundary, unit, vector_unit, source.
 
         Raises
         ------
         GridError
-            Shapes do not fit, points lie on a line or coincide, nothing is left, or noise is none.
+            Shapes do not fit, points are collinear or coincide, no triangle remains, or the noise
+            is invalid.
         """
         places, values = checked_points(points), numbers(coframe, "coframe")
         count, d = places.shape
@@ -152,9 +153,9 @@ class ScatteredFrame:
 
     @classmethod
     def from_distortion(cls, points: np.ndarray, distortion: np.ndarray, **options: Any) -> Self:
-        """From a distortion beta^i_mu = d_mu u^i, shape (rows, d, N): e = 1 + beta.
+        """Frame from a distortion beta^i_mu = d_mu u^i, shape (rows, d, N): e = 1 + beta.
 
-        The sense of u is that of `SampledFrame.from_distortion`; options as for `from_coframe`.
+        The sign of u is as in `SampledFrame.from_distortion`; options as for `from_coframe`.
         """
         values = numbers(distortion, "distortion")
         if values.ndim != 3:
@@ -167,7 +168,7 @@ class ScatteredFrame:
     def from_strain_rotation(
         cls, points: np.ndarray, strain: np.ndarray, rotation: np.ndarray, **options: Any
     ) -> Self:
-        """From strains (n, n, N) and rotations, as for `SampledFrame.from_strain_rotation`."""
+        """Frame from strains (n, n, N) and rotations; see `SampledFrame.from_strain_rotation`."""
         return cls.from_distortion(points, strain_and_rotation(strain, rotation), **options)
 
     @classmethod
@@ -180,20 +181,21 @@ class ScatteredFrame:
         sigma: Any = None,
         **options: Any,
     ) -> Self:
-        """From displacements u^i at the points, shape (rows, N), which jump by lattice vectors.
+        """Frame from displacements u^i at the points, shape (rows, N), with jumps.
 
-        Integrals along edges are differences, less the lattice vector that is nearest to them:
-        neighbours must not be displaced against each other by more than half of one. Nothing is
-        interpolated, and b is a sum of whole lattice vectors.
+        The integral along an edge is the difference of u minus the nearest lattice vector. Without
+        a jump, the displacements of neighbours must differ by less than half of a lattice vector.
+        There is no interpolation, and b is a sum of whole lattice vectors.
 
         Parameters
         ----------
         branch
             Lattice vectors, shape (k, rows), one vector, or one length for all axes.
         sigma
-            Of u at each point, one number, shape (N,), or "estimate". Noise changes b only where it
-            carries a difference beyond half of a lattice vector: `noise` is what chances of that
-            make, somewhat too much, since wrong jumps on both sides of a point cancel.
+            Noise of u at each point: one number, shape (N,), or "estimate". Noise changes b only if
+            it shifts a difference beyond half of a lattice vector. `noise` contains the chances of
+            such errors. It is somewhat too large, because wrong jumps on both sides of a point
+            cancel.
         options
             mask, longest, boundary, unit, vector_unit, source.
 
@@ -229,7 +231,8 @@ class ScatteredFrame:
                 grid = row_of_points(~np.isin(np.arange(len(places)), mesh.inner))
                 how = ""
                 if isinstance(sigma, str) and sigma == "estimate":
-                    # Points beside a cut are far from any plane, but few: medians pass over them.
+                    # Points next to a cut are far from any plane, but few, so that medians ignore
+                    # them.
                     sigma, _, how = estimated_noise(mesh, values[:, None], sigma, None)
                 *_, found, said = noise_of(sigma, None, values[:, None], grid)
                 said = how or said
@@ -242,7 +245,7 @@ class ScatteredFrame:
         cochain = Cochain(mesh.complex, steps, errors)
         return cls(mesh, cochain, np.zeros_like(steps), noise, 0, **texts, sigma_source=said)
 
-    # -- what it is -------------------------------------------------------------------------------
+    # -- properties -------------------------------------------------------------------------------
 
     @property
     def points(self) -> np.ndarray:
@@ -261,14 +264,14 @@ class ScatteredFrame:
 
     @property
     def description(self) -> tuple[str, ...]:
-        """Lines about its size, its noise and its source."""
+        """Lines of text about the size, the noise and the source of the frame."""
         noise = self.sigma_source or "not known: errors are those of the interpolation alone"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
 
     @cached_property
     def holes(self) -> tuple[np.ndarray, ...]:
-        """Numbers of the points round each hole, plane points alone.
+        """Numbers of the points around each hole, for points in the plane.
 
         Raises
         ------
@@ -282,14 +285,14 @@ class ScatteredFrame:
     # -- circuits ---------------------------------------------------------------------------------
 
     def loop_around(self, hole: int | None = None, margin: int = 1) -> dict[int, int]:
-        """The circuit round a hole, {edge: how often}; see `burgers`.
+        """The circuit around a hole, {edge: multiplicity}; see `burgers`.
 
         Parameters
         ----------
         hole
-            Its number in `holes`; not needed where there is one.
+            Number of the hole in `holes`; optional if there is only one hole.
         margin
-            1 for the rim of the hole; each more leaves a ring of triangles inside.
+            1 for the rim of the hole; each increment adds a ring of triangles inside the circuit.
 
         Raises
         ------
@@ -314,15 +317,15 @@ class ScatteredFrame:
         Parameters
         ----------
         circuit
-            A loop, which is followed from point to nearest point; numbers of points, each joined to
-            the next; or {edge: how often}, as `loop_around` gives it.
+            A loop, which is replaced by the nearest points along it; numbers of points, each joined
+            to the next; or {edge: multiplicity}, as returned by `loop_around`.
 
         Raises
         ------
         GridError
-            It touches a hole or leaves the points; the message names them.
+            The circuit touches a hole or leaves the region; the message names the points.
         NetworkError
-            Points are not joined, or an edge is not there.
+            Points are not joined, or an edge does not exist.
         """
         if isinstance(circuit, Mapping):
             table = self._chains(circuit)
@@ -366,22 +369,22 @@ class ScatteredFrame:
         )
 
     def burgers_map(self, rings: int = 0, plane: tuple[int, int] = (0, 1)) -> Survey:
-        """Burgers vectors of all triangles, or of so many rings of them round every point.
+        """Burgers vectors of all triangles, or of circuits with rings of triangles at all points.
 
-        In space triangles are the faces of the tetrahedra; each turns about the normal that its
-        corners have in `mesh.complex`.
+        In space, the triangles are the faces of the tetrahedra. The order of the corners in
+        `mesh.complex` gives the normal of each.
 
         Parameters
         ----------
         rings
-            0 for triangles.
+            Number of rings of triangles around each point; 0 for single triangles.
         plane
-            Two axes, of pictures and tables.
+            Two axes, for figures and tables.
 
         Raises
         ------
         GridError
-            The number of rings is none, or the points are in space and it is not 0.
+            The number of rings is invalid, or it is not 0 for points in space.
 
         Examples
         --------
@@ -420,7 +423,7 @@ class ScatteredFrame:
         )
 
     def backdrop(self, section: Section = PLANE) -> Backdrop:
-        """|b| per area of each triangle; in space of those within an edge of the section."""
+        """|b| per area of each triangle; in space, of triangles within an edge of the section."""
         found = self.burgers_map(0, section.plane)
         places = np.array(found.centres)
         others = [k for k in range(self.mesh.dimension) if k not in section.plane]
@@ -439,7 +442,8 @@ class ScatteredFrame:
             table, rows = self.noise.covariance(chains), range(self.rows)
             covariance = {(i, j): table[:, i, j] for i in rows for j in rows[i:]}
             less = unexplained(less, self.noise.difference(chains))
-        # Edges lie anyhow: that their errors cancel in a sum is luck, which the error leaves out.
+        # Edges are irregular. Their errors may cancel in a sum by chance, which must not reduce
+        # the estimated error below the root of the sum of squares.
         alone = np.maximum(chains.power(2) @ self._squares, 0.0)
         less = np.sqrt(np.maximum(less**2, alone))
         safety = 4 / 3 if self.order == 2 else 1.0
@@ -447,7 +451,7 @@ class ScatteredFrame:
 
     @cached_property
     def _squares(self) -> np.ndarray:
-        """Squares of the differences of single edges, less what noise explains, (edges, rows)."""
+        """Squares of the differences of single edges, minus the part from noise, (edges, rows)."""
         if self.noise is None:
             return self.difference**2
         single = scipy.sparse.eye_array(len(self.difference), format="csr", dtype=np.int64)

@@ -1,11 +1,11 @@
-"""Scattered values: points and values from users, checked; rules along edges; their noise."""
+"""Scattered values: checks of points and values, rules along edges, and noise."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.errors import LONGEST_SHOWN, GridError
@@ -15,7 +15,7 @@ from geomtorsion.materials.fields.triangulation import Triangulation, checked_po
 
 
 def checked_points(given: object) -> np.ndarray:
-    """Coordinates of points, in the plane or in space."""
+    """Coordinates of points in the plane or in space, checked."""
     found = checks.array(given, "points", GridError, shape=(None, None))
     if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
         raise GridError(
@@ -28,7 +28,7 @@ def checked_points(given: object) -> np.ndarray:
 def mesh_of(
     places: np.ndarray, unknown: np.ndarray, options: dict[str, Any]
 ) -> tuple[Triangulation, dict[str, str]]:
-    """The triangulation and the texts, from the options that all makers have in common."""
+    """The triangulation and the texts, from the options common to all makers."""
     known = {"mask", "longest", "boundary", "unit", "vector_unit", "source"}
     for name in options:
         checks.known_name(name, sorted(known), "option", GridError)
@@ -46,7 +46,7 @@ def mesh_of(
 
 
 def check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
-    """Refuse infinite values at points that count."""
+    """Refuse infinite values at points of the region."""
     bad = np.argwhere(np.isinf(values[..., mesh.inner]))
     if len(bad):
         raise GridError(
@@ -56,7 +56,7 @@ def check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
 
 
 def edge_rules(mesh: Triangulation) -> tuple[Any, Any]:
-    """Values at points to their means along edges, (edges, points): by trapezoids, and corrected.
+    """Matrices from values at points to means along edges: by trapezoids, and with correction.
 
     The integral of f(t) from 0 to 1 is (f(0) + f(1)) / 2 - (f'(1) - f'(0)) / 12 + ...
     """
@@ -72,14 +72,14 @@ def edge_rules(mesh: Triangulation) -> tuple[Any, Any]:
 
 
 def row_of_points(holes: np.ndarray) -> Grid:
-    """Points in a row, so that noise is given and checked as on grids."""
+    """Points as a grid of one row, so that noise is checked as on grids."""
     return Grid((np.arange(float(len(holes))),), ("point",), (False,), holes)
 
 
 def estimated_noise(
     mesh: Triangulation, values: np.ndarray, sigma: Any, covariance: Any
 ) -> tuple[np.ndarray | None, np.ndarray | None, str]:
-    """Standard deviations, or covariances, from what departs from planes through neighbours."""
+    """Standard deviations, or covariances, from deviations from planes through neighbours."""
     table, inside = mesh.departures
     flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
     rows = list((table @ flat.T).T)

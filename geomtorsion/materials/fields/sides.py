@@ -1,4 +1,4 @@
-"""Sides: integrals along straight rows of edges, from every node, with the variance of each."""
+"""Sides: integrals along straight rows of edges, from each node, with their variances."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.materials.fields.circuits import Field
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """What noise makes of integrals along sides.
+    """Noise of integrals along sides.
 
-    covariance: {(i, j): of components i and j, shape (sides...)}; starts, ends: weights of the
-    nodes where a side begins and ends, by which two sides that meet there have noise in common,
-    shape (sides...), with axes of length 1 where they do not vary.
+    covariance: {(i, j): of components i and j, shape (sides...)}. starts, ends: weights of the
+    first and the last node of a side, shape (sides...), with length 1 along axes without variation.
+    They give the covariance of two sides that share this node.
     """
 
     covariance: dict[tuple[int, int], np.ndarray]
@@ -34,9 +34,9 @@ class Spread:
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Integrals along sides of so many edges along an axis, one from every node with room.
+    """Integrals along sides of `edges` edges along an axis, from each node where a side fits.
 
-    Errors are computed when they are first needed.
+    Errors are computed at first use.
     """
 
     field: Field
@@ -78,7 +78,7 @@ class Sides:
         return window_sums(bad.astype(np.int32), self.edges, self.axis, self._periodic)
 
     def spread(self, less_other: bool) -> Spread:
-        """What noise makes of the integrals, or of their differences from another order."""
+        """Noise of the integrals, or of their differences from another order."""
         field = self.field
         assert field.noise is not None
         rules = _Rules(
@@ -89,7 +89,7 @@ class Sides:
 
 
 def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:
-    """A table of shape (edges, lines), or (edges, 1) for all lines, on the grid."""
+    """A table of shape (edges, lines), or (edges, 1) for all lines, as an array on the grid."""
     rest = (*shape[:axis], *shape[axis + 1 :])
     lines = rest if table.shape[1] > 1 else (1,) * len(rest)
     found = np.broadcast_to(table.reshape(len(table), *lines), (len(table), *rest))
@@ -97,7 +97,7 @@ def on_grid(table: np.ndarray, shape: tuple[int, ...], axis: int) -> np.ndarray:
 
 
 def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = False) -> np.ndarray:
-    """Sums of so many neighbours along an axis, by doubling: the same bits wherever it begins."""
+    """Sums of `count` neighbours along an axis, by doubling, with bits independent of the start."""
     moved = np.moveaxis(values, axis, -1)
     if periodic:
         moved = np.concatenate([moved, moved[..., : count - 1]], axis=-1)
@@ -117,7 +117,7 @@ def window_sums(values: np.ndarray, count: int, axis: int, periodic: bool = Fals
 
 @dataclass(frozen=True, eq=False)
 class _Rules:
-    """The rules along an axis, with holes and without, and the sums of edges that are wanted."""
+    """The rules along an axis, with holes and without, for sums of consecutive edges."""
 
     grid: Grid
     axis: int
@@ -128,9 +128,9 @@ class _Rules:
     noise: Noise
 
     def spread(self, less_other: bool) -> Spread:
-        """Covariance of sums of edges (less those of the other rule) for independent nodes.
+        """Covariance of sums of edges (or of their difference from the other rule).
 
-        Each node counts with the square of all that the sum has of it.
+        Nodes are independent, and each contributes with the square of its total weight in the sum.
         """
         points, periodic = self.grid.shape[self.axis], self.grid.periodic[self.axis]
         plain = plain_rule(self.order, points, periodic)
@@ -172,7 +172,7 @@ class _Rules:
         return Spread(covariance, *ends)
 
     def _summed(self, squares: csr_array, matrix: csr_array, variances: np.ndarray) -> np.ndarray:
-        """The squares of all weights times variances; the inner ones are one sum over a window."""
+        """Sums of squared weights times variances; inner nodes are summed over a window."""
         along = self.axis
         # Nodes that an edge beyond the end of a sum reaches, and where rules are one-sided.
         margin = self.order + 2
@@ -185,7 +185,7 @@ class _Rules:
         depth = (column - row) % points
         kept = (depth < margin) | (depth > self.edges - margin)
         ends = type(ends)((ends.data[kept], (row[kept], column[kept])), shape=ends.shape).tocsr()
-        # Nodes within have the whole of their weights in the sum.
+        # The sum contains the full weight of each inner node.
         whole = np.asarray(matrix.sum(axis=0)).ravel() ** 2
         weighted = variances * whole.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))
         sums = window_sums(weighted, inner, along, periodic)
@@ -194,9 +194,9 @@ class _Rules:
         return applied(ends, variances[None], 1 + along)[0] + middle
 
     def _beside_holes(self, plain: Rule, less_other: bool) -> tuple[np.ndarray, csr_array]:
-        """Sums of edges that have other stencils near holes: which, and their weights one by one.
+        """Sides with modified stencils near holes, and the weights of their nodes.
 
-        Numbers in a table (sides, lines), and a matrix (numbers, nodes of all lines).
+        Returns numbers in a table (sides, lines), and a matrix (numbers, nodes of all lines).
         """
         rule = self.fine
         odd = (rule.used != plain.used) | (rule.shift != plain.shift)
@@ -208,7 +208,7 @@ class _Rules:
         return places, found.tocsr()
 
     def _with(self, found: np.ndarray, places: np.ndarray, own: np.ndarray) -> np.ndarray:
-        """What is the same along lines, on all sides, with some of its own."""
+        """Values common to all lines, on all sides, with separate values at some places."""
         grid = self.grid
         count = len(self.fine.used) - (0 if self.fine.periodic else self.edges - 1)
         shape = (*grid.shape[: self.axis], count, *grid.shape[self.axis + 1 :])
@@ -218,7 +218,7 @@ class _Rules:
 
 
 def _windows(places: np.ndarray, lines: int, count: int, edges: int, periodic: bool) -> csr_array:
-    """Sums of edges that begin at places of a table (edges, lines), as a sparse matrix."""
+    """Sums of edges starting at places of a table (edges, lines), as a sparse matrix."""
     first, line = np.divmod(places, lines)
     columns = first[:, None] + np.arange(edges)
     columns = (columns % count if periodic else columns) * lines + line[:, None]

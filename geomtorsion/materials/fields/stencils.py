@@ -1,4 +1,4 @@
-"""Stencils: local polynomials on a grid, each on the most centred nodes that are known."""
+"""Stencils: local polynomials on a grid, each on the most centred known nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion.caching import cached_property
 from geomtorsion.precision import HALF
@@ -17,8 +17,8 @@ from geomtorsion.precision import HALF
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-# A place this near to a node, in steps, is at the node: coordinates of a loop are rounded, and
-# steps are small beside those of a grid far from the origin.
+# A place within this distance of a node, in steps, is at the node, because coordinates of a loop
+# are rounded, and steps are small compared with the coordinates far from the origin.
 SLACK = HALF
 
 
@@ -33,7 +33,7 @@ def lagrange(count: int, t: np.ndarray) -> np.ndarray:
 
 @cache
 def edge_weights(count: int) -> np.ndarray:
-    """Integrals over the edge from node s to s + 1, row s, of polynomials through count nodes."""
+    """Integrals of polynomials through count nodes over the edge from node s to s + 1, row s."""
     if count == 1:
         return np.ones((1, 1))
     x, w = np.polynomial.legendre.leggauss(count // 2 + 1)
@@ -57,20 +57,20 @@ def slope_weights(count: int) -> np.ndarray:
 
 @cache
 def step_weights(count: int) -> np.ndarray:
-    """The same derivatives from the differences between neighbours, shape (count, count - 1)."""
+    """As `slope_weights`, for differences between neighbours, shape (count, count - 1)."""
     return np.cumsum(slope_weights(count)[:, :0:-1], axis=1)[:, ::-1]
 
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """What every edge along an axis (or every node) is computed from.
+    """The stencils of all edges (or nodes) along an axis.
 
-    Along an axis of N nodes, for L lines of nodes, or for one line that stands for all.
+    The axis has N nodes; L is the number of lines of nodes, or 1 if all lines are equal.
 
-    slopes: whether it differentiates at nodes; otherwise it integrates over edges.
-    holes: which nodes are not known, shape (N, L).
+    slopes: True for derivatives at nodes, False for integrals over edges.
+    holes: whether each node is unknown, shape (N, L).
     periodic: whether the last node is joined to the first.
-    used: nodes of each stencil, 0 where there are not enough in a row, shape (edges, L).
+    used: number of nodes of each stencil, 0 without enough known nodes, shape (edges, L).
     shift: number of the edge or node in its stencil, shape (edges, L).
     """
 
@@ -82,7 +82,7 @@ class Rule:
 
     @classmethod
     def of(cls, order: int, holes: np.ndarray, periodic: bool, slopes: bool = False) -> Rule:
-        """The rule of an order; of a lower one where no row of known nodes is long enough."""
+        """The rule of an order, or of a lower order where rows of known nodes are too short."""
         count = len(holes) if periodic or slopes else len(holes) - 1
         used = np.zeros((count, holes.shape[1]), dtype=np.int8)
         shift = np.zeros_like(used)
@@ -92,9 +92,9 @@ class Rule:
 
     @cached_property
     def other(self) -> Rule:
-        """The rule against which errors are measured: two nodes fewer in each stencil.
+        """The rule to compare with, which gives the errors: two nodes fewer in each stencil.
 
-        For the least stencil two more, or one fewer where these are not known.
+        The smallest stencil gets two nodes more, or one node fewer where these are unknown.
         """
         least = 2 + self.slopes
         used, shift = np.zeros_like(self.used), np.zeros_like(self.shift)
@@ -110,22 +110,22 @@ class Rule:
 
     @property
     def known(self) -> np.ndarray:
-        """Where there is a value, shape (edges, L)."""
+        """Whether there is a value, shape (edges, L)."""
         return self.used > 0
 
     @cached_property
     def matrix(self) -> csr_array:
-        """Values at nodes to values on edges (or at nodes), shape (edges * L, N * L)."""
+        """Matrix from values at nodes to values on edges (or at nodes), (edges * L, N * L)."""
         return self._sparse(slope_weights if self.slopes else edge_weights, len(self.holes))
 
     @cached_property
     def matrix_of_steps(self) -> csr_array:
-        """Differences along edges to slopes at nodes, shape (N * L, edges * L)."""
+        """Matrix from differences along edges to slopes at nodes, (N * L, edges * L)."""
         points = len(self.holes)
         return self._sparse(step_weights, points if self.periodic else points - 1)
 
     def _sparse(self, weights_of: Callable[[int], np.ndarray], points: int) -> csr_array:
-        """The rule as a matrix on columns that are nodes, or edges between them."""
+        """The rule as a matrix whose columns are nodes, or edges between nodes."""
         lines = self.holes.shape[1]
         tables = {n: weights_of(n) for n in np.unique(self.used).tolist() if n}
         width = max((table.shape[1] for table in tables.values()), default=1)
@@ -143,13 +143,13 @@ class Rule:
         return scipy.sparse.csr_array((weights.ravel(), columns.ravel(), indptr), shape=shape)
 
     def __call__(self, values: np.ndarray, axis: int) -> np.ndarray:
-        """The rule along one axis of an array of shape (rows, grid...)."""
+        """Apply the rule along one axis of an array of shape (rows, grid...)."""
         return applied(self.matrix, values, axis, self.holes.shape[1])
 
 
 @cache
 def plain_rule(order: int, points: int, periodic: bool, slopes: bool = False) -> Rule:
-    """The rule along an axis without holes, which has one line that stands for all."""
+    """The rule along an axis without holes; one line represents all lines."""
     return Rule.of(order, np.zeros((points, 1), dtype=bool), periodic, slopes)
 
 
@@ -162,7 +162,7 @@ def _choose(
     periodic: bool,
     slopes: bool,
 ) -> None:
-    """Give open edges (or nodes) the most centred stencil of so many known nodes, where one is."""
+    """Assign the most centred stencil of known nodes to open edges (or nodes), if there is one."""
     if nodes > len(holes) or not open_.any():
         return
     wrapped = np.concatenate([holes, holes[: nodes - 1]]) if periodic else holes
@@ -184,9 +184,9 @@ def _choose(
 
 
 def applied(matrix: csr_array, values: np.ndarray, axis: int, lines: int = 1) -> np.ndarray:
-    """A sparse matrix along one axis of an array of shape (rows, grid...).
+    """Apply a sparse matrix along one axis of an array of shape (rows, grid...).
 
-    lines: how many lines of nodes have rows of their own in the matrix; one stands for all.
+    lines: number of lines of nodes with separate rows in the matrix; 1 if all lines share them.
     """
     moved = np.moveaxis(values, axis, 0)
     if lines == 1:
@@ -204,9 +204,9 @@ def applied(matrix: csr_array, values: np.ndarray, axis: int, lines: int = 1) ->
 class Blocks:
     """Stencils of points between the nodes: blocks of known nodes, products of polynomials.
 
-    first: first node of each block, shape (d, k). used: nodes along each axis, shape (k,); 0 where
-    a point has no block. thin: axes along which the point is at a node, which alone is used there,
-    shape (d, k).
+    first: first node of each block, shape (d, k). used: number of nodes along each axis, shape
+    (k,); 0 for a point without a block. thin: whether the point is at a node along an axis, so that
+    only this node is used there, shape (d, k).
     """
 
     first: np.ndarray
@@ -215,7 +215,7 @@ class Blocks:
 
 
 class KnownNodes:
-    """Which nodes of a grid are known, with sums that tell it of whole blocks at once."""
+    """The known nodes of a grid, with cumulative sums that test whole blocks at once."""
 
     def __init__(self, shape: tuple[int, ...], periodic: tuple[bool, ...], holes: np.ndarray):
         self.shape: tuple[int, ...] = shape
@@ -224,7 +224,7 @@ class KnownNodes:
 
     @cached_property
     def _sums(self) -> np.ndarray:
-        """Holes below and left of each node; periodic axes are doubled."""
+        """Number of holes before each node along all axes; periodic axes are doubled."""
         assert self.holes is not None
         found = self.holes.astype(np.int64)
         for axis, is_periodic in enumerate(self.periodic):
@@ -233,7 +233,7 @@ class KnownNodes:
         return np.pad(found, [(1, 0)] * found.ndim)
 
     def _is_known(self, first: np.ndarray, nodes: int, thin: np.ndarray) -> np.ndarray:
-        """Whether blocks lie in the grid and all their nodes are known, shape (k,)."""
+        """Whether blocks are in the grid and all their nodes are known, shape (k,)."""
         fits = np.ones(first.shape[1], dtype=bool)
         low, high = [], []
         for row, wide, points, wraps in zip(first, ~thin, self.shape, self.periodic, strict=True):
@@ -251,12 +251,12 @@ class KnownNodes:
         return fits & (total == 0)
 
     def blocks(self, places: np.ndarray, order: int) -> Blocks:
-        """The most centred blocks of known nodes; of lower order where there are none.
+        """The most centred blocks of known nodes; of lower order if there are none.
 
         places: in units of the spacing, shape (d, k).
         """
         cells = np.floor(places + SLACK).astype(int)
-        # Where nodes are missing, a point on a line of nodes asks for none beyond it.
+        # In a grid with holes, a point on a line of nodes uses only nodes of this line.
         thin = np.abs(places - cells) < SLACK
         if self.holes is None:
             thin[:] = False
@@ -275,7 +275,7 @@ class KnownNodes:
         return found
 
     def other(self, blocks: Blocks, places: np.ndarray, order: int) -> Blocks:
-        """Blocks of the order against which errors are measured, as for `Rule.other`."""
+        """Blocks of the order to compare with, as for `Rule.other`."""
         found = self.blocks(places, order)
         same = np.flatnonzero((found.used == blocks.used) & (found.used > 0))
         cells = np.where(found.thin, found.first, np.floor(places + SLACK).astype(int))
@@ -284,14 +284,14 @@ class KnownNodes:
             if nodes > 2:
                 self._search(found, rest, cells, nodes - 2)
             else:
-                # The nearest node alone: an error that is too large rather than none.
+                # Use only the nearest node: the error is then too large instead of missing.
                 first = found.first[:, rest]
                 found.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
                 found.used[rest] = 1
         return found
 
     def _search(self, found: Blocks, rest: np.ndarray, cells: np.ndarray, nodes: int) -> None:
-        """Give points the most centred known blocks of so many nodes."""
+        """Assign the most centred known blocks of a number of nodes to points."""
         middle = nodes / 2 - 1
         options = sorted(
             product(range(nodes - 1), repeat=len(cells)),
@@ -307,7 +307,7 @@ class KnownNodes:
             rest = rest[~good]
 
     def terms(self, blocks: Blocks, places: np.ndarray) -> Iterator[Term]:
-        """The nodes and weights of which points are sums: points, nodes (d, k), weights (k,)."""
+        """Terms of the weighted sums for points: points, nodes (d, k), weights (k,)."""
         d = len(self.shape)
         kinds = blocks.used * 2**d + 2 ** np.arange(d) @ blocks.thin
         for kind in np.unique(kinds).tolist():

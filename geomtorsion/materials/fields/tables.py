@@ -35,9 +35,9 @@ _AT_ROW = re.compile(r"at row ([0-9]+)|row ([0-9]+)")
 
 
 def read_csv(path: Path) -> Contents:
-    """Columns x, y, ... and e_0_0, e_0_1, ... (or beta_0_0, ...), sigma_0_0, ...; one node a line.
+    """Read columns x, y, ..., e_0_0, e_0_1, ... (or beta_0_0, ...), sigma_0_0, ...; a node a line.
 
-    Lines with # say unit, vector_unit, source and periodic. Nodes without a line, and values
+    Lines with # contain unit, vector_unit, source and periodic. Nodes without a line, and values
     without a number, are holes.
     """
     lines = read_text(path, LARGEST_ARRAYS).splitlines()
@@ -80,7 +80,7 @@ def read_csv(path: Path) -> Contents:
 
 
 def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], str]:
-    """Names of the axes, and what the values are called: e or beta."""
+    """Names of the axes, and the name of the values: e or beta."""
     kinds = {found[1] for name in header if (found := _COLUMN.fullmatch(name))}
     axes = [name for name in header if not _COLUMN.fullmatch(name)]
     if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
@@ -100,7 +100,7 @@ def _gridded(
     options: dict[str, Any],
     where: Sequence[str],
 ) -> Contents:
-    """Nodes in any order on the grid that their coordinates make."""
+    """Contents from nodes in any order, on the grid of their coordinates."""
     axes, flat = nodes_of(path, places, where)
     shape = tuple(len(axis) for axis in axes)
     found = {
@@ -116,7 +116,7 @@ def _gridded(
 def nodes_of(
     path: Path, places: Mapping[str, np.ndarray], where: Sequence[str]
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """The axes of the grid that coordinates of nodes make, and the number of each node in it.
+    """The axes of the grid of nodes, and the number of each node in this grid.
 
     where: line or number of each node, for messages.
     """
@@ -147,7 +147,7 @@ def nodes_of(
 
 
 def check_filled(path: Path, rows: int, shape: Sequence[int]) -> None:
-    """Refuse a grid of many more nodes than the file has room for: few of them, far apart."""
+    """Refuse a grid with many more nodes than rows in the file, from a few distant nodes."""
     size, most = 8 * rows * math.prod(shape), most_unpacked(path.stat().st_size)
     if size > most:
         raise LimitError(
@@ -164,7 +164,7 @@ def _array(
     flat: np.ndarray,
     shape: tuple[int, ...],
 ) -> np.ndarray:
-    """All columns of a kind as an array (rows, columns, grid...)."""
+    """All columns of one kind as an array (rows, columns, grid...)."""
     keys = {
         (int(found[2]), int(found[3])): name
         for name in columns
@@ -183,7 +183,7 @@ def _array(
 
 
 def _columns(contents: Contents) -> dict[str, np.ndarray]:
-    """Everything node by node, the last axis fastest."""
+    """All values node by node, the last axis fastest."""
     mesh = np.meshgrid(*contents.axes, indexing="ij")
     found = {name: axis.ravel() for name, axis in zip(contents.names, mesh, strict=True)}
     arrays = {"e": contents.values}
@@ -198,7 +198,7 @@ def _columns(contents: Contents) -> dict[str, np.ndarray]:
 
 
 def write_csv(path: Path, contents: Contents) -> None:
-    """One line for each node; the numbers come back as they were."""
+    """Write one line for each node; numbers read back as the same doubles."""
     columns = _columns(contents)
     said = [
         f"# {key}: {one_line(contents.options[key])}" for key in TEXTS if contents.options.get(key)
@@ -216,10 +216,10 @@ def write_csv(path: Path, contents: Contents) -> None:
 
 
 def read_vtk(path: Path) -> Contents:
-    """Points on a grid, with point data e_0_0, e_0_1, ... (or beta_0_0, ...); by meshio.
+    """Read points on a grid, with point data e_0_0, ... (or beta_0_0, ...), by meshio.
 
-    A coordinate that all points share is no axis. Field data unit, vector_unit, source, periodic
-    and names are texts, as codes of their letters (UTF-8), which is what meshio reads.
+    A coordinate that all points share is not an axis. Field data unit, vector_unit, source,
+    periodic and names are texts, stored as UTF-8 codes, because meshio reads only numbers.
     """
     meshio = module("meshio", path)
     xml = path.suffix.lower() == ".vtu"
@@ -260,7 +260,7 @@ def read_vtk(path: Path) -> Contents:
 
 
 def write_vtk(path: Path, contents: Contents) -> None:
-    """Points, cells, point data and field data, for ParaView and its like; holes are NaN."""
+    """Write points, cells, point data and field data, such as for ParaView; holes are NaN."""
     meshio = module("meshio", path)
     d, shape = len(contents.axes), contents.values.shape[2:]
     if d not in (2, 3):
@@ -290,7 +290,7 @@ def write_vtk(path: Path, contents: Contents) -> None:
 
 
 def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
-    """Put field data into a file that meshio has written, which it does not write itself."""
+    """Add field data, which meshio does not write, to a file written by meshio."""
     content = path.read_bytes()
     codes = {key: text.encode() for key, text in said.items()}
     if xml:
@@ -311,7 +311,7 @@ def _add_field(path: Path, said: Mapping[str, str], xml: bool) -> None:
 
 
 def _check_dimensions(path: Path) -> None:
-    """Refuse a grid of more points than the file has bytes: each has a value in it."""
+    """Refuse a grid with more points than bytes in the file."""
     content = path.read_bytes()
     for found in _DIMENSIONS.finditer(content):
         sizes = [abs(int(word)) if len(word) <= 18 else 10**18 for word in found[1].split()]
@@ -324,7 +324,7 @@ def _check_dimensions(path: Path) -> None:
 
 
 def _legacy_field(path: Path) -> dict[str, np.ndarray]:
-    """Field data of letters at the head of a legacy file, which meshio passes over."""
+    """Field data of letters in the header of a legacy file, which meshio ignores."""
     found: dict[str, np.ndarray] = {}
     with path.open("rb") as stream:
         lines = [stream.readline(LONGEST_SHOWN) for _ in range(5)]

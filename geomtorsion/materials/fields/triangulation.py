@@ -1,4 +1,4 @@
-"""Triangulation: scattered points joined by Delaunay's edges, its holes, and walks along it."""
+"""Triangulation: scattered points joined by Delaunay edges, with holes and walks along edges."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy  # loads its parts when they are asked for
+import scipy  # loads its subpackages at first use
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 class Triangulation:
     """Triangles or tetrahedra between scattered points.
 
-    made: Delaunay's, as scipy gives it. every: corners of all simplices, shape (k, d + 1), plane
-    ones anticlockwise. kept: which are part of the region; the others are holes, or outside.
+    made: Delaunay triangulation of scipy. every: corners of all simplices, shape (k, d + 1),
+    anticlockwise in the plane. kept: whether each is part of the region; the others are holes, or
+    outside.
     """
 
     made: scipy.spatial.Delaunay
@@ -41,9 +42,9 @@ class Triangulation:
         longest: float | None,
         boundary: Sequence[np.ndarray],
     ) -> Triangulation:
-        """Delaunay's, without what touches unknown points, long edges, or lies outside.
+        """Delaunay triangulation without simplices at unknown points, at long edges, or outside.
 
-        boundary: closed polygons, shape (k, 2) each; what lies in an odd number of them is inside.
+        boundary: closed polygons, shape (k, 2) each; points in an odd number of them are inside.
         """
         try:
             made = scipy.spatial.Delaunay(points)
@@ -89,30 +90,30 @@ class Triangulation:
 
     @cached_property
     def complex(self) -> Complex:
-        """What is known: nodes are all points."""
+        """The complex of the region; its nodes are all points."""
         return Complex.of_simplices(self.every[self.kept], len(self.points))
 
     @cached_property
     def _whole(self) -> Complex:
-        """All simplices, holes too."""
+        """The complex of all simplices, including holes."""
         return (
             Complex.of_simplices(self.every, len(self.points)) if self.has_holes else self.complex
         )
 
     @property
     def has_holes(self) -> bool:
-        """Whether some simplices are left out."""
+        """Whether some simplices are not part of the region."""
         return not self.kept.all()
 
     @cached_property
     def steps(self) -> np.ndarray:
-        """From the first node of each edge to its second, shape (edges, d)."""
+        """Vector from the first node of each edge to the second, shape (edges, d)."""
         a, b = self.complex.pairs.T
         return self.points[b] - self.points[a]
 
     @cached_property
     def inner(self) -> np.ndarray:
-        """Nodes of some triangle, shape (k,)."""
+        """Nodes of at least one simplex of the region, shape (k,)."""
         return np.unique(self.every[self.kept])
 
     # -- faces ------------------------------------------------------------------------------------
@@ -132,7 +133,7 @@ class Triangulation:
         return np.sqrt(np.maximum(dots[0] * dots[1] - dots[2] ** 2, 0.0)) / 2
 
     def stars(self, rings: int) -> csr_array:
-        """Which faces lie within so many rings round each node, shape (nodes, faces)."""
+        """The faces within a number of rings around each node, shape (nodes, faces)."""
         faces, count = len(self.corners), len(self.points)
         ones = np.ones(3 * faces, dtype=np.int64)
         owner = np.repeat(np.arange(faces), 3)
@@ -148,10 +149,10 @@ class Triangulation:
 
     @cached_property
     def rims(self) -> tuple[np.ndarray, ...]:
-        """Senses of all edges in the circuit along the rim of each hole, shape (edges,) each.
+        """Sense of each edge in the circuit along the rim of each hole, shape (edges,) each.
 
-        A circuit turns from x to y. Holes that meet in a node are one; what reaches the rim of the
-        whole is no hole.
+        A circuit turns from x to y. Holes that share a node are one hole; a gap that reaches the
+        outer rim is not a hole.
         """
         chain = np.asarray(self.complex.boundary(1).sum(axis=0)).ravel().astype(np.int64)
         edges = np.flatnonzero(chain)
@@ -170,7 +171,7 @@ class Triangulation:
         return tuple(found)
 
     def around(self, rim: np.ndarray, margin: int) -> np.ndarray:
-        """The circuit round a hole that leaves margin - 1 rings of triangles inside."""
+        """The circuit around a hole with margin - 1 rings of triangles inside."""
         chain, faces = rim, self.complex.boundary(1)
         taken = np.zeros(len(self.corners), dtype=bool)
         nodes = np.zeros(len(self.points), dtype=bool)
@@ -183,10 +184,10 @@ class Triangulation:
     # -- walks ------------------------------------------------------------------------------------
 
     def walk(self, loop: Loop) -> np.ndarray:
-        """The nodes to which the points of a loop are nearest, in order, each joined to the next.
+        """The nodes nearest to the points of a loop, in order, each joined to the next.
 
-        Where a loop passes from the neighbourhood of one node to that of another, Delaunay's edges
-        join them.
+        When a loop passes from the neighbourhood of one node to the next, a Delaunay edge joins
+        these nodes.
         """
         if loop.dimension != self.dimension:
             raise GridError(
@@ -196,7 +197,7 @@ class Triangulation:
         if np.abs(loop.gap).max() > 0:
             raise GridError("the loop closes modulo a period only, but the points have none.")
         lengths = np.sqrt((self.steps**2).sum(axis=1))
-        # Where two points for each edge are not enough, the way between them is halved.
+        # If two points for each edge are not enough, the path between them is bisected.
         way = loop.points(max(400, round(2 * loop.length / float(np.median(lengths))))).T
         outside = self.made.find_simplex(way) < 0
         if outside.any():
@@ -228,7 +229,7 @@ class Triangulation:
         other: np.ndarray,
         tree: scipy.spatial.cKDTree,
     ) -> None:
-        """Go on to the node that is nearest to the point `other`, where `one` has the last node."""
+        """Extend the walk from the node nearest to `one` to the node nearest to `other`."""
         start = nodes[-1]
         if start == end:
             return
@@ -240,7 +241,7 @@ class Triangulation:
             self._step(nodes, int(tree.query(middle)[1]), one, middle, tree)
             self._step(nodes, end, middle, other, tree)
             return
-        # Through a point that is as near to four nodes: by way of one that both are joined to.
+        # At a point equally close to four nodes, continue through a common neighbour.
         shared = np.intersect1d(self._beside(nodes[-1]), self._beside(end))
         if not len(shared):
             raise GridError(
@@ -250,12 +251,12 @@ class Triangulation:
         nodes += [int(shared[0]), end]
 
     def _beside(self, node: int) -> np.ndarray:
-        """Nodes that edges join to one."""
+        """Neighbours of a node."""
         pairs = self._whole.pairs
         return np.concatenate([pairs[pairs[:, 0] == node, 1], pairs[pairs[:, 1] == node, 0]])
 
     def _refuse(self, nodes: np.ndarray, loop: Loop) -> None:
-        """Say between which points a walk leaves what is known."""
+        """Raise an error that names the points between which a walk leaves the region."""
         known = self.complex.joins(nodes[:-1], nodes[1:])
         if not known.all():
             k = int(np.argmin(known))
@@ -270,15 +271,15 @@ class Triangulation:
 
     @cached_property
     def _neighbours(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Each edge both ways: node, neighbour, and the step between them."""
+        """Each edge in both directions: node, neighbour, and the step between them."""
         (a, b), steps = self.complex.pairs.T, self.steps
         return np.concatenate([a, b]), np.concatenate([b, a]), np.concatenate([steps, -steps])
 
     @cached_property
     def slopes(self) -> tuple[csr_array, ...]:
-        """Values at nodes to their derivatives there, by planes through a node and its neighbours.
+        """Matrices from values to derivatives at nodes, by planes through nodes and neighbours.
 
-        One matrix for each direction, shape (nodes, nodes): least squares, each neighbour by the
+        One matrix for each direction, shape (nodes, nodes), by least squares, each neighbour by the
         square of its distance.
         """
         node, other, step = self._neighbours
@@ -294,9 +295,9 @@ class Triangulation:
 
     @cached_property
     def departures(self) -> tuple[csr_array, np.ndarray]:
-        """How far values depart from planes through the neighbours, with the variance of a node.
+        """Deviations from planes through the neighbours, scaled to the variance of a node.
 
-        A matrix of shape (k, nodes), and the nodes of its rows: those inside.
+        A matrix of shape (k, nodes), and the nodes of its rows: nodes with enough neighbours.
         """
         node, other, step = self._neighbours
         count = len(self.points)
@@ -306,7 +307,7 @@ class Triangulation:
         inverse = np.linalg.pinv(squares, hermitian=True)[:, 0]
         weights = (inverse[node] * wide).sum(axis=1)
         table = scipy.sparse.csr_array((weights, (node, other)), shape=(count, count))
-        # More neighbours than a plane has freedom, and not all of them on a line.
+        # A plane needs more neighbours than parameters, and not all of them on one line.
         total = np.asarray(table.sum(axis=1)).ravel()
         enough = np.bincount(node, minlength=count) > wide.shape[1]
         inside = np.flatnonzero(enough & (np.abs(total - 1) < CALCULATED**0.5))
@@ -321,7 +322,7 @@ class Triangulation:
 
 
 def checked_polygons(given: object) -> list[np.ndarray]:
-    """Boundaries as a list of polygons; one alone may be given as it is."""
+    """Boundaries as a list of polygons; a single polygon may be given without a list."""
     if given is None:
         return []
     try:

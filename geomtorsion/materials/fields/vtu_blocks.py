@@ -1,4 +1,4 @@
-"""VTU blocks: how much the packed arrays of a VTU file unpack to, before a reader unpacks them."""
+"""VTU blocks: decompressed size of the arrays of a VTU file, checked before reading."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ UNPACKERS: dict[str, Any] = {
     "vtkZLibDataCompressor": zlib.decompressobj,
     "vtkLZMADataCompressor": LZMADecompressor,
 }
-# What meshio takes for the beginning of bytes that are no XML.
+# The tag after which meshio expects raw bytes instead of XML.
 _RAW = re.compile(rb'<AppendedData[^>]+">')
 
 
 def check_vtu(path: Path) -> None:
-    """Refuse a VTU file whose packed arrays, all together, unpack to more than a file may hold.
+    """Refuse a VTU file whose arrays together decompress to more than a file may hold.
 
     Raises
     ------
     LimitError
-        They unpack to more, or there are too many.
+        The decompressed size is too large, or there are too many arrays.
     FileFormatError
-        The file is no XML.
+        The file is not XML.
     """
     content = path.read_bytes()
     root, appended = _parsed(path, content)
@@ -62,7 +62,7 @@ def check_vtu(path: Path) -> None:
 
 
 def _parsed(path: Path, content: bytes) -> tuple[ET.Element, bytes | str]:
-    """The XML of a file, and what is appended to it: text in base 64, or bytes as they are."""
+    """The XML of a file, and its appended data: text in base 64, or raw bytes."""
     try:
         root = ET.fromstring(content)
     except ET.ParseError:
@@ -81,9 +81,10 @@ def _parsed(path: Path, content: bytes) -> tuple[ET.Element, bytes | str]:
 
 
 def _blocks(data: bytes | str, root: ET.Element) -> Iterator[bytes]:
-    """The packed blocks of an array; none where its head does not fit the data, as readers see.
+    """The compressed blocks of an array; none if its header does not fit the data.
 
-    The head holds numbers: of blocks, the size of one, that of the last, and the packed sizes.
+    Readers report such a header. It contains the number of blocks, the size of a block, the size of
+    the last block, and the compressed sizes.
     """
     width = 8 if root.get("header_type") == "UInt64" else 4
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
@@ -111,12 +112,12 @@ def _blocks(data: bytes | str, root: ET.Element) -> Iterator[bytes]:
 
 
 def _letters(size: int) -> int:
-    """Letters of base 64 for so many bytes."""
+    """Number of base-64 letters for a number of bytes."""
     return 4 * -(-size // 3)
 
 
 def _decoded(text: str) -> bytes:
-    """Bytes in base 64; none where the text is not base 64, as readers see."""
+    """Bytes from base 64; none if the text is not base 64, which readers report."""
     try:
         return base64.b64decode(text)
     except ValueError:

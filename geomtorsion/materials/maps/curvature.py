@@ -52,8 +52,11 @@ class Curvature:
 
     @cached_property
     def nye(self) -> np.ndarray:
-        """alpha_ik in specimen axes, shape (rows, columns, 3, 3); NaN where the plane of the map
-        does not determine it, and where no neighbour is known."""
+        """alpha_ik in specimen axes, shape (rows, columns, 3, 3).
+
+        NaN for components that one plane of a map does not determine, and where no neighbour is
+        known.
+        """
         kappa = self.tensor
         found = np.full((*kappa.shape[:2], 3, 3), np.nan)
         for i, k in ((0, 1), (0, 2), (1, 0), (1, 2)):
