@@ -37,7 +37,7 @@ class LatticePhases:
     [Hytch, Snoeck and Kilaas, Ultramicroscopy 74 (1998) 131], and
     e^i = g_i + grad(arg H_i) / 2 pi = g_i (1 - beta), with beta = grad u. The integral of e along a
     step is the change of the lattice coordinates. Its integral along a right-handed circuit is a
-    whole number for each i, equal to -g_i b_0, where b_0 = integral of du.
+    whole number for each i, equal to -g_i b_0; the integral of du along the circuit is b_0.
 
     step, unit: size of a pixel. found: the spots, with their noise, in cycles per pixel.
     blur: standard deviation of the averaging Gaussian, in pixels.
