@@ -14,7 +14,7 @@ CEILINGS = {
     "exact": 1,
     "geometry": 23,
     "gravity": 2,
-    "materials": 275,
+    "materials": 212,
     "ode": 3,
     "paper": 3,
     "pictures": 15,

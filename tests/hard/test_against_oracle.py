@@ -88,7 +88,7 @@ def test_shipped_spaces(name):
 def test_nothing_is_left_out():
     """The comparison runs over all spaces and over every quantity that has a name."""
     assert len(gt.spaces.names()) >= 30
-    # Cotton's tensor takes third differences: tests/geometry/test_forms compares it with the divergence of Weyl.
+    # Cotton's tensor takes third differences: tests/geometry/test_forms compares it.
     assert OF_FRAME.keys() | {"cotton"} == QUANTITIES.keys()
 
 

@@ -173,7 +173,9 @@ def test_polar_frame() -> None:
     assert b.vector == pytest.approx([0, 5 * np.pi], abs=ROUNDED)
 
 
-@pytest.mark.parametrize("name", [name for name in names() if not name.startswith(("frw", "pp_wave"))])
+@pytest.mark.parametrize(
+    "name", [name for name in names() if not name.startswith(("frw", "pp_wave"))]
+)
 def test_small_loops_have_twice_torsion_times_area(name: str) -> None:
     """b^i = S_{mn}^i A^{mn}, with the torsion of the connection, in every shipped space."""
     frame = load(name).frame
