@@ -92,7 +92,7 @@
     let area = 0;
     places.forEach((p, k) => { const q = places[(k + 1) % places.length]; area += p[0] * q[1] - q[0] * p[1]; });
     const sense = Math.abs(area) < 1e-9 ? "" : area > 0 ? ", anticlockwise" : ", clockwise";
-    if (!last[0] && !last[1]) return `${n} steps${sense}: closed here and there. b = (0, 0): no dislocation inside, or several that cancel.`;
+    if (!last[0] && !last[1]) return `${n} steps${sense}: closed in the crystal and in the perfect lattice. b = (0, 0): no dislocation inside, or several that cancel.`;
     const other = area > 0 ? "clockwise" : "anticlockwise";
     return `${n} steps${sense}: closed in the crystal, but not in the perfect lattice. From start to finish b = ${vector(last)} is missing, for every circuit round the same lines. Go round ${other}, and b changes its sign.`;
   }

@@ -100,8 +100,8 @@ def _round_the_axis(
         f"The legs come back turned by {turn:.6g} rad (the Frank vector of the line): this is a "
         "disclination, and b depends on where the loop begins."
         if abs(turn) > found.turn_error + found.error
-        else "The legs come back as they were, and b = 0 for circles about the axis; torsion is "
-        "spread about it, so that other loops have a b."
+        else "The legs come back as they were, and b = 0 for circles around the axis. There is "
+        "torsion around the axis, so other loops can have b ≠ 0."
     )
     rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
     return {
@@ -126,8 +126,8 @@ def _outside(frame: Frame, b: BurgersVector) -> str:
         [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
         if np.min(inside) < 0:
             return (
-                f" The circle leaves these coordinates ({edge.condition}): beyond, the coframe is "
-                "only continued."
+                f" The circle leaves these coordinates ({edge.condition}). Outside of them the "
+                "page uses the same formulas for the coframe."
             )
     return ""
 
@@ -241,7 +241,7 @@ def _sentence(
         defects = names_text([str(defect) for defect in b.enclosed])
         return (
             f"{said}Inside: {defects}. Where the loop runs there is no torsion, so flux and 2 S A "
-            "are 0: all of b sits on the line."
+            "are 0: all of b comes from the line inside the loop."
         )
     largest = max(abs(x) for x in expected)
     if largest:

@@ -190,7 +190,7 @@ def _sentence(pair: Pair, largest: float) -> str:
     if pair.coincide:
         said = f"Straightest and shortest are one curve here, to {size_text(largest, 0)}."
     else:
-        said = f"Straightest and shortest part: by {largest:.4g} at most."
+        said = f"The straightest and the shortest curve separate by at most {largest:.4g}."
     kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
     ends = [f"The {kinds[curve]} path: {reason}" for curve, reason in pair.stops.items()]
     return " ".join([said, *ends])

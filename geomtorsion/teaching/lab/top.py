@@ -251,16 +251,16 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
             ]
         )
     heads = ("", "by", "error", "change of L in space", "change of energy")
-    return table(heads, rows, "How they were computed, and what stays (relative)")
+    return table(heads, rows, "How they were computed, and what is conserved (relative)")
 
 
 def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
     """Description of the result in words."""
     change = _change(result["angular_momentum_space"])
     kept = (
-        "The angular momentum stays where it is in space"
+        "The angular momentum is constant in space"
         if change < 1e3 * PAGE.accuracy
-        else "The angular momentum moves in space, since moments act"
+        else "Torques act, so the angular momentum changes in space"
     )
     if wrong is None:
         return f"{kept}. There is no naive law with torsion."

@@ -28,8 +28,8 @@ class Guide:
 # Name of a tab -> the displayed objects, and an action to try: one sentence each.
 GUIDES: Mapping[str, Guide] = {
     "The compass": Guide(
-        "One ship keeps its compass course (solid blue), another sails the shortest way, a great "
-        "circle (dashed orange), and torsion measures how the two part.",
+        "One ship keeps its compass course (solid blue). Another sails along a great circle "
+        "(dashed orange). Torsion makes the two paths separate.",
         "Move the course, press Play, and drag the globe to turn it: at 90 degrees the first ship "
         "stays on its parallel, and the second one leaves it.",
     ),
@@ -55,7 +55,7 @@ GUIDES: Mapping[str, Guide] = {
     ),
     "Straightest and shortest": Guide(
         "Two curves leave one start with one velocity: the straightest (solid blue) keeps its "
-        "velocity along the legs of the frame, the shortest (dashed orange) has the least length.",
+        "velocity along the legs of the frame, the shortest (dashed orange) is a geodesic.",
         "Press Play and turn the figure; then choose so3 and change the moments of inertia: with "
         "equal moments both curves are one.",
         {
@@ -120,10 +120,10 @@ GUIDES: Mapping[str, Guide] = {
         },
     ),
     "Exercises": Guide(
-        "Every equal form of an answer is right, and a wrong answer is met with its likely "
-        "mistake; an answer that cannot be read costs no points.",
-        "Answer, read the verdict, and take a hint; variant 0 is the one of the paper, and every "
-        "other number is another task.",
+        "Every equivalent form of an answer is right. For a wrong answer the page names the "
+        "likely mistake. An answer that cannot be read costs no points.",
+        "Answer, read the verdict, and take a hint. Variant 0 is the exercise from the paper. "
+        "Every other number gives another variant of the exercise.",
     ),
 }
 
@@ -132,8 +132,9 @@ ATOMS = Guide(
     "A square lattice with an edge dislocation, as elasticity bends it. Each bond is read as the "
     "nearest lattice vector, and the right figure shows the same steps in a perfect lattice: the "
     "gap of a circuit that closes in the crystal is b, in whole numbers.",
-    "Press Show a circuit; then click one of your own, far from the core, close to it, beside it; "
-    "take two opposite dislocations and go around one, the other, and both.",
+    "Press Show a circuit. Then click circuits of your own: around the core, near it and far away, "
+    "and beside it. Then choose two opposite dislocations. Go around one, around the other, and "
+    "around both.",
     {
         "extra half plane": "the column of atoms that ends at the core: on its side a circuit has "
         "a step more, and that is the step that is missing on the other.",
@@ -143,11 +144,11 @@ ATOMS = Guide(
 )
 MEASURED = Guide(
     "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
-    f"it), an orientation map ({', '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY). "
-    "Colours show |b| per area of square circuits of one size, each at its middle; a picture is "
+    f"it), an orientation map ({', '.join(TEXT_MAPS)}) or an image of a lattice (PNG, TIFF, NPY). "
+    "Colours show |b| per area of square circuits of one size, each at its middle; an image is "
     "shown as it is. "
-    "The frame is the circuit whose b is given. Up to "
-    f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels; the file stays in "
+    "The square outline is the circuit, and b is given for it. The page takes up to "
+    f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels. The file stays in "
     "the memory of the machine that serves this page.",
     "Put the circuit around a bright spot, then beside it; make it larger and see the noise per "
     "area fall; lead it across a grain boundary or the edge of a hole, and read what is said; in a "

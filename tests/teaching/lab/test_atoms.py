@@ -68,7 +68,10 @@ def test_a_crystal_is_clicked(standing: Watched):
     frame.locator("#crystal").focus()
     for key in ("ArrowUp", "ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown"):
         page.keyboard.press(key)
-    assert "4 steps, anticlockwise: closed here and there" in said.inner_text()
+    assert (
+        "4 steps, anticlockwise: closed in the crystal and in the perfect lattice"
+        in said.inner_text()
+    )
     page.keyboard.press("Backspace")
     assert "3 steps, so far (0, 1)" in said.inner_text()
     content = page.locator("#atoms iframe").element_handle().content_frame()

@@ -132,7 +132,7 @@ def test_a_slider_moves_the_loop(standing: Watched):
 def test_the_curves_can_be_turned(standing: Watched):
     """Arrow keys turn the picture in space; the film runs to its end."""
     page = standing.tab("Straightest and shortest")
-    standing.says("#paths-said", "part: by")
+    standing.says("#paths-said", "separate by at most")
     frame = page.frame_locator("iframe")
     canvas = frame.locator("#space")
     canvas.wait_for()
@@ -153,7 +153,7 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
     page.get_by_label("space", exact=True).select_option(
         label="screw_dislocation: screw dislocation along z"
     )
-    standing.says("#loop-said", "all of b sits on the line")
+    standing.says("#loop-said", "all of b comes from the line inside the loop")
     slider = page.get_by_role("slider", name="radius")
     slider.focus()
     page.keyboard.press("ArrowRight")
@@ -501,7 +501,7 @@ def test_effects_are_switched(standing: Watched):
     plan.locator("tr", has_text=re.compile(r"^\s*left out.*gravity", re.DOTALL)).first.wait_for()
     page.get_by_label(re.compile("^fixed point")).check()
     plan.locator("tr", has_text=re.compile(r"^\s*in.*gravity", re.DOTALL)).first.wait_for()
-    standing.says("#top-said", "angular momentum moves in space")
+    standing.says("#top-said", "the angular momentum changes in space")
     for effect, left in (("fixed point", "gravity"), ("gravity", "nothing")):
         page.get_by_label(re.compile(f"^{effect}")).uncheck()
         page.wait_for_url(lambda url, left=left: ("effects" in url) == (left != "nothing"))

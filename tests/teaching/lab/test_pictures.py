@@ -115,7 +115,7 @@ def test_the_first_loop_goes_round_the_line(name, component):
         found = closure_failure(name, known["loop_centre"], radius, known["planes"][0])
         expected = [b if k == component else 0.0 for k in range(3)]
         assert np.allclose(found["b"], expected, rtol=0, atol=1e-12)
-        assert "all of b sits on the line" in found["sentence"]
+        assert "all of b comes from the line inside the loop" in found["sentence"]
 
 
 @pytest.mark.parametrize("name", ["wedge_disclination", "wedge_disclination_periodic"])
