@@ -488,7 +488,10 @@ class CurveProblem:
         if len(self.charts) > 1:
             advice = "No other chart of the space reaches further; stop earlier."
         elif len(self.atlas.makers) > 1 and self.law.needs_frame:
-            advice = "The law is about this very frame, which ends here; stop earlier."
+            advice = (
+                "The equation depends on the frame itself, so it cannot continue in another chart. "
+                "Stop earlier."
+            )
         elif self.carried is not None and not self.carried.any_chart:
             advice = "What is carried along is given in this frame, which ends here; stop earlier."
         elif self.stops and len(self.atlas.makers) > 1:

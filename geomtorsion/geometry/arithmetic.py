@@ -25,11 +25,15 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
                 f"{first.label} can be added to a tensor, not to {checks.shown(second)}."
             )
         second = first.frame.scalar(second, "t", "")
-    if second.frame is not first.frame or second.slots != first.slots:
+    if second.frame is not first.frame:
         raise TensorIndexError(
-            f"{first.label} has slots {first.slots!r}, {second.label} has {second.slots!r}: "
-            "only tensors of one frame with equal slots can be added. "
-            "Use raised, lowered, in_frame, in_coordinates first."
+            f"{first.label} and {second.label}: expected tensors of one frame, got tensors of two. "
+            "Build both on the same frame."
+        )
+    if second.slots != first.slots:
+        raise TensorIndexError(
+            f"{first.label} and {second.label}: expected equal slots, got {first.slots!r} and "
+            f"{second.slots!r}. Use raised, lowered, in_frame or in_coordinates first."
         )
     field, one, two = first.frame.field, first.components.get, second.components.get
 

@@ -130,8 +130,9 @@ def develop_period(
     sizes = np.array([lengths.get(k, 1.0) for k in range(frame.dimension)])
     if (np.abs(gap) > CALCULATED * np.maximum(np.abs(sizes), np.abs(rows[0]))).any():
         raise LoopError(
-            f"the path does not close: whole periods from its start {shown(rows[0])} a gap of "
-            f"{shown(gap)} is left. Let it end where it began, in every coordinate up to periods."
+            f"the path does not close: up to whole periods, its end misses its start "
+            f"{shown(rows[0])} by {shown(gap)}. Let it end at its start, or a whole number of "
+            "periods away from it."
         )
     form = AffineForm(connection, parameters)
     start, end = (np.array(row) for row in (rows[0], rows[-1]))

@@ -55,14 +55,14 @@ def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
                 raise UnknownNameError(f"{path!r} names a whole effect. {_inside(keyed[name])}")
             if places:
                 again = " Effects of a kind are counted by their keys, as spring2.stiffness."
-                raise UnknownNameError(f"{path!r} leads nowhere: {name} is one effect.{again}")
+                raise UnknownNameError(f"{path!r} does not exist: {name} is one effect.{again}")
             keyed[name] = _set(keyed[name], rest, value, path)
         elif name in (item.name for item in fields(scene)) and name != "effects":
             now = table.get(name, getattr(scene, name))
             table[name] = _set_here(now, places, rest, value, path)
         else:
             known = (*(item.name for item in fields(scene) if item.name != "effects"), *keyed)
-            raise UnknownNameError(f"{path!r} leads nowhere. {_near(name, known)}")
+            raise UnknownNameError(f"{path!r} does not exist. {_near(name, known)}")
     return replace(scene, effects=tuple(keyed.values()), **table)
 
 
@@ -86,7 +86,7 @@ def _set(thing: Any, steps: list[tuple[str, tuple[int, ...]]], value: Any, path:
         return {**thing, name: _set_here(thing[name], places, rest, value, path)}
     known = {item.name for item in fields(thing)} if is_dataclass(thing) else set()
     if name not in known:
-        raise UnknownNameError(f"{path!r} leads nowhere: {_inside(thing, name)}")
+        raise UnknownNameError(f"{path!r} does not exist. {_inside(thing, name)}")
     new = _set_here(getattr(thing, name), places, rest, value, path)
     instead = next((set(names) - {name} for names in ONE_OF if name in names), ())
     others = {other: None for other in instead if new is not None and other in known}
@@ -316,7 +316,7 @@ class Scene:
         Raises
         ------
         UnknownNameError
-            a path leads nowhere.
+            a path does not exist.
         SceneError
             nothing is varied, lengths differ, or words are not a measure.
         """

@@ -202,7 +202,7 @@ def sweep(
     Raises
     ------
     UnknownNameError
-        a path leads nowhere.
+        a path does not exist.
     SceneError
         nothing is varied, lengths differ, or words are not a measure.
     StuckError

@@ -102,7 +102,7 @@ def test_autoparallels_end_with_their_frame(name, engine):
     """Straight towards the origin, where the frame has no direction: a stop at r = 0."""
     start, velocity = ENDING[name]
     problem = autoparallel(cartan(load(name).frame), start, frame_velocity=velocity)
-    with pytest.raises(ChartEdgeError, match=r"stops at t = 1, at r = .*frame, which ends") as got:
+    with pytest.raises(ChartEdgeError, match=r"stops at t = 1, at r = .* frame itself") as got:
         solve(problem, [0.25, 0.5, 1.5, 3.0], 1e-10, engine)
     sol = got.value.solution
     assert not sol.complete

@@ -68,16 +68,16 @@ def test_replacing():
 @pytest.mark.parametrize(
     ("path", "says"),
     [
-        ("gravty.g", "'gravty.g' leads nowhere. Did you mean gravity"),
-        ("gravity.h", "'gravity.h' leads nowhere: There are g"),
+        ("gravty.g", "'gravty.g' does not exist. Did you mean gravity"),
+        ("gravity.h", "'gravity.h' does not exist. There are g"),
         ("gravity", "names a whole effect"),
         ("body.momnts", "Did you mean moments"),
         ("start.omega[7]", "no \\[7\\] among 3 values"),
         ("start.position[0]", "None has no components; set it as a whole first"),
-        ("start.omega.x", "'start.omega.x' leads nowhere"),
-        ("effects", "leads nowhere"),
+        ("start.omega.x", "'start.omega.x' does not exist"),
+        ("effects", "does not exist"),
         ("a b", "is not a path"),
-        ("mass", "leads nowhere. There are body"),
+        ("mass", "does not exist. There are body"),
     ],
 )
 def test_paths_that_lead_nowhere(path, says):

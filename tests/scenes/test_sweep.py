@@ -132,7 +132,7 @@ def test_measures():
         ({"start.omega[0]": [1]}, [3], SceneError, "is not a measure"),
         ({"start.omega[0]": []}, FLIP, SceneError, "no values"),
         ({"start.omga[0]": [1]}, FLIP, UnknownNameError, "Did you mean omega"),
-        ({"gravity.g": [1]}, FLIP, UnknownNameError, "leads nowhere"),
+        ({"gravity.g": [1]}, FLIP, UnknownNameError, "does not exist"),
         ({"start.omega[7]": [1]}, FLIP, UnknownNameError, r"no \[7\]"),
         ({"start.omega[0]": [float("nan")]}, FLIP, (StartError, SceneError), "nan"),
         ({"start.omega[0]": [1]}, "biggest omega[0]", SceneError, "is not a measure"),

@@ -335,7 +335,7 @@ def _answer(
         # With noise only, |b| / sigma is the square root of the number of components.
         alone = len(vector) ** 0.5
         times = number(float(f"{significance:.3g}"))
-        said += f". |b| is {times} times its error; noise alone would give about {alone:.1f} times"
+        said += f". |b| is {times} times its error; noise would give about {alone:.1f} times"
     other = "–" if interpolation is None else f"{interpolation:.1e}"
     rows = [
         [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", other]

@@ -78,10 +78,10 @@ GUIDES: Mapping[str, Guide] = {
         "Press Play; set all three moments to 2, where both laws agree; then switch on gravity "
         "and the fixed point for a heavy top.",
         {
-            "ω and Ω": "the angular velocity along the axes of space, and along those of the body.",
+            "ω and Ω": "the angular velocity along the axes of space, and along the axes of the body.",
             "body cone": "the cone that ω draws in the body; it rolls without slipping on the "
             "space cone.",
-            "space cone": "the cone that ω draws in the room.",
+            "space cone": "the cone that ω draws in space.",
             "L and M": "the angular momentum and the torque, along the axes of the body; a prime "
             "is the rate of change.",
             "torsion force": "a force that bends free motion as torsion would: with it the body "
