@@ -251,7 +251,7 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
             ]
         )
     heads = ("", "by", "error", "change of L in space", "change of energy")
-    return table(heads, rows, "How they were computed, and changes of conserved quantities (relative)")
+    return table(heads, rows, "How they were computed, and relative changes of L and energy")
 
 
 def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:

@@ -78,7 +78,8 @@ GUIDES: Mapping[str, Guide] = {
         "Press Play; set all three moments to 2, where both laws agree; then switch on gravity "
         "and the fixed point for a heavy top.",
         {
-            "ω and Ω": "the angular velocity along the axes of space, and along the axes of the body.",
+            "ω and Ω": "the angular velocity along the axes of space, and along the axes of the "
+            "body.",
             "body cone": "the cone that ω draws in the body; it rolls without slipping on the "
             "space cone.",
             "space cone": "the cone that ω draws in space.",
