@@ -63,7 +63,7 @@ def test_paths_compose_to_the_whole():
 def test_paths_that_do_not_close_are_refused():
     """The gap is named; so are coordinates that do not exist."""
     frame = cartan(spaces.load("flat_polar").frame)
-    with pytest.raises(LoopError, match=r"gap of \(0, -0.283185\)"):
+    with pytest.raises(LoopError, match=r"misses its start \(1, 0\) by \(0, -0.283185\)"):
         develop_period(frame, [[1, 0], [1, 6]], ROUND)
     with pytest.raises(LoopError, match=r"gap of \(1, 0\)"):
         develop_period(frame, [[1, 0], [2, TURN]], ROUND)

@@ -28,8 +28,8 @@ class Guide:
 # Name of a tab -> the displayed objects, and an action to try: one sentence each.
 GUIDES: Mapping[str, Guide] = {
     "The compass": Guide(
-        "One ship keeps its compass course (solid blue). Another sails along a great circle "
-        "(dashed orange). Torsion makes the two paths separate.",
+        "One ship keeps its compass course (solid blue), another sails along a great circle "
+        "(dashed orange), and torsion makes the two paths separate.",
         "Move the course, press Play, and drag the globe to turn it: at 90 degrees the first ship "
         "stays on its parallel, and the second one leaves it.",
     ),
@@ -121,10 +121,10 @@ GUIDES: Mapping[str, Guide] = {
         },
     ),
     "Exercises": Guide(
-        "Every equivalent form of an answer is right. For a wrong answer the page names the "
-        "likely mistake. An answer that cannot be read costs no points.",
-        "Answer, read the verdict, and take a hint. Variant 0 is the exercise from the paper. "
-        "Every other number gives another variant of the exercise.",
+        "Every equivalent form of an answer is right, and for a wrong answer the page names the "
+        "likely mistake; an answer that cannot be read costs no points.",
+        "Answer, read the verdict, and take a hint; variant 0 is the exercise from the paper, and "
+        "every other number gives another variant of the exercise.",
     ),
 }
 
