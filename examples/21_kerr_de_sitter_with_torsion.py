@@ -21,7 +21,7 @@ SOLVED = "(2*Lambda*(w - p)/3 - a/2)"
 def main(arguments: list[str] | None = None) -> None:
     """Check both field equations, with the right coupling and with a free one."""
     parser = argparse.ArgumentParser(description="Field equations with torsion and curvature.")
-    parser.add_argument("--coupling", default=SOLVED, help="what stands for b")
+    parser.add_argument("--coupling", default=SOLVED, help="value of the coupling b")
     coupling = parser.parse_args(arguments).coupling
 
     space = gt.spaces.load("kerr_de_sitter_torsion")

@@ -5,7 +5,8 @@
 
 A bound orbit is given by the spin a, the semilatus rectum p, the eccentricity e and the cosine x of
 its inclination. It has three frequencies, which no finite piece of it shows exactly. They exist
-because energy, angular momentum and Carter's constant stay, which are found from the frame alone.
+because energy, angular momentum and Carter's constant are conserved. The script finds all
+three from the frame.
 """
 
 import argparse
@@ -28,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
 
     kerr = gt.spaces.load("kerr").frame
     found = gt.conserved_quantities(kerr, KINETIC)
-    print("Along every geodesic of Kerr's space these stay:")
+    print("Conserved along every geodesic of Kerr's space:")
     for name, value in found.items():
         print(f"    {name}: {value}")
     assert "killing tensor 1" in found, "Carter's constant"

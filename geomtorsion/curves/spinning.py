@@ -26,7 +26,7 @@ def spinning(
     velocity: Numbers,
     spin: object,
     *,
-    coupling: str,
+    coupling: str = "intrinsic",
     parameters: Mapping[Any, Any] | None = None,
 ) -> ODE:
     """Motion of a body with spin: momentum p_i and spin S^ij along its worldline.
@@ -54,8 +54,9 @@ def spinning(
         the vector s^i, shape (4,), with S^12 = s^3 at rest. The part that is not orthogonal to the
         momentum is dropped.
     coupling
-        "orbital": rotation of a body made of spinless matter, which feels no torsion: D and R
-        belong to the metric. "intrinsic": spin of the matter itself, which does.
+        "intrinsic": spin of the matter itself, which feels torsion: D and R belong to the given
+        connection. "orbital": rotation of a body made of spinless matter, which does not: D and R
+        belong to the metric. Without torsion both are the same.
 
     Returns
     -------

@@ -120,7 +120,7 @@ def with_stops(
     """Equations in a chart whose guard has the conditions after the edges of the chart.
 
     unit: frame velocities are states in units of it.
-    single: whether there is no other chart, so that the motion continues to the very end.
+    single: whether the atlas has one chart only, so that the motion runs up to its edge.
     """
     margin, end = equations.guard_terms
     terms = [term + TINY for term in terms_in_chart(stops, atlas, chart, equations, unit)]

@@ -275,7 +275,7 @@ def _without_idle_roots(
 
 
 def _only_factor(field: Tower, generator: Generator) -> str | None:
-    """The irreducible f of which a root is a power; None if there is no such f."""
+    """The irreducible f whose power the root is; None if it is not a power of one f."""
     if generator.kind != "root" or generator.tail is None or generator.tail._den:
         return None
     num, bottom = field.lift(generator.tail), None

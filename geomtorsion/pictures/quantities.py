@@ -120,6 +120,11 @@ CATALOGUE: tuple[Entry, ...] = (
     ),
     Entry("weyl", "Weyl tensor", "C", "C", "the part of the curvature without traces", CURVATURE),
     Entry(
+        "schouten", "Schouten tensor", "P", "P",
+        f"P_{{ab}} = ({_BAR_R}_{{ab}} - g_{{ab}} {_BAR_R}/(2(n - 1)))/(n - 2)", "",
+    ),
+    Entry("cotton", "Cotton tensor", "C", "C", "C_{abc} = D_a P_{bc} - D_b P_{ac}", ""),
+    Entry(
         "kretschmann", "Kretschmann scalar", "K", "K",
         f"K = {_BAR_R}_{{abcd}} {_BAR_R}^{{abcd}}", CURVATURE,
     ),

@@ -177,3 +177,14 @@ def test_what_is_no_body_is_refused(wrong, words):
     """Each error says what was expected."""
     with pytest.raises(GeomtorsionError, match=words):
         wrong()
+
+
+def test_without_torsion_the_coupling_does_not_matter() -> None:
+    """By default the connection that is given acts; the metric's own connection has no torsion."""
+    start, velocity, spin = [0, 10, 1.5, 0], [1.2, 0, 0, 0.04], [0, 0, -0.1, 0]
+    ends = [
+        gt.solve(gt.spinning(BAR, start, velocity, spin, parameters={"M": 1}, **given), 5.0)
+        for given in ({}, {"coupling": "orbital"}, {"coupling": "intrinsic"})
+    ]
+    assert ends[0].states.tolist() == ends[2].states.tolist()
+    assert np.abs(ends[0].states - ends[1].states).max() < 1e-9

@@ -9,6 +9,7 @@ import sympy as sp
 import geomtorsion as gt
 from geomtorsion import gravity as g
 from geomtorsion.errors import GeomtorsionError, GravityError
+from geomtorsion.exact import Element
 
 X, Y, Z = sp.symbols("x y z")
 FRAME = gt.Frame([X, Y, Z], [[1, Y * Z, 0], [0, 1, X], [0, 0, 1]], (-1, 1, 1))
@@ -144,8 +145,6 @@ def test_names_are_the_invariants() -> None:
 
 def test_a_long_scalar_is_not_written_out() -> None:
     """Polynomials of invariants stay elements: a square of R_abcd R^abcd takes no text."""
-    from geomtorsion.exact import Element
-
     kerr = gt.levi_civita(gt.spaces.load("kerr").frame)
     found = g.equations(kerr, "R1 + c*R1**2")
     written = []

@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
+import geomtorsion as gt
 from geomtorsion.errors import ShapeError, StartError
 from geomtorsion.rigid import attitude, se3
 
@@ -71,8 +72,6 @@ def test_any_leading_shape():
 
 def test_screw_of_the_shipped_frame():
     """The 6-frame of the paper orders a twist the same way: its autoparallel is exp(t xi)."""
-    import geomtorsion as gt
-
     twist = np.array([0.3, -0.5, 0.7, 1.0, 0.2, -0.4])
     frame = gt.spaces.load("r3xso3").frame
     start = [0.4, 1.0, -0.3, 0.1, 0.2, 0.3]

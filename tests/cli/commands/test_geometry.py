@@ -10,7 +10,8 @@ import sympy
 
 from geomtorsion.cli.formats import text_of
 from geomtorsion.exact import parse_expression
-from geomtorsion.pictures.quantities import chosen_quantities
+from geomtorsion.geometry.quantities import QUANTITIES
+from geomtorsion.pictures.quantities import CATALOGUE, chosen_quantities
 from geomtorsion.spaces import load
 from tests.cli.running import run
 
@@ -262,3 +263,11 @@ def test_mistakes_end_with_2_and_one_message(arguments, message):
     assert message in result.stderr
     assert "Traceback" not in result.output
     assert not result.stdout
+
+
+def test_every_quantity_can_be_named():
+    """What a frame can compute the command can show; the Riemann tensor has --basis frame."""
+    missing = set(QUANTITIES) - {entry.name for entry in CATALOGUE}
+    assert missing == {"riemann_frame"}
+    text = run("geometry", "s3", "--only", "schouten,cotton").stdout
+    assert "\nCotton tensor  C_{abc} = 0" in text

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from geomtorsion.errors import FileFormatError, LimitError, MissingExtraError
-from geomtorsion.materials.crystals import read, read_all
+from geomtorsion.materials.crystals import Crystal, read, read_all
 from geomtorsion.materials.lines import DislocationNetwork
 from tests.cli.running import run
 
@@ -272,8 +272,6 @@ def test_overlapping_atoms_are_reported(distance: float, tmp_path: Path):
 
 def test_axes_are_those_nearest_the_file():
     """An aligned crystal has the axes of the file; a turned one the nearest of its 24 variants."""
-    from geomtorsion.materials.crystals import Crystal
-
     assert Crystal(SITES, [SIZE] * 3).orient == pytest.approx(np.eye(3), abs=1e-9)
     for angle in (10.0, 35.0, -44.0, 100.0):
         turn = np.radians(angle)
