@@ -71,7 +71,9 @@ def _setting(text: str) -> tuple[str, float]:
     """One path=number."""
     path, sign, value = text.partition("=")
     if not sign or not path.strip():
-        raise StartError(f"--set: path=number was needed, {shown(text)} came: body.moments[2]=3.1.")
+        raise StartError(
+            f"--set: expected path=number, got {shown(text)}. Write body.moments[2]=3.1."
+        )
     return path.strip(), number(value, path.strip())
 
 

@@ -36,7 +36,7 @@ def some_names(text: str, option: str) -> list[str]:
     found = list(parts(text))
     if not found:
         raise UnknownNameError(
-            f"{option} {shown(text)}: at least one name is needed. Name one, or leave {option} out."
+            f"{option}: expected at least one name, got {shown(text)}. Name one, or omit {option}."
         )
     return found
 
@@ -65,7 +65,7 @@ def _expression(text: str, what: str) -> float:
         return float(parse_expression(text, symbols={}, functions={}, where=what))
     except (ExpressionError, TypeError):
         raise StartError(
-            f"{what}: a number was needed, {shown(text)} came. "
+            f"{what}: expected a number, got {shown(text)}. "
             "Write numbers separated by commas, such as 0.3,pi/2,-1e-3."
         ) from None
 
@@ -97,7 +97,7 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
         name = name.strip()
         if not sign or not name:
             raise StartError(
-                f"parameters: name=number was needed, {shown(part)} came. Write M=1,a=0.5."
+                f"parameters: expected name=number, got {shown(part)}. Write M=1,a=0.5."
             )
         if name in found:
             raise StartError(f"parameters: {cut(name)} is given twice. Give it once.")

@@ -11,7 +11,7 @@ def test_numbers():
     """Blanks, fractions and constants; nothing else."""
     assert numbers(" 1/2 , -1e-3,2*pi", "start") == pytest.approx([0.5, -1e-3, 6.283185307])
     assert numbers(None, "start") is None
-    with pytest.raises(StartError, match="start: a number was needed"):
+    with pytest.raises(StartError, match="start: expected a number"):
         numbers("1,,2", "start")
 
 
@@ -67,5 +67,5 @@ def test_starts():
         "parameters": {"R": 0.5, "M": 2.0},
         "moments": None,
     }
-    with pytest.raises(StartError, match="frame velocity: a number was needed"):
+    with pytest.raises(StartError, match="frame velocity: expected a number"):
         start_options(None, None, "fast", None, None, None)

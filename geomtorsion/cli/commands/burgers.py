@@ -221,7 +221,7 @@ def exact_assignments(texts: Iterable[str]) -> Values:
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name.strip() or not value.strip():
-            raise LoopError(f"--set {cut(text)}: NAME=VALUE was needed, as in --set R=1.5.")
+            raise LoopError(f"--set: expected NAME=VALUE, got {cut(text)}. Write --set R=1.5.")
         values[name.strip()] = number_of(value.strip(), f"--set {name.strip()}")
     return values
 
@@ -270,7 +270,7 @@ def _named_kind(frame: Frame, text: str, interval: str | None) -> Loop:
     kind, _, rest = text.strip().partition(" ")
     if kind not in KINDS or not rest.strip():
         raise LoopError(
-            f"--loop {cut(text)}: one of {', '.join(KINDS)} and its numbers were needed. Write "
+            f"--loop: expected one of {', '.join(KINDS)} and its numbers, got {cut(text)}. Write "
             "--loop 'circle 20,30:8'."
         )
     typed = f"--loop {cut(text)}"
@@ -307,7 +307,7 @@ def loop_data(kind: str, text: str, interval: str | None, option: str = "") -> d
             wanted = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
             typed = option or f"--{kind} {cut(text)}"
             came = "1 part" if len(fields) == 1 else f"{len(fields)} parts"
-            raise LoopError(f"{typed}: {wanted} was needed, {came} came.")
+            raise LoopError(f"{typed}: expected {wanted}, got {came}.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]

@@ -184,16 +184,18 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
     """The rotation whose columns are the crystal directions along x, y and z."""
     if text is None:
         return None
-    message = f"--orient {cut(text)}: three directions such as 1,-1,0;1,1,1;-1,-1,2 were needed"
+    message = f"--orient {cut(text)}: expected three directions such as 1,-1,0;1,1,1;-1,-1,2"
     try:
         rows = np.array([[float(x) for x in part.split(",")] for part in text.split(";")])
     except ValueError:
-        raise CrystalError(f"{message}, but numbers are missing or are none.") from None
+        raise CrystalError(
+            f"{message}, got fewer numbers, or words that are not numbers."
+        ) from None
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():
-        raise CrystalError(f"{message}, three numbers each, none of them 0,0,0.")
+        raise CrystalError(f"{message}, of three numbers each, got others or 0,0,0.")
     unit = rows / np.linalg.norm(rows, axis=1)[:, None]
     if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6 or np.linalg.det(unit) < 0:
-        raise CrystalError(f"{message}, at right angles to each other and right-handed.")
+        raise CrystalError(f"{message}, at right angles and right-handed, got others.")
     return tuple(map(tuple, unit.T.tolist()))
 
 

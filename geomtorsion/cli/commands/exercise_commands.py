@@ -123,7 +123,7 @@ def check(
     """
     if (file is None) == (not answers):
         raise FileFormatError(
-            "either an answer or --file was needed. Write the answer in quotes after the number, "
+            "expected either an answer or --file. Write the answer in quotes after the number, "
             f'as in: geomtorsion exercises check {number} "..."'
         )
     if file is not None:
@@ -304,7 +304,7 @@ def grade(
     """
     numbers = None if only is None else list(parts(only))
     if not folder.is_dir():
-        raise NotADirectoryError(20, "a folder of TOML files was needed", str(folder))
+        raise NotADirectoryError(20, "expected a folder of TOML files", str(folder))
     with bar("grading") as show:
 
         def progress(done: int, total: int, name: str) -> None:

@@ -240,9 +240,7 @@ def _numbers(text: str) -> list[float]:
     try:
         return [float(x) for x in text.split(",")]
     except ValueError:
-        raise GridError(
-            f"steps: numbers were needed, as in 0.5,0.5, but {shown(text)} came."
-        ) from None
+        raise GridError(f"steps: expected numbers such as 0.5,0.5, got {shown(text)}.") from None
 
 
 def _plane(text: str | None, names: tuple[str, ...]) -> tuple[int, int]:
@@ -252,7 +250,7 @@ def _plane(text: str | None, names: tuple[str, ...]) -> tuple[int, int]:
     found = [part.strip() for part in text.split(",")]
     if len(found) != 2 or found[0] == found[1] or not set(found) <= set(names):
         raise GridError(
-            f"plane: two of the axes {', '.join(names)} were needed, but {shown(text)} came. "
+            f"plane: expected two of the axes {', '.join(names)}, got {shown(text)}. "
             f"Write --plane {names[0]},{names[1]}."
         )
     return names.index(found[0]), names.index(found[1])

@@ -71,7 +71,7 @@ def network(
       geomtorsion network chains.data --unit 2.55e-10 --format json | jq .density
     """
     if unit is not None and not 0 < unit < float("inf"):
-        raise NetworkError(f"--unit: a positive length in metres was needed, but {unit} came.")
+        raise NetworkError(f"--unit: expected a positive length in metres, got {unit}.")
     loops = _circuits({"circle": circle, "polygon": polygon})
     if lattice is not None and not loops:
         raise NetworkError(

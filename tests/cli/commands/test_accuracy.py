@@ -50,7 +50,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
     ("arguments", "says"),
     [
         (("so3", "--accuracies", "0"), "positive number"),
-        (("so3", "--accuracies", "much"), "a number was needed"),
+        (("so3", "--accuracies", "much"), "expected a number"),
         (("so3", "--engines", "magic"), "engine: expected one of"),
         (("so3", "--moments", "1,2"), "got 2"),
         (("goedel", "--start", "1"), "expected 4 numbers"),

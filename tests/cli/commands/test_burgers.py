@@ -161,7 +161,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
     ("arguments", "message"),
     [
         ((), "no loop was given"),
-        (("--circle", "0,1,0"), "CENTRE:RADIUS[:PLANE] was needed, 1 part came"),
+        (("--circle", "0,1,0"), "expected CENTRE:RADIUS[:PLANE], got 1 part"),
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
         (("--circle", "0,1,0:-1"), "expected a positive length"),
         (("--circle", "0,1,0:one"), "one is neither"),
@@ -170,7 +170,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--polygon", "0,0,0;1,1,1"), "at least three points"),
         (("--curve", "s;s;s"), "the gap is (6.28319, 6.28319, 6.28319)"),
         (("--curve", "cos(s);sin(s);__import__('os')"), "__import__"),
-        (("--set", "R", "--circle", "0,1,0:1"), "NAME=VALUE was needed"),
+        (("--set", "R", "--circle", "0,1,0:1"), "expected NAME=VALUE"),
         (("--set", "R=1", "--circle", "0,1,0:1"), "R is not a parameter"),
         (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
         (("--interval", "0,pi", "--circle", "0,1,0:1"), "no curve came. Drop it"),
@@ -198,10 +198,10 @@ def test_any_kind_of_loop_by_one_option() -> None:
     """--loop "circle ..." is --circle, with errors that show what was typed."""
     found = data("heisenberg", "--loop", "circle 0,0,0:1/2", "--circle", "0,0,0:1/2")["results"]
     assert found[0]["vector"] == found[1]["vector"]
-    assert "--loop round 1: one of circle, ellipse" in run(
+    assert "--loop: expected one of circle, ellipse" in run(
         "heisenberg", "--loop", "round 1", code=2
     ).stderr  # fmt: skip
-    assert "--loop circle 1,2: CENTRE:RADIUS" in run(
+    assert "--loop circle 1,2: expected CENTRE:RADIUS" in run(
         "heisenberg", "--loop", "circle 1,2", code=2
     ).stderr  # fmt: skip
 

@@ -174,7 +174,7 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
         (("--orient", "1,0,0;0,1,0"), "three numbers each"),
         (("--orient", "1,0,0;1,1,0;0,0,1"), "right angles"),
         (("--orient", "1,0,0;0,1,0;0,0,-1"), "right-handed"),
-        (("--orient", "__import__('os')"), "numbers are missing"),
+        (("--orient", "__import__('os')"), "got fewer numbers, or words that are not numbers"),
         (("--lattice", "quasi"), "fcc"),
         (("--constant", "-1"), "positive"),
         (("--read-as", "traj"), "form: expected one of"),

@@ -102,13 +102,13 @@ def test_answers_in_a_file(tmp_path):
     [
         (("show", "9.9"), "no exercise has the number '9.9'"),
         (("show", "3.2", "--seed", "-1"), "seed (which variant): expected a whole number"),
-        (("check", "3.2"), "either an answer or --file was needed"),
+        (("check", "3.2"), "expected either an answer or --file"),
         (("check", "3.2", "x", "--file", "y.toml"), "either an answer or --file"),
         (("check", "3.2", "x", "y"), "is answered twice, with 'x' and 'y'"),
         (("check", "3.3", "scalar=1", "2"), "scalar is answered twice"),
         (("check", "3.2", "--file", "nobody.toml"), "nobody.toml: the file cannot be read"),
         (("sheet", "9", "-o", "x"), "there is no chapter '9'"),
-        (("grade", "nowhere"), "a folder of TOML files was needed: nowhere"),
+        (("grade", "nowhere"), "expected a folder of TOML files: nowhere"),
         (("grade", "."), "no TOML file here"),
     ],
 )

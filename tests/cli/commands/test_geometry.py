@@ -63,7 +63,7 @@ def test_everything_is_the_default():
 
 def test_no_quantity_is_not_every_quantity():
     """A list of nothing but commas is refused."""
-    assert "at least one name is needed" in run("geometry", "s2", "--only", ",", code=2).stderr
+    assert "expected at least one name" in run("geometry", "s2", "--only", ",", code=2).stderr
 
 
 def test_roots_are_stated():

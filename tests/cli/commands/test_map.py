@@ -83,7 +83,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
         (("--sigma", "-1"), "--sigma: standard deviations of 0 or more"),
         (("--threshold", "nan"), "--threshold: expected a finite number"),
         (("--order", "4"), "--order: expected a file of sampled frames"),
-        (("--plane", "x,z"), "--plane: two of the axes x, y were needed"),
+        (("--plane", "x,z"), "--plane: expected two of the axes x, y"),
         (("--plane", "y,x"), "--plane: an orientation map has one plane"),
     ],
 )
@@ -156,7 +156,7 @@ def test_circles(scan, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--circle", "4,4"), "--circle 4,4: CENTRE:RADIUS"),
+        (("--circle", "4,4"), "--circle 4,4: expected CENTRE:RADIUS"),
         (("--workers", "2"), "--workers: it belongs to maps in blocks"),
         (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: expected a positive number"),
