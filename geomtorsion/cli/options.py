@@ -63,6 +63,13 @@ class PictureFormat(StrEnum):
     pdf = "pdf"
 
 
+class Form(StrEnum):
+    """How results are written."""
+
+    text = "text"
+    json = "json"
+
+
 class Basis(StrEnum):
     """The basis to which indices refer."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +14,7 @@ import typer
 from geomtorsion.checks import cut
 from geomtorsion.cli.exits import ExitCode
 from geomtorsion.cli.options import (
+    Form,
     MeasuredLaue,
     MeasuredOrder,
     MeasuredPixel,
@@ -61,13 +61,6 @@ FIELDS = {
 }
 Texts = list[str]
 Values = dict[str, "float | sp.Expr"]
-
-
-class Form(StrEnum):
-    """How results are written."""
-
-    text = "text"
-    json = "json"
 
 
 def burgers(

@@ -12,10 +12,9 @@ import numpy as np
 import typer
 
 from geomtorsion.checks import cut, shown
-from geomtorsion.cli.commands.burgers import Form
 from geomtorsion.cli.crystal_page import crystal_page
 from geomtorsion.cli.exits import ExitCode, stopped
-from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import some_rows
 from geomtorsion.conventions import burgers
 from geomtorsion.errors import CheckpointError, CrystalError, GeomtorsionError, MissingExtraError

@@ -10,7 +10,7 @@ import typer
 
 from geomtorsion import gravity as theories
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import SpaceOrFile
+from geomtorsion.cli.options import Form, SpaceOrFile
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import shows_greek, working
 from geomtorsion.geometry import Connection, IdentityCheck, Tensor, cartan, levi_civita
@@ -26,13 +26,6 @@ class Over(StrEnum):
     own = "own"
     cartan = "cartan"
     levi_civita = "levi-civita"
-
-
-class Format(StrEnum):
-    """How the equations are written."""
-
-    text = "text"
-    json = "json"
 
 
 def gravity(
@@ -58,8 +51,8 @@ def gravity(
         ),
     ] = None,
     form: Annotated[
-        Format, typer.Option("--format", help="text to read, json for programs.")
-    ] = Format.text,
+        Form, typer.Option("--format", help="text to read, json for programs.")
+    ] = Form.text,
 ) -> None:
     """Show the field equations of a Lagrangian on a space.
 
@@ -94,7 +87,7 @@ def gravity(
             parts["M"] = found.M
         # Components are computed here, so that limits and the progress line apply.
         zero = {name: tensor.is_zero for name, tensor in parts.items()}
-    if form is Format.json:
+    if form is Form.json:
         typer.echo(json.dumps(_data(space, found, parts, identities), indent=2))
     else:
         _show(space, found, parts, zero, identities)

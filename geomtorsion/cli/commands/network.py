@@ -11,9 +11,9 @@ import numpy as np
 import typer
 
 from geomtorsion.checks import cut
-from geomtorsion.cli.commands.burgers import Form, loop_data
+from geomtorsion.cli.commands.burgers import loop_data
 from geomtorsion.cli.exits import ExitCode
-from geomtorsion.cli.options import argument, directory, option
+from geomtorsion.cli.options import Form, argument, directory, option
 from geomtorsion.cli.terminal import ROWS
 from geomtorsion.errors import GeomtorsionError, MissingExtraError, NetworkError
 from geomtorsion.files import write_text

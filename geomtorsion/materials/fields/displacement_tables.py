@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from geomtorsion.errors import FileFormatError, GridError
 from geomtorsion.files import BOUNDS, opened, read_text
 from geomtorsion.materials.fields import tables
 from geomtorsion.materials.fields.contents import Contents
+from geomtorsion.materials.text_rows import number_rows
 from geomtorsion.npz import LARGEST_ARRAYS
 
 # Names of the components of a displacement in other programs, in lower case.
@@ -84,7 +84,11 @@ def read_displacement(path: Path) -> Contents:
     ]  # fmt: skip
     if not kept:
         raise FileFormatError(f"{path}: there are no nodes below the header. Is it complete?")
-    table = _numbers(path, lines, kept, header)
+    rows = [lines[k] for k in kept]
+    if header.split != ",":
+        # Some locales write a decimal comma.
+        rows = [row.replace(",", ".") for row in rows]
+    table = number_rows(path, rows, kept, header.width, header.split)
     where = [f"line {k + 1}" for k in kept]
     names = ("x", "y", "z")[: len(header.axes)]
     places = {name: table[:, k] for name, k in zip(names, header.axes, strict=True)}
@@ -149,33 +153,3 @@ def _named(row: int, words: Sequence[str], split: str | None) -> _Header | None:
         return None
     units = [unit[1].strip() if (unit := _UNIT.search(word)) else "" for word in clean]
     return _Header(row, split, axes, components, len(clean), units[axes[0]], units[components[0]])
-
-
-def _numbers(path: Path, lines: Sequence[str], kept: Sequence[int], header: _Header) -> np.ndarray:
-    """The rows of numbers; nan for missing numbers."""
-    rows = [lines[k] for k in kept]
-    if header.split != ",":
-        # Some locales write a decimal comma.
-        rows = [row.replace(",", ".") for row in rows]
-    try:
-        found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=header.split, ndmin=2)
-        if found.shape == (len(rows), header.width):
-            return found
-    except ValueError:
-        pass
-    values = []
-    for k, row in zip(kept, rows, strict=True):
-        words = [word.strip() for word in row.split(header.split)]
-        if len(words) != header.width:
-            raise FileFormatError(
-                f"{path}: line {k + 1}: expected {header.width} numbers, as the header has "
-                f"columns, got {len(words)}. Is the file complete?"
-            )
-        try:
-            values.append([float(word) if word else float("nan") for word in words])
-        except ValueError:
-            raise FileFormatError(
-                f"{path}: line {k + 1}: expected numbers, got {shown(cut(row.strip(), 80))}. "
-                "Correct the row, or leave the field empty."
-            ) from None
-    return np.array(values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from geomtorsion.errors import FileFormatError
 from geomtorsion.files import BOUNDS, read_text
 from geomtorsion.materials.maps.map_phases import check_laue, described
 from geomtorsion.materials.maps.map_points import MapFile, MapPoints, gridded
+from geomtorsion.materials.text_rows import number_rows
 
 # Name of a column in other programs, in lower case without units -> its name here.
 _NAMES = {
@@ -62,7 +62,8 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
         )
     start, names, split, is_radian = found
     kept = [k for k in range(start + 1, len(lines)) if lines[k].strip(" \t,;")]
-    table = _table(path.name, lines, kept, len(names), split)
+    rows = [lines[k] for k in kept]
+    table = number_rows(path.name, rows, kept, len(names), split, has_words=True)
     columns = {name: table[:, k] for k, name in reversed(list(enumerate(names)))}
     euler = np.stack([columns[name] for name in ("phi1", "Phi", "phi2")], axis=1)
     known = np.asarray(np.isfinite(euler).all(axis=1))
@@ -123,36 +124,3 @@ def _header(lines: Sequence[str]) -> Header | None:
         if not line.strip().startswith(tuple(_MARKS)) and k:
             return None
     return None
-
-
-def _table(
-    name: str, lines: Sequence[str], kept: Sequence[int], width: int, split: str | None
-) -> np.ndarray:
-    """The rows of numbers; nan for missing numbers."""
-    rows = [lines[k] for k in kept]
-    if not rows:
-        return np.zeros((0, width))
-    try:
-        found = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=split, ndmin=2, comments=None)
-        if found.shape == (len(rows), width):
-            return found
-    except ValueError:
-        pass
-    values = []
-    for k in kept:
-        words = [word.strip() for word in lines[k].split(split)]
-        if len(words) != width:
-            raise FileFormatError(
-                f"{name}: line {k + 1}: expected {width} columns, as the row of names has, got "
-                f"{len(words)}. Is the file complete?"
-            )
-        values.append([_value(word) for word in words])
-    return np.array(values, dtype=float).reshape(-1, width)
-
-
-def _value(word: str) -> float:
-    """A number, or nan for an empty field or a word, such as the name of a phase."""
-    try:
-        return float(word) if word.isascii() and "_" not in word else float("nan")
-    except ValueError:
-        return float("nan")

@@ -78,7 +78,7 @@ def test_rows_that_are_left_out(tmp_path: Path):
 
 FAR = ["x,y,u,v", *(f"{k * 7919 + k % 3},{k * 6007 + k % 2},0,0" for k in range(300))]
 REFUSED = {
-    "short.csv": ([*TABLES["a.csv"][:5], "1,2"], "line 6: expected 4 numbers.*got 2"),
+    "short.csv": ([*TABLES["a.csv"][:5], "1,2"], "line 6: expected 4 fields.*got 2"),
     "words.csv": ([*TABLES["a.csv"][:5], "1,2,x,3"], "line 6: expected numbers"),
     "none.csv": (["x,y,u,v"], "no nodes below the header"),
     "names.txt": (["a b c d", "1 2 3 4"], "expected a row of names such as x, y, u, v"),
@@ -108,3 +108,13 @@ def test_such_files_are_read_only(tmp_path: Path):
     field = SampledFrame.read(written(tmp_path, "a.csv", TABLES["a.csv"]))
     with pytest.raises(GridError, match=r"read only. Save it as .npz or .csv"):
         field.save(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize("word", ["1_8", "١", "0x10"])
+def test_words_that_python_reads_as_numbers_are_refused(tmp_path, word):
+    """Only numbers as files of measurements hold them."""
+    path = tmp_path / "field.csv"
+    rows = [f"{x},{y},0.1,{word if (x, y) == (2, 3) else 0}" for y in range(6) for x in range(6)]
+    path.write_text("x,y,u,v\n" + "\n".join(rows), "utf-8")
+    with pytest.raises(FileFormatError, match="line 22: expected numbers"):
+        SampledFrame.read(path)

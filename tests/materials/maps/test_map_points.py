@@ -340,7 +340,7 @@ REFUSED = {
     "random.txt": (RANDOM, "expected points on a grid, got 60 points, no grid"),
     "line.txt": (table()[:8], "two or more rows and columns, got 7 points with one Y"),
     "none.txt": (table()[:1], "expected points of a map, got none"),
-    "short.txt": ([*table()[:5], "1 2 3", *table()[6:]], "line 6: expected 6 columns.*got 3"),
+    "short.txt": ([*table()[:5], "1 2 3", *table()[6:]], "line 6: expected 6 fields.*got 3"),
     "names.txt": (table("a b c d e f"), "expected a row of names phi1, Phi, phi2, x, y"),
     "much.txt": (table(factor=1e4), "line [0-9]+: expected Euler angles in degrees"),
     "phase.txt": (table(phase="1.5"), "phase: expected whole numbers from 0 to 255, got 1.5"),
