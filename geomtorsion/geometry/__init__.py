@@ -1,6 +1,7 @@
 """Geometry: symbols in, tensors out."""
 
 from geomtorsion.geometry import notation, validation
+from geomtorsion.geometry.components import antisymmetric, symmetric
 from geomtorsion.geometry.connection import Connection
 from geomtorsion.geometry.connections import (
     blend,
@@ -32,6 +33,7 @@ __all__ = [
     "Surface",
     "Tensor",
     "Torsion",
+    "antisymmetric",
     "blend",
     "cartan",
     "contract",
@@ -45,5 +47,6 @@ __all__ = [
     "lie_bracket",
     "notation",
     "surface",
+    "symmetric",
     "validation",
 ]

@@ -12,14 +12,12 @@ from geomtorsion import checks
 from geomtorsion.caching import cached_property
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Certainty, Element
-from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor
+from geomtorsion.geometry import Connection, Frame, IdentityCheck, Tensor, antisymmetric
 from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 from geomtorsion.gravity.invariants import INVARIANTS, Scalars
 from geomtorsion.gravity.lagrangian import GEOMETRIES, Lagrangian, Reading, known_as, read
 from geomtorsion.gravity.matter import Fluid, MatterField
 from geomtorsion.gravity.momenta import Momenta
-
-ANTISYMMETRIC: tuple = (((1, 0), -1),)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -274,7 +272,7 @@ class FieldEquations:
             i, j = index
             return self.frame.field.sum([(HALF, lower((i, j))), (-HALF, lower((j, i)))])
 
-        return Tensor(self.frame, "DD", rule, ANTISYMMETRIC, "E", "antisymmetric part of E")
+        return Tensor(self.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
 
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:

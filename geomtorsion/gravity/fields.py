@@ -7,18 +7,13 @@ from fractions import Fraction
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.geometry import Connection, Frame, Tensor
+from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric, symmetric
 
 Index = tuple[int, ...]
 # A product in a sum: a rational number, then elements.
 Terms = list[tuple]
 
 HALF = Fraction(1, 2)
-FIRST_PAIR: tuple = (((1, 0, 2), -1),)
-FIRST_PAIR_OF_FOUR: tuple = (((1, 0, 2, 3), -1),)
-BOTH_PAIRS: tuple = (((1, 0, 2, 3), -1), ((0, 1, 3, 2), -1))
-LAST_PAIR: tuple = (((0, 2, 1), -1),)
-LAST_PAIR_EVEN: tuple = (((0, 2, 1), 1),)
 
 
 def along(frame: Frame, leg: int, value: Element) -> Terms:
@@ -73,14 +68,14 @@ class FrameFields:
             terms = [(-HALF, lower((a, b, c))), (HALF, lower((b, c, a))), (-HALF, lower((c, a, b)))]
             return frame.field.sum(terms)
 
-        return Tensor(frame, "DDD", rule, LAST_PAIR).raised(2)
+        return Tensor(frame, "DDD", rule, antisymmetric(3, 1, 2)).raised(2)
 
     @cached_property
     def torsion(self) -> Tensor:
         """T_ij^k, slots DDU."""
         frame = self.frame
         if self.is_riemannian:
-            return Tensor(frame, "DDU", {}, FIRST_PAIR)
+            return Tensor(frame, "DDU", {}, antisymmetric(3))
         if self.connection.kind == "cartan":
             return frame.anholonomy
         omega, anholonomy = self.omega.components.get, frame.anholonomy.components.get
@@ -91,13 +86,19 @@ class FrameFields:
                 [(1, anholonomy(index)), (1, omega((i, j, k))), (-1, omega((j, i, k)))]
             )
 
-        return Tensor(frame, "DDU", rule, FIRST_PAIR)
+        return Tensor(frame, "DDU", rule, antisymmetric(3))
+
+    @property
+    def curvature_symmetry(self) -> tuple:
+        """Symmetry of R_abij: antisymmetric in ab, and in ij for a metric connection."""
+        first = antisymmetric(4)
+        return first + antisymmetric(4, 2, 3) if self.is_metric else first
 
     @cached_property
     def curvature(self) -> Tensor:
         """R_abij, slots DDDD."""
         frame = self.frame
-        symmetry = BOTH_PAIRS if self.is_metric else FIRST_PAIR_OF_FOUR
+        symmetry = self.curvature_symmetry
         if self.connection.kind == "cartan":
             return Tensor(frame, "DDDD", {}, symmetry)
         if self.is_riemannian:
@@ -128,21 +129,21 @@ class FrameFields:
             a, b, i, j = index
             return self.frame.field.sum([(HALF, get(index)), (-HALF, get((a, b, j, i)))])
 
-        return Tensor(self.frame, "DDDD", rule, BOTH_PAIRS)
+        return Tensor(self.frame, "DDDD", rule, antisymmetric(4) + antisymmetric(4, 2, 3))
 
     @cached_property
     def nonmetricity(self) -> Tensor:
         """Q_aij, slots DDD."""
         frame = self.frame
         if self.is_metric:
-            return Tensor(frame, "DDD", {}, LAST_PAIR_EVEN)
+            return Tensor(frame, "DDD", {}, symmetric(3, 1, 2))
         omega = self.omega.lowered(2).components.get
 
         def rule(index: Index) -> Element:
             a, i, j = index
             return frame.field.sum([(-1, omega((a, i, j))), (-1, omega((a, j, i)))])
 
-        return Tensor(frame, "DDD", rule, LAST_PAIR_EVEN)
+        return Tensor(frame, "DDD", rule, symmetric(3, 1, 2))
 
     def divergence(self, tensor: Tensor, *, paired: bool = False) -> Tensor:
         """(1/e) D_m(e X^{m...}), the first slot U; paired: X^{mn...} is antisymmetric in mn.

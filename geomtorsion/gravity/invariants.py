@@ -13,16 +13,9 @@ from fractions import Fraction
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
 from geomtorsion.geometry import Frame, Tensor
-from geomtorsion.gravity.fields import (
-    BOTH_PAIRS,
-    FIRST_PAIR,
-    FIRST_PAIR_OF_FOUR,
-    HALF,
-    LAST_PAIR_EVEN,
-    FrameFields,
-    Index,
-    Terms,
-)
+from geomtorsion.geometry import antisymmetric as odd
+from geomtorsion.geometry import symmetric as even
+from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms
 
 QUARTER = Fraction(1, 4)
 
@@ -410,7 +403,7 @@ class Scalars:
             of_torsion = kind == "torsion"
             x = self._traced["nonmetricity" if of_torsion else "torsion"]
             rule, total = MIXED[name][0 if of_torsion else 1], x.frame.field.sum
-            symmetry = FIRST_PAIR if of_torsion else LAST_PAIR_EVEN
+            symmetry = odd(3) if of_torsion else even(3, 1, 2)
             self._images[key] = Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), symmetry)
         return self._images[key]
 
@@ -426,11 +419,11 @@ class Scalars:
         kind, rule = ("curvature", LINEAR[name]) if name in LINEAR else MAPS[name]
         total = x.frame.field.sum
         if kind == "torsion":
-            return Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), FIRST_PAIR)
+            return Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), odd(3))
         if kind == "nonmetricity":
-            return Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), LAST_PAIR_EVEN)
+            return Tensor(x.frame, "DDD", lambda i: total(rule(x, i)), even(3, 1, 2))
         if not (antisymmetric or self.fields.is_metric):
-            return Tensor(x.frame, "DDDD", lambda i: total(rule(x, i)), FIRST_PAIR_OF_FOUR)
+            return Tensor(x.frame, "DDDD", lambda i: total(rule(x, i)), odd(4))
 
         def projected(index: Index) -> Element:
             a, b, c, d = index
@@ -438,7 +431,7 @@ class Scalars:
             terms += [(-HALF * term[0], *term[1:]) for term in rule(x, (a, b, d, c))]
             return total(terms)
 
-        return Tensor(x.frame, "DDDD", projected, BOTH_PAIRS)
+        return Tensor(x.frame, "DDDD", projected, odd(4) + odd(4, 2, 3))
 
     def value(self, name: str) -> Element:
         """The invariant as an exact element."""

@@ -13,8 +13,8 @@ import sympy as sp
 from geomtorsion import checks
 from geomtorsion.errors import GravityError
 from geomtorsion.exact import Element
-from geomtorsion.geometry import Connection, Frame, Tensor
-from geomtorsion.gravity.fields import FIRST_PAIR, HALF, FrameFields, Index, Terms, along
+from geomtorsion.geometry import Connection, Frame, Tensor, antisymmetric
+from geomtorsion.gravity.fields import HALF, FrameFields, Index, Terms, along
 from geomtorsion.gravity.lagrangian import scalar_of
 
 
@@ -152,7 +152,7 @@ class Maxwell(MatterField):
             m, n = index
             return potential[n].diff(q[m]) - potential[m].diff(q[n])
 
-        return Tensor(frame, "dd", rule, (((1, 0), -1),), "F").in_frame()
+        return Tensor(frame, "dd", rule, antisymmetric(2), "F").in_frame()
 
     def value(self, frame: Frame, name: str) -> Element:
         """The value of F2."""
@@ -230,7 +230,7 @@ class Fluid:
     def _spin(self, frame: Frame) -> Tensor:
         """s_ij, slots DD."""
         if self.spin is None:
-            return Tensor(frame, "DD", {}, (((1, 0), -1),))
+            return Tensor(frame, "DD", {}, antisymmetric(2))
         return antisymmetric_matrix(frame, self.spin, "spin")
 
     def _flow(self, frame: Frame) -> Tensor:
@@ -381,7 +381,7 @@ def torsion_from_spin(
             terms.append((-share, strength, traces[i]))
         return frame.field.sum(terms)
 
-    return Tensor(frame, "DDU", rule, FIRST_PAIR, "T", "torsion (2S)")
+    return Tensor(frame, "DDU", rule, antisymmetric(3), "T", "torsion (2S)")
 
 
 def _spin_density(frame: Frame, tau: Tensor | Sequence) -> Tensor:
@@ -431,7 +431,7 @@ def antisymmetric_matrix(frame: Frame, values: object, what: str) -> Tensor:
                 f"{what}: expected an antisymmetric matrix, got entries [{i}, {j}] and "
                 f"[{j}, {i}] that do not cancel. Change the sign of one of them."
             )
-    return Tensor(frame, "DD", given.components, (((1, 0), -1),))
+    return Tensor(frame, "DD", given.components, antisymmetric(2))
 
 
 def _square_list(values: object, n: int, what: str) -> list:

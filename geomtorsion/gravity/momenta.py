@@ -7,14 +7,9 @@ from itertools import product
 
 from geomtorsion.caching import cached_property
 from geomtorsion.exact import Element
-from geomtorsion.geometry import Tensor
+from geomtorsion.geometry import Tensor, antisymmetric, symmetric
 from geomtorsion.gravity.fields import (
-    BOTH_PAIRS,
-    FIRST_PAIR,
-    FIRST_PAIR_OF_FOUR,
     HALF,
-    LAST_PAIR,
-    LAST_PAIR_EVEN,
     FrameFields,
     Index,
     Terms,
@@ -63,19 +58,18 @@ class Momenta:
     @cached_property
     def P(self) -> Tensor:
         """dL/dT_ab^c, slots UUD."""
-        return self._sum("torsion", "DDD", FIRST_PAIR).raised(0).raised(1)
+        return self._sum("torsion", "DDD", antisymmetric(3)).raised(0).raised(1)
 
     @cached_property
     def Z(self) -> Tensor:
         """dL/dR_abi^j, slots UUUD."""
-        symmetry = BOTH_PAIRS if self.fields.is_metric else FIRST_PAIR_OF_FOUR
-        lower = self._sum("curvature", "DDDD", symmetry)
+        lower = self._sum("curvature", "DDDD", self.fields.curvature_symmetry)
         return lower.raised(0).raised(1).raised(2)
 
     @cached_property
     def N(self) -> Tensor:
         """dL/dQ_aij, slots UUU."""
-        return self._sum("nonmetricity", "DDD", LAST_PAIR_EVEN).raised()
+        return self._sum("nonmetricity", "DDD", symmetric(3, 1, 2)).raised()
 
     @cached_property
     def C(self) -> Tensor:
@@ -98,7 +92,7 @@ class Momenta:
             terms += [(-HALF * term[0], *term[1:]) for term in whole((n, j, i))]
             return frame.field.sum(terms)
 
-        symmetry = LAST_PAIR if self.fields.is_metric else ()
+        symmetry = antisymmetric(3, 1, 2) if self.fields.is_metric else ()
         return Tensor(frame, "DDD", rule, symmetry).raised(0).raised(1)
 
     def coframe_terms(self, i: int, n: int) -> Terms:
@@ -131,5 +125,5 @@ class Momenta:
             i, j, k = index
             return frame.field.sum([(1, c((i, j, k))), (-1, c((j, i, k))), (-1, c((k, i, j)))])
 
-        turned = Tensor(frame, "DDD", rule, FIRST_PAIR).raised(0).raised(1)
+        turned = Tensor(frame, "DDD", rule, antisymmetric(3)).raised(0).raised(1)
         return self.fields.divergence(turned, paired=True)
