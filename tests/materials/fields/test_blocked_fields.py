@@ -175,7 +175,7 @@ def test_stopped_by_hand(tmp_path):
     began.send_signal(signal.SIGINT)
     _, said = began.communicate()
     assert began.returncode == 130
-    assert b"go on with --resume" in said
+    assert b"resume with --resume" in said
     assert b"Traceback" not in said
 
 
