@@ -201,7 +201,7 @@ def test_an_image(lattice, tmp_path):
         (("--sigma", "1"), "--sigma: expected a file of sampled frames"),
         (("--threshold", "1"), "--threshold: expected a file of orientation maps"),
         (("--size", "1"), "--size: expected a whole number from 2"),
-        (("--plane", "y,x"), "--plane: an image has one plane"),
+        (("--plane", "y,x"), r"--plane: expected (0, 1), the only plane of an image, got (1, 0)"),
     ],
 )
 def test_wrong_options_of_images(lattice, arguments, message):
@@ -226,7 +226,7 @@ def masked(lines: list[str]) -> list[str]:
         ("nan.npz", "nan.npz: coframe: nothing is known"),
         ("shape.npz", "shape (rows, 2, 9, 8) was needed"),
         ("nan.npy", "nan.npy: image[0, 0] = nan is not finite"),
-        ("noise.npy", "no lattice that can be seen"),
+        ("noise.npy", "no visible lattice"),
         ("flat.npy", "the image has no lattice"),
     ],
 )

@@ -103,7 +103,7 @@ def test_an_orientation_map_is_read():
         (npy(np.array([Trap()])), "map.npz"),
         (npy(np.zeros((2000, 2000), np.uint8)), "up to 1,048,576 are taken"),
         (npy(np.full((64, 64), np.nan)), "not finite"),
-        (npy(np.random.default_rng(0).normal(size=(64, 64))), "no lattice that can be seen"),
+        (npy(np.random.default_rng(0).normal(size=(64, 64))), "no visible lattice"),
         (b"\xff\xd8\xff" + bytes(50), "JPEG"),
         (nowhere(), "nothing is known"),
         (wall_ctf().replace(b"\r\n1\t", b"\r\n0\t"), "no pixel is indexed"),
