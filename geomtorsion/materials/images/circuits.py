@@ -84,8 +84,8 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
     checks.instance(loop, Loop, "loop")
     if loop.dimension != 2:
         raise LoopError(
-            f"loop: expected 2 coordinates, as in the image, got {loop.dimension}. Give a loop in "
-            "x and y."
+            f"loop: expected two coordinates, x and y of the image, got {loop.dimension}. Give "
+            "another loop."
         )
     if loop.gap.any():
         raise LoopError(

@@ -139,7 +139,9 @@ def _check_turn(path: Path, orientation: int) -> None:
 def _check_page(path: Path, page: int, count: int) -> None:
     """Refuse a page that is not in the file."""
     if not count:
-        raise FileFormatError(f"{path}: the file contains no image. Export it again.")
+        raise FileFormatError(
+            f"{path}: the file is truncated: it contains no image. Export it again."
+        )
     if page >= count:
         raise FileFormatError(
             f"{path}: page: expected a number below {count:,}, the number of pages in the file, "

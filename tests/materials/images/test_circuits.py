@@ -159,7 +159,7 @@ def test_circuits_that_are_none_are_refused():
         phases.burgers(gt.Loop.circle([100, 100], 0.3))
     with pytest.raises(ImageError, match="with fewer turns"):
         phases.burgers(gt.Loop.circle([128, 128], 60).times(10**9))
-    with pytest.raises(LoopError, match="expected 2 coordinates, as in the image, got 3"):
+    with pytest.raises(LoopError, match="expected two coordinates, x and y of the image, got 3"):
         phases.burgers(gt.Loop.circle([128, 128, 0], 60))
     with pytest.raises(gt.errors.ArgumentError, match="loop: expected a Loop"):
         phases.burgers([[0, 0], [1, 1]])
