@@ -90,8 +90,8 @@ def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -
         total += size * prod(map(int, shape))
         if total > LARGEST_ARRAYS:
             raise LimitError(
-                f"{path}: expected at most {LARGEST_ARRAYS:,} bytes of arrays, got {total:,} up "
-                f"to {what}. Give a part of the field."
+                f"{path}: expected at most {LARGEST_ARRAYS:,} bytes of arrays, got {total:,} for "
+                f"the arrays up to {what}. Give a part of the field."
             )
 
 

@@ -201,7 +201,7 @@ class Grid:
             low, high = sorted((float(self.axes[axis][0]), float(self.axes[axis][-1])))
             raise GridError(
                 f"the {what} leaves the grid at {shown(points[:, k])}: axis {self.names[axis]} "
-                f"runs from {low:.6g} to {high:.6g}. Choose a smaller {what}, because values are "
+                f"runs from {low:.6g} to {high:.6g}. Stay inside the grid, because values are "
                 "not extrapolated."
             )
         return np.where(free, places, np.clip(places, 0, last))
@@ -234,8 +234,8 @@ class Grid:
         ]
         raise GridError(
             f"the {what} touches a hole at {shown(point)}, where values are missing at node "
-            f"{self.pixels(nodes)}. Choose a loop around it: .holes lists the holes, and "
-            ".loop_around(hole) makes a loop."
+            f"{self.pixels(nodes)}. Avoid the hole: .holes lists all holes, and "
+            ".loop_around(hole) makes a loop around one."
         )
 
 

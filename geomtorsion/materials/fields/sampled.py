@@ -125,7 +125,7 @@ class SampledFrame(Samples):
     @property
     def description(self) -> tuple[str, ...]:
         """Lines of text about the size, the noise and the source of the frame."""
-        noise = self.sigma_source or "not known; the errors include only the error of the grid"
+        noise = self.sigma_source or "not known; the errors include only the grid error"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
 

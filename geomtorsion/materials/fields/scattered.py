@@ -265,7 +265,7 @@ class ScatteredFrame:
     @property
     def description(self) -> tuple[str, ...]:
         """Lines of text about the size, the noise and the source of the frame."""
-        noise = self.sigma_source or "not known; the errors include only the error of interpolation"
+        noise = self.sigma_source or "not known; the errors include only the interpolation error"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
 

@@ -86,7 +86,7 @@ def estimated_noise(
     table, inside = mesh.departures
     flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
     rows = list((table @ flat.T).T)
-    said = f"the median of departures from planes through the neighbours of {len(inside)} points"
+    said = f"the median of deviations from planes through the neighbours of {len(inside)} points"
     if covariance is None:
         return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
     return sigma, robust_covariance(rows), said

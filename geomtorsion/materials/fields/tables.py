@@ -50,7 +50,7 @@ def read_csv(path: Path) -> Contents:
         first += 1
     if first >= len(lines):
         raise FileFormatError(
-            f"{path}: expected a header such as x,y,e_0_0,e_0_1, got an empty file. Write it again."
+            f"{path}: expected a header such as x,y,e_0_0,e_0_1, got none. Write the file again."
         )
     header = [name.strip() for name in lines[first].split(",")]
     axes, values = _header(path, header, first + 1)

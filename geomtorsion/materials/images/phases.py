@@ -290,8 +290,8 @@ class LatticePhases:
         if chance > limit:
             raise ImageError(
                 "the noise is too strong for this circuit: the probability of a wrong whole number "
-                f"is {chance:.2g}, above the accepted risk of {limit:.2g}. Avoid "
-                f"{self._place(weakest)}, where the lattice is weakest, shorten the circuit, or "
+                f"is {chance:.2g}, above the accepted risk of {limit:.2g}. Avoid the "
+                f"weakest part of the lattice at {self._place(weakest)}, shorten the circuit, or "
                 f"give a larger resolution than {self.resolution:.3g}."
             )
         error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
@@ -328,7 +328,7 @@ class LatticePhases:
         ImageError
             The size is below 2 or larger than the image, or the plane is not x and y.
         """
-        if tuple(plane) != (0, 1):
+        if not checks.is_list(plane) or tuple(plane) != (0, 1):
             raise ImageError(
                 f"plane: expected (0, 1), the only plane of an image, got {checks.shown(plane)}. "
                 "Omit the option."

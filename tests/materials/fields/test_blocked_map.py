@@ -369,6 +369,7 @@ COMPLEX = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x + 1j, dtype=floa
         (FLAT, {"size": 40}, "size: expected a whole number from 0 to 36"),
         (FLAT, {"size": (0, 2)}, "size: expected 0 for both"),
         (FLAT, {"plane": (0, 0)}, "two different axes"),
+        (FLAT, {"plane": (0.0, 1.0)}, "two different axes"),
         (FLAT, {"sigma": -1}, "sigma: expected 0 or more"),
         (FLAT, {"stride": 0}, "stride: expected a whole number from 1"),
         (FLAT[:, :, :4], {}, "axis x: expected 5 points or more"),

@@ -313,6 +313,16 @@ FLAT = np.ones((1, 2, len(X)))
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, shape=3), "option"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, boundary=[[0, 1]]), "three corners"),
         (
+            lambda: ScatteredFrame.from_coframe(
+                POINTS, FLAT, boundary=[[0, 0], [1, 0], [1, np.nan]]
+            ),
+            "boundary: expected polygons with finite corners",
+        ),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT).burgers_map(plane=1),
+            "plane: expected two different axes from 0 to 1, got 1",
+        ),
+        (
             lambda: ScatteredFrame.from_coframe(POINTS, FLAT, sigma=-1),
             "sigma: expected standard deviations",
         ),
@@ -338,7 +348,7 @@ FLAT = np.ones((1, 2, len(X)))
             "branch: expected a length",
         ),
     ],
-    ids=range(17),
+    ids=range(19),
 )
 def test_points_that_are_none(make, message):
     """Each with its own message."""
