@@ -305,7 +305,7 @@ class _Task:
     seconds: float
 
     def fingerprint(self, path: Path) -> str:
-        """Changes when the file, the task or its time does."""
+        """Hash of the file, the task and its time limit."""
         try:
             fits = path.stat().st_size < 10**7 and path.is_file()
             content = path.read_bytes() if fits else b""

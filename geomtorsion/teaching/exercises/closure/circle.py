@@ -40,7 +40,7 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}.$$\n\nA circle of radius $R$ about "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}.$$\n\nA circle of radius $R$ about "
             f"$(x, y, z) = ({centre}, 0, 0)$ in the coordinate plane $x, y$ is traversed once, "
             "from $x$ towards $y$."
         ),

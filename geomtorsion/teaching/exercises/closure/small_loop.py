@@ -31,7 +31,7 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$. A very small loop in the plane of the legs $E_{i + 1}$ and "
             f"$E_{j + 1}$ runs from the first leg towards the second and encloses the area $A$, "
             "measured in the frame. Its closure failure is the Burgers vector "

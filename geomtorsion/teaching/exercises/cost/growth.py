@@ -21,7 +21,7 @@ from geomtorsion.teaching.exercises.authoring import (
 
 SURFACES = {
     "hyperbolic": ("the hyperbolic plane", sp.sinh),
-    "round": ("the unit sphere", sp.sin),
+    "sphere": ("the unit sphere", sp.sin),
     "flat": ("the plane", lambda r: r),
 }
 
@@ -35,7 +35,7 @@ def make(draw: Draw) -> Variant:
     frame = Frame(
         (r, phi),
         [[1, 0], [0, length(r)]],
-        domain=(r > 0, r < (sp.pi if kind == "round" else 4)),
+        domain=(r > 0, r < (sp.pi if kind == "sphere" else 4)),
         name=name,
     )
 

@@ -21,7 +21,7 @@ def make(draw: Draw) -> Variant:
     curvature, straight = levi_civita(frame).curvature, cartan(frame)
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$, with the frame metric $\\eta = 1$. The curvature of the "
             "Cartan connection vanishes. The curvature of the Levi-Civita connection follows from "
             "the torsion, and all its components in the frame are constant."

@@ -22,7 +22,7 @@ def make(draw: Draw) -> Variant:
     n = frame.dimension
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$. Not all of them are closed. Their exterior derivatives, "
             "expressed in the frame, define the object of anholonomy $C_{ij}{}^k$:\n\n"
             r"$$\mathrm{d}e^k = \tfrac{1}{2}\,C_{ij}{}^k\,e^i\wedge e^j,\qquad "

@@ -52,7 +52,7 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$. "
             r"A path has the frame velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by "
             r"$\delta q^\mu$, with the frame components $\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. "

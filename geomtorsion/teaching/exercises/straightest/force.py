@@ -28,7 +28,7 @@ def make(draw: Draw) -> Variant:
     said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$. Let $S$ be the torsion of their Cartan connection (with the "
             r"factor $\tfrac12$). An autoparallel obeys"
             "\n\n"

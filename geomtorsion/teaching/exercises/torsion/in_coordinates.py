@@ -23,7 +23,7 @@ def make(draw: Draw) -> Variant:
     n, torsion = frame.dimension, cartan(frame).torsion
     return Variant(
         statement=(
-            f"Given are the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
             f"${tex.symbols(frame)}$. The torsion of their Cartan connection is "
             r"$S_{ab}{}^c = \tfrac12(\Gamma_{ab}{}^c - \Gamma_{ba}{}^c)$, **with** the factor "
             r"$\tfrac12$."

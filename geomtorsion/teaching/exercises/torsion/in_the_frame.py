@@ -24,11 +24,11 @@ def make(draw: Draw) -> Variant:
     torsion = cartan(frame).torsion
     return Variant(
         statement=(
-            ("Body-fixed one-forms" if body.rigid else "One-forms")
-            + f" in the angles ${tex.symbols(frame)}$ are\n\n"
+            ("The body-fixed coframe of a rigid body" if body.rigid else "A coframe")
+            + f" in the angles ${tex.symbols(frame)}$ is\n\n"
             f"$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
             + (
-                f"(They are the body-fixed forms of a rigid body, with $e^{which + 1}$ multiplied "
+                f"(It is the body-fixed coframe of a rigid body, with $e^{which + 1}$ multiplied "
                 f"by {factor}.) "
                 if factor > 1
                 else ""
