@@ -58,23 +58,23 @@ class GrainCircuits:
 
     def _one_grain(self, atoms: Sequence[int]) -> int:
         """The common grain of all these atoms."""
-        found = {int(self.grains.number[k]): k for k in reversed(atoms)}
-        inside = sorted(number for number in found if number >= 0)
+        atom = {int(self.grains.number[k]): k for k in reversed(atoms)}
+        inside = sorted(number for number in atom if number >= 0)
         if len(inside) > 1:
             one, other = inside[:2]
             how = self.grains.wall(one, other).description
             raise CrystalError(
-                f"a circuit within one grain was needed, but atom {found[one]} lies in grain {one} "
-                f"and atom {found[other]} in grain {other}, {how}: "
+                f"a circuit within one grain was needed, but atom {atom[one]} lies in grain {one} "
+                f"and atom {atom[other]} in grain {other}, {how}: "
                 "circuits end at the wall between them. Lead it through one of them."
             )
-        if len(inside) < len(found):
-            code = max(number for number in found if number < 0)
+        if len(inside) < len(atom):
+            code = max(number for number in atom if number < 0)
             where = "a region without a lattice"
             if code == Nowhere.wall:
-                where = self._where(found[code])
+                where = self._where(atom[code])
             raise CrystalError(
-                f"a circuit within one grain was needed, but atom {found[code]} lies in {where}. "
+                f"a circuit within one grain was needed, but atom {atom[code]} lies in {where}. "
                 "Lead it through a grain."
             )
         if not inside:

@@ -43,10 +43,10 @@ class _Reader:
 
     def next(self, what: str) -> list[str]:
         """The words of the next row."""
-        found = next(self.rows, None)
-        if found is None:
+        row = next(self.rows, None)
+        if row is None:
             self.fail(f"{what} was needed, but the file ends. Is the file complete?")
-        self.line, words = found
+        self.line, words = row
         return words
 
     def fail(self, message: str) -> NoReturn:
@@ -68,13 +68,13 @@ class _Reader:
 
     def tag(self, word: str) -> Tag:
         """The name of a node: domain and number."""
-        found = _TAG.fullmatch(word)
-        if found is None:
+        match = _TAG.fullmatch(word)
+        if match is None:
             self.fail(
                 f"a node such as 0,12 was needed, but {shown(word)} came. Is a row missing, or "
                 "one too many?"
             )
-        return int(found[1]), int(found[2])
+        return int(match[1]), int(match[2])
 
 
 def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays:
@@ -101,14 +101,14 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
         reader.fail(f"the network stands in {parts} files. Write it into one, then read that.")
     count = _single(reader, header, "nodeCount", least=0)
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
-    found = _all_at_once(text, count) if count else None
-    if found is None:
+    table = _all_at_once(text, count) if count else None
+    if table is None:
         # Something is unusual: reading line by line either succeeds or names the line.
         tags, positions, constraints, arms = _nodes(reader, count)
         pairs, burgers, planes = _joined(reader.name, tags, arms)
         places = np.array(positions).reshape(-1, 3)
-        found = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
-    labels, places, numbers, pairs, burgers, planes = found
+        table = list(tags), places, np.array(constraints, dtype=np.int64), pairs, burgers, planes
+    labels, places, numbers, pairs, burgers, planes = table
     try:
         box = Box.of_bounds(low, high, periodic)
         return LineArrays(places, pairs, burgers, box, None, labels, numbers, planes)
@@ -125,9 +125,9 @@ def _all_at_once(text: str, count: int) -> Table | None:
     In the usual form a node, an arm and its plane are on a line each, whole numbers are where they
     should be, and one dislocation line joins two nodes. None for any other form.
     """
-    _, found, body = text.partition("nodalData")
+    _, mark, body = text.partition("nodalData")
     body = _COMMENT.sub("", body.partition("\n")[2])
-    if not found or not _FLOATS.fullmatch(body):
+    if not mark or not _FLOATS.fullmatch(body):
         return None
     try:
         texts = body.replace(",", " ").split()
@@ -192,13 +192,13 @@ def _all_at_once(text: str, count: int) -> Table | None:
 
 def _header(reader: _Reader) -> dict[str, Row]:
     """Every key before the nodes, with its line and words."""
-    found: dict[str, Row] = {}
+    entries: dict[str, Row] = {}
     while True:
         words = reader.next("nodalData")
         key, equals, rest = " ".join(words).partition("=")
         key = key.strip()
         if key == "nodalData" and equals:
-            return found
+            return entries
         if not equals:
             # A value after a key without brackets, such as the bounds of domains, is not needed.
             continue
@@ -209,7 +209,7 @@ def _header(reader: _Reader) -> dict[str, Row]:
                 rest = reader.next(f"] after {cut(key)}")
                 values += rest
             values = values[1 : values.index("]")]
-        found[key] = line, values
+        entries[key] = line, values
 
 
 def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) -> list[str]:

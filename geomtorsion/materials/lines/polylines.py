@@ -168,9 +168,9 @@ class _Walker:
     def _onward(self, node: int, line: int, sense: int) -> list[tuple[int, int]]:
         """The lines that follow from a node, each with the sense in which it is walked."""
         chain = []
-        while (found := self._next(node, line, sense)) is not None:
-            chain.append(found)
-            line, sense = found
+        while (step := self._next(node, line, sense)) is not None:
+            chain.append(step)
+            line, sense = step
             node = self._end(line, sense)
         return chain
 

@@ -52,14 +52,14 @@ def read_h5oina(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     names = check_hdf5(path, h5py)
     try:
         with h5py.File(path, "r") as file:
-            found = [name for name in names if "EBSD/Data" in file[name]]
-            if len(found) != 1:
+            maps = [name for name in names if "EBSD/Data" in file[name]]
+            if len(maps) != 1:
                 raise FileFormatError(
-                    f"{path.name}: expected one EBSD map (group 1/EBSD/Data), got {len(found)} in "
+                    f"{path.name}: expected one EBSD map (group 1/EBSD/Data), got {len(maps)} in "
                     f"{cut(', '.join(names)) or 'an empty file'}. Export each map with its EBSD "
                     "data to a file of its own."
                 )
-            points = _h5oina(path, file[found[0]]["EBSD"], laue)
+            points = _h5oina(path, file[maps[0]]["EBSD"], laue)
     except GeomtorsionError:
         raise
     except Exception as error:  # noqa: BLE001
@@ -164,11 +164,11 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         with warnings.catch_warnings():
             # If a file gives degrees instead of radians, orix reads it and only warns.
             warnings.filterwarnings("error", "Angles are quite high")
-            found = io.load(str(path))
-        rows, columns = found.shape
-        euler = found.rotations.to_euler()
-        number = np.where(found.is_indexed, found.phase_id + 1, 0)
-        steps = float(found.dx), float(found.dy)
+            crystal_map = io.load(str(path))
+        rows, columns = crystal_map.shape
+        euler = crystal_map.rotations.to_euler()
+        number = np.where(crystal_map.is_indexed, crystal_map.phase_id + 1, 0)
+        steps = float(crystal_map.dx), float(crystal_map.dy)
     except Exception as error:  # noqa: BLE001
         # orix has readers of several formats, which raise different errors.
         reason = cut(str(error)) or type(error).__name__
@@ -183,24 +183,24 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
             f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
         )
     # For Bruker files, orix sorts the points but not their positions.
-    if "XSAMPLE" not in found.prop:
-        _check_places(path.name, found, steps)
+    if "XSAMPLE" not in crystal_map.prop:
+        _check_places(path.name, crystal_map, steps)
     # orix writes px if the step size was not given.
-    said = str(found.scan_unit)
-    if said not in UNITS:
+    name = str(crystal_map.scan_unit)
+    if name not in UNITS:
         raise FileFormatError(
-            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(said)}. "
+            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(name)}. "
             "Set steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
         )
-    unit = UNITS[said] / UNITS["um"]
+    unit = UNITS[name] / UNITS["um"]
     phases = {}
-    for key, phase in found.phases:
+    for key, phase in crystal_map.phases:
         if key < 0:
             continue
         group = None if phase.point_group is None else phase.point_group.laue.name
         lattice = phase.structure.lattice
-        known = laue.get(key + 1, laue.get(0, group))
-        if known is None:
+        symmetry = laue.get(key + 1, laue.get(0, group))
+        if symmetry is None:
             raise FileFormatError(
                 f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "
                 f'such as laue={{{key + 1}: "m-3m"}}.'
@@ -208,7 +208,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         try:
             phases[int(key) + 1] = Phase(
                 str(phase.name),
-                known,
+                symmetry,
                 (float(lattice.a), float(lattice.b), float(lattice.c)),
                 (float(lattice.alpha), float(lattice.beta), float(lattice.gamma)),
             )

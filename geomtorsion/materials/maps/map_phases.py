@@ -71,10 +71,10 @@ def whole_phases(
     unknown = ~np.isin(phase, [0, *phases])
     if unknown.any():
         k = int(np.argmax(unknown))
-        known = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
+        listed_phases = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
         place = f"point {k + 1}" if start is None else f"line {start + k}"
         raise FileFormatError(
             f"{name}: {place}: phase {phase[k]:g} is not described in the header. Known are "
-            f"{known}; 0 is a pixel without an orientation."
+            f"{listed_phases}; 0 is a pixel without an orientation."
         )
     return phase.astype(np.int64)

@@ -50,8 +50,8 @@ class Phase:
         _ = self.group
         for key in ("lengths", "angles"):
             subject = f"phase {self.name!r}: {key}"
-            found = checks.numbers(getattr(self, key), 3, subject, OrientationError)
-            object.__setattr__(self, key, tuple(float(x) for x in found))
+            values = checks.numbers(getattr(self, key), 3, subject, OrientationError)
+            object.__setattr__(self, key, tuple(float(x) for x in values))
         if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
             raise OrientationError(
                 f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
@@ -126,13 +126,13 @@ class Phase:
         one = self.lattice @ cell_vector(vector, subject, self)
         if not one.any():
             raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
-        found: list[np.ndarray] = []
+        images: list[np.ndarray] = []
         # Lattice constants have about four digits.
         near = 1e-4 * np.abs(one).max()
         for image in images_of(self, one[None])[:, 0]:
-            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in found):
-                found.append(image)
-        return np.array(found)
+            if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in images):
+                images.append(image)
+        return np.array(images)
 
 
 def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
@@ -146,8 +146,8 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
     edges = phase.lattice.T
     both = np.concatenate([edges, vectors])
     turns = phase.group.quaternions
-    found = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
-    whole = found[:, :3] @ np.linalg.inv(edges)
+    images = np.stack([rotated(turns, np.broadcast_to(x, (len(turns), 3))) for x in both], axis=1)
+    whole = images[:, :3] @ np.linalg.inv(edges)
     # Small errors of the constants are harmless: an image closer to a lattice vector than to the
     # middle between two lattice vectors counts as the lattice vector.
     off = np.abs(whole - np.rint(whole))
@@ -157,7 +157,7 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
             f"{phase.lengths} and angles {phase.angles} make none. Give the constants of its cell, "
             "such as angles=(90, 90, 120) of a hexagonal one."
         )
-    return found[:, 3:]
+    return images[:, 3:]
 
 
 def cell_vector(
