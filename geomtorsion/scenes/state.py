@@ -60,9 +60,9 @@ nothing.
         ):  # fmt: skip
             if getattr(self, key) is not None:
                 object.__setattr__(self, key, _three(getattr(self, key), key, unit))
-        given = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
-        if len(given) > 1:
-            raise StartError(f"the attitude is given as {' and as '.join(given)}; give it once.")
+        keys = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
+        if len(keys) > 1:
+            raise StartError(f"the attitude is given as {' and as '.join(keys)}; give it once.")
         if self.quaternion is not None:
             attitude.checked_quaternion(self.quaternion)
             object.__setattr__(self, "quaternion", tuple(self.quaternion))

@@ -234,37 +234,41 @@ def sweep(
     if not combinations:
         raise SceneError("nothing is varied: there are no values.")
     changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
-    found = _Measured(readers, len(changes), progress)
+    measurements = _Measured(readers, len(changes), progress)
     try:
         for members in _groups(scene, changes).values():
-            _solve_group(scene, members, engine, found)
+            _solve_group(scene, members, engine, measurements)
     except KeyboardInterrupt:
         # Where nothing is finished there is nothing to keep.
-        if not found.measured:
+        if not measurements.measured:
             raise
-        found.stop()
-    unfinished = [(changes[place], reason) for place, reason in sorted(found.unfinished.items())]
+        measurements.stop()
+    unfinished = [
+        (changes[place], reason) for place, reason in sorted(measurements.unfinished.items())
+    ]
     if len(unfinished) == len(changes):
         raise StuckError(f"no motion reaches its end; with {unfinished[0][0]}: {unfinished[0][1]}.")
     grid = (len(changes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
         values,
-        {name: column.reshape(grid) for name, column in found.columns.items()},
+        {name: column.reshape(grid) for name, column in measurements.columns.items()},
         scene.accuracy,
-        found.errors.reshape(grid),
-        ", ".join(sorted(found.engines)),
+        measurements.errors.reshape(grid),
+        ", ".join(sorted(measurements.engines)),
         time.perf_counter() - began,
         tuple(unfinished),
-        found.interrupted,
+        measurements.interrupted,
     )
 
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
-    wanted = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
-    given = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
-    return checks.array(given, path, SceneError, message=wanted, infinite=None)
+    message = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
+    entries = (
+        list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
+    )
+    return checks.array(entries, path, SceneError, message=message, infinite=None)
 
 
 def _plain(value: np.ndarray) -> Values:
