@@ -56,8 +56,8 @@ def error_over_time(solution: Solution) -> np.ndarray | None:
     """
     if solution.reference is None:
         return None
-    found = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
-    return SAFETY * found[len(found) - len(solution.times) :]
+    differences = difference_over_samples(solution.problem, solution.trajectory, solution.reference)
+    return SAFETY * differences[len(differences) - len(solution.times) :]
 
 
 # Position of a panel (rows, columns, number), and curves by name.

@@ -124,8 +124,8 @@ def draw_circuits(
         one, two = section.plane
         names = (source.names[one], source.names[two])
         _place(axes, names, source.unit, edges[k], down=backdrops[k].down)
-    said = "Arrows show the part of b in the plane of the map, to one scale"
-    lines = [f"{said}; grey ones are not more than noise explains."] if vectors else []
+    note = "Arrows show the part of b in the plane of the map, to one scale"
+    lines = [f"{note}; grey ones are not more than noise explains."] if vectors else []
     if refused:
         lines.append("Dashed: circuits that have no Burgers vector; the text says why.")
     captioned(figure, lines)
@@ -225,10 +225,10 @@ def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, 
     from matplotlib.collections import LineCollection
 
     x, y = corners
-    known = np.nan_to_num(labels, nan=-1.0)
-    p, q = np.nonzero(known[1:] != known[:-1])
+    grains = np.nan_to_num(labels, nan=-1.0)
+    p, q = np.nonzero(grains[1:] != grains[:-1])
     upright = [np.stack([x[p + 1], y[q]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
-    p, q = np.nonzero(known[:, 1:] != known[:, :-1])
+    p, q = np.nonzero(grains[:, 1:] != grains[:, :-1])
     level = [np.stack([x[p], y[q + 1]], -1), np.stack([x[p + 1], y[q + 1]], -1)]
     segments = np.concatenate([np.stack(upright, 1), np.stack(level, 1)])
     axes.add_collection(LineCollection(list(segments), colors=SOFT, linewidths=0.6, zorder=2))
@@ -236,10 +236,10 @@ def _draw_boundaries(axes: Axes, labels: np.ndarray, corners: tuple[np.ndarray, 
 
 def _shades(survey: Survey, density: np.ndarray) -> dict[str, Any]:
     """Limits of the colours: logarithmic from the noise floor where the largest is far above it."""
-    known = survey.known
-    if not known.any():
+    mask = survey.known
+    if not mask.any():
         return {}
-    floor, largest = float(np.median(survey.floor[known])), float(np.nanmax(density, initial=0.0))
+    floor, largest = float(np.median(survey.floor[mask])), float(np.nanmax(density, initial=0.0))
     if floor > 0 and largest > STYLE.wide * floor:
         # An extra, as above.
         from matplotlib.colors import LogNorm
@@ -252,21 +252,21 @@ def _arrows(axes: Axes, survey: Survey, layer: int) -> None:
     """The part of b in the plane, at some positions where it is significant."""
     if survey.arrows is None or not survey.on_grid:
         return
-    known = survey.laid(survey.significant & survey.known)[..., layer]
-    apart = -(-max(known.shape) // STYLE.arrows)
-    first = apart // 2
-    part = (slice(first, None, apart), slice(first, None, apart))
-    vectors, shown = survey.laid(survey.arrows)[:, *part, layer], known[part]
+    mask = survey.laid(survey.significant & survey.known)[..., layer]
+    spacing = -(-max(mask.shape) // STYLE.arrows)
+    first = spacing // 2
+    part = (slice(first, None, spacing), slice(first, None, spacing))
+    vectors, shown = survey.laid(survey.arrows)[:, *part, layer], mask[part]
     if not shown.any():
         return
     lengths = np.where(shown, np.hypot(*vectors), 0.0)
     if lengths.max() == 0:
         return
-    places = np.meshgrid(*(line[first::apart] for line in survey.lines), indexing="ij")
+    places = np.meshgrid(*(line[first::spacing] for line in survey.lines), indexing="ij")
     steps = [abs(float(line[1] - line[0])) if len(line) > 1 else 1.0 for line in survey.lines]
     # All are as long, and hardly reach to the next: colours show the size.
     far = lengths[shown] > 0
-    scale = apart * min(steps) / np.where(far, lengths[shown], 1.0)
+    scale = spacing * min(steps) / np.where(far, lengths[shown], 1.0)
     axes.quiver(
         *(place[shown] for place in places),
         *(vector[shown] * scale for vector in vectors),
@@ -318,20 +318,20 @@ def _place(
 
 def _said(survey: Survey, layer: int) -> list[str]:
     """Caption of the figure, with numbers."""
-    known = survey.laid(survey.known)[..., layer]
-    count = int(known.sum())
-    found = int((survey.laid(survey.significant)[..., layer] & known).sum())
+    mask = survey.laid(survey.known)[..., layer]
+    count = int(mask.sum())
+    significant = int((survey.laid(survey.significant)[..., layer] & mask).sum())
     where = f" at {survey.layers[layer]}" if survey.layers[layer] else ""
     lines = [
         (
-            f"Circuits of {survey.extent}{where}: {found:,} of {count:,} are more than noise "
+            f"Circuits of {survey.extent}{where}: {significant:,} of {count:,} are more than noise "
             f"explains (white: {number(round(survey.level, 2))}, noise passes it 1 in 1000 times)."
         )
     ]
-    if count < known.size:
-        lines.append(f"Grey: {known.size - count:,} circuits {survey.missing}.")
+    if count < mask.size:
+        lines.append(f"Grey: {mask.size - count:,} circuits {survey.missing}.")
     if count:
-        floor = float(np.median(survey.laid(survey.floor)[..., layer][known]))
+        floor = float(np.median(survey.laid(survey.floor)[..., layer][mask]))
         unit = f" {survey.density_unit}" if survey.density_unit else ""
         lines.append(
             f"Noise alone makes {floor:.2g}{unit}; arrows: the sense of b in the plane of the map."

@@ -62,8 +62,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
         raise LimitError(
             f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {STYLE.edges}."
         )
-    found = net.basis_burgers(basis)
-    sizes = [float(np.linalg.norm(one.vector)) for one in found]
+    vectors = net.basis_burgers(basis)
+    sizes = [float(np.linalg.norm(one.vector)) for one in vectors]
     largest = max(sizes, default=0.0)
     figure = new_figure(7.6, 6.2)
     axes = figure.subplots()
@@ -72,7 +72,7 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     axes.plot(edges[..., 0].T, edges[..., 1].T, color=SOFT, lw=1, zorder=1)
     axes.plot(*places.T, "o", color=START, ms=4, zorder=3)
     shades = _shades(figure, axes, largest)
-    for one, length in zip(found, sizes, strict=True):
+    for one, length in zip(vectors, sizes, strict=True):
         if length > max(FLAT * largest, one.error):
             corners = np.array([places[net.edges.numbers[node]] for node in one.cycle])
             axes.fill(*corners.T, color=shades(length), alpha=0.85, zorder=2, lw=0)
@@ -85,14 +85,14 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
                 zorder=4,
             )
     missed = sum(
-        length > max(FLAT * largest, one.error) for one, length in zip(found, sizes, strict=True)
+        length > max(FLAT * largest, one.error) for one, length in zip(vectors, sizes, strict=True)
     )
     frame = net.frame
     exact = isinstance(frame, Frame)
     names = [symbol.name for symbol in frame.coordinates] if exact else list(frame.names)
     axes.set_xlabel(names[plane[0]])
     axes.set_ylabel(names[plane[1]])
-    axes.set_title(f"{len(found)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
+    axes.set_title(f"{len(vectors)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
     axes.set_aspect("equal")
     quiet(axes)
     return figure
@@ -161,9 +161,9 @@ def draw_dislocations(
             axes.plot(x, y, "o", mfc="white", mec=START, ms=8, zorder=4)
         else:
             axes.plot(x, y, "o", color=GOOD, ms=9, zorder=4)
-    kept = "b is conserved at every inner node"
+    rule = "b is conserved at every inner node"
     broken = f"b is not conserved at {len(violations)} node{'s' * (len(violations) > 1)}"
-    axes.set_title(broken if violations else kept, fontsize=11)
+    axes.set_title(broken if violations else rule, fontsize=11)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
     axes.axis("off")
@@ -180,27 +180,27 @@ def _places(
 
     # A layout is invented only if no node has a position: a mixture would mislead.
     placed: dict[Hashable, Any] = {n: net.graph.nodes[n].get("position") for n in net.graph}
-    given = positions or placed
-    if all(place is None for place in given.values()):
+    places = positions or placed
+    if all(place is None for place in places.values()):
         layout = nx.kamada_kawai_layout(nx.Graph(net.graph))
         return {node: (float(x), float(y)) for node, (x, y) in layout.items()}
-    missing = [node for node in net.graph if given.get(node) is None]
+    missing = [node for node in net.graph if places.get(node) is None]
     if missing:
         raise NetworkError(f"node {missing[0]!r} has no position. Give all of them, or none.")
-    one, two = _checked_plane(plane, min(len(place) for place in given.values()))
-    return {node: (float(place[one]), float(place[two])) for node, place in given.items()}
+    one, two = _checked_plane(plane, min(len(place) for place in places.values()))
+    return {node: (float(place[one]), float(place[two])) for node, place in places.items()}
 
 
 def _checked_plane(plane: Sequence[int], dimension: int) -> tuple[int, int]:
     """Two different coordinates, by number."""
     chosen = checks.entries(plane, "plane")
-    known = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
-    if len(set(known)) != 2 or len(known) != 2:
+    axes = [checks.count(k, "plane", ArgumentError, 0, dimension - 1) for k in chosen]
+    if len(set(axes)) != 2 or len(axes) != 2:
         raise ArgumentError(
             f"plane: expected two coordinates, got {checks.shown(plane)}. Give two numbers "
             f"from 0 to {dimension - 1}, such as (0, 1)."
         )
-    return known[0], known[1]
+    return axes[0], axes[1]
 
 
 def _draw_line(
@@ -275,10 +275,10 @@ def draw_lines(
     if wrong:
         space.scatter(*lines.positions[wrong].T, color=CIRCUIT, s=26, depthshade=False, zorder=6)
     _draw_shares(figure.add_subplot(grid[1]), families)
-    kept = "b is conserved at every inner node"
+    rule = "b is conserved at every inner node"
     count = f"b is not conserved at {len(broken)} node{'s' * (len(broken) > 1)}"
     figure.suptitle(
-        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else kept}",
+        f"{len(net.graph):,} nodes, {len(net.lines):,} lines; {count if broken else rule}",
         fontsize=11,
     )
     return figure

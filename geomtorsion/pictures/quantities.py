@@ -175,10 +175,10 @@ def entry(name: str) -> Entry:
     Traceback (most recent call last):
     geomtorsion.errors.UnknownNameError: no quantity is called 'rici'. Did you mean ricci ...
     """
-    for known in CATALOGUE:
-        if known.name == name:
-            return known
-    names = [known.name for known in CATALOGUE]
+    for item in CATALOGUE:
+        if item.name == name:
+            return item
+    names = [item.name for item in CATALOGUE]
     near = close_names(name.lower().replace("-", "_"), names, 3, 0.5)
     hint = f"Did you mean {' or '.join(near)}? " if near else ""
     raise UnknownNameError(f"no quantity is called {name!r}. {hint}There are: {', '.join(names)}.")
@@ -195,7 +195,7 @@ def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
     True
     """
     chosen = tuple(entry(name) for name in names)
-    return chosen or tuple(known for known in CATALOGUE if known.section)
+    return chosen or tuple(item for item in CATALOGUE if item.section)
 
 
 # Data written as JSON.
@@ -271,7 +271,7 @@ def chosen_quantities(
     if basis not in BASES:
         raise UnknownNameError(f"no basis is called {basis!r}. There are: {', '.join(BASES)}.")
     names = tuple(names)
-    found = []
+    quantities = []
     for entry in entries(names):
         own = entry.section == CONNECTION
         if own and space.connection is None:
@@ -289,8 +289,8 @@ def chosen_quantities(
         quantity = Quantity(entry, _in_basis(tensor, basis))
         # Computed now, so that progress hears of each quantity before the time that it takes.
         _ = quantity.independent
-        found.append(quantity)
-    return found
+        quantities.append(quantity)
+    return quantities
 
 
 def _in_basis(tensor: Tensor, basis: str) -> Tensor:
