@@ -33,12 +33,12 @@ def attach_charts(words: Vocabulary, data: Mapping[str, Any], frame: Frame) -> N
         A key is unknown or missing, or a value of the wrong kind; or a map is wrong: it does not
         pull the metric back, or does not lead back.
     """
-    given = data.get("charts", [])
-    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+    tables = data.get("charts", [])
+    if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
         raise FileFormatError(
-            f"{words.file}: charts: expected tables, got {shown(given)}. Write [[charts]]."
+            f"{words.file}: charts: expected tables, got {shown(tables)}. Write [[charts]]."
         )
-    make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, given)
+    make = partial(_atlas, words, {key: data[key] for key in EDGE_KEYS if key in data}, tables)
     atlas = make(frame)
     try:
         check_atlas(frame, atlas)
