@@ -33,12 +33,12 @@ def some_names(text: str, option: str) -> list[str]:
     >>> some_names("torsion, ricci,", "--only")
     ['torsion', 'ricci']
     """
-    found = list(parts(text))
-    if not found:
+    names = list(parts(text))
+    if not names:
         raise UnknownNameError(
             f"{option}: expected at least one name, got {shown(text)}. Name one, or omit {option}."
         )
-    return found
+    return names
 
 
 def number(text: str, what: str) -> float:
@@ -91,7 +91,7 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
     >>> named_numbers(["M=1, a=1/2"])
     {'M': 1.0, 'a': 0.5}
     """
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for part in parts(",".join(texts)):
         name, sign, value = part.partition("=")
         name = name.strip()
@@ -99,10 +99,10 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
             raise StartError(
                 f"parameters: expected name=number, got {shown(part)}. Write M=1,a=0.5."
             )
-        if name in found:
+        if name in values:
             raise StartError(f"parameters: {cut(name)} is given twice. Give it once.")
-        found[name] = number(value, f"parameter {name}")
-    return found
+        values[name] = number(value, f"parameter {name}")
+    return values
 
 
 def engine_of(name: str) -> Engine | None:

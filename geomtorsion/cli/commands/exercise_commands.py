@@ -127,13 +127,13 @@ def check(
             f'as in: geomtorsion exercises check {number} "..."'
         )
     if file is not None:
-        given: object
-        given, own = _from_file(number, file)
+        submission: object
+        submission, own = _from_file(number, file)
         seed = own if seed is None else seed
     else:
-        given = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
+        submission = _from_words([q.name for q in load(number, seed or 0).questions], answers or [])
     with Examiner(seconds) as examiner:
-        verdict = examiner.check(number, given, seed or 0)
+        verdict = examiner.check(number, submission, seed or 0)
     _say(verdict)
     if not verdict.right:
         raise typer.Exit(ExitCode.failed)
@@ -144,32 +144,32 @@ def _from_file(number: str, file: Path) -> tuple[object, int]:
     data = loaded(file)
     read = read_submission(file)
     if number in read.answers:
-        found = read.answers[number]
+        answers = read.answers[number]
     elif "answers" not in data:
-        found = {key: x for key, x in data.items() if key not in ABOUT}
+        answers = {key: x for key, x in data.items() if key not in ABOUT}
     else:
         raise FileFormatError(
             f'{file.name}: it answers nothing of exercise {number}. Write [answers."{number}"].'
         )
-    return found, read.seed or 0
+    return answers, read.seed or 0
 
 
 def _from_words(names: list[str], words: list[str]) -> Answers:
     """Answers by question, from words name=answer or a single answer."""
-    found: Answers = {}
+    answers: Answers = {}
     for place, word in enumerate(words):
         name, sign, answer = word.partition("=")
         if sign and name.strip() in names:
             question, answer = name.strip(), answer.strip()
         else:
             question, answer = names[min(place, len(names) - 1)], word
-        if question in found:
+        if question in answers:
             raise FileFormatError(
-                f"{question} is answered twice, with {shown(found[question])} and "
+                f"{question} is answered twice, with {shown(answers[question])} and "
                 f"{shown(answer)}. Write one answer for each of {', '.join(names)}."
             )
-        found[question] = answer
-    return found
+        answers[question] = answer
+    return answers
 
 
 SIGNS = {"right": ("✓", typer.colors.GREEN), "wrong": ("✗", typer.colors.RED)}
@@ -182,8 +182,8 @@ def _say(verdict: Verdict) -> None:
         if not shows_greek():
             sign = question.state
         kind = f" [{TITLES[question.diagnosis]}]" if question.diagnosis else ""
-        said = question.message.removeprefix(f"{question.name}: ")
-        message = said if "\n" in said else text_of(said)
+        text = question.message.removeprefix(f"{question.name}: ")
+        message = text if "\n" in text else text_of(text)
         lead = f"{sign} {question.name}{kind}: "
         typer.echo(typer.style(sign, fg=colour) + lead[len(sign) :] + wrapped(message, len(lead)))
         if question.read_as and not question.right:
@@ -325,7 +325,7 @@ def grade(
             "--only says which exercises count"
         )
     fine = len(marks.rows) - len(marks.troubled)
-    kept = f", {marks.kept} of them before" if marks.kept else ""
-    typer.echo(f"graded {fine} of {len(marks.rows)} students{kept}: {output}")
+    note = f", {marks.kept} of them before" if marks.kept else ""
+    typer.echo(f"graded {fine} of {len(marks.rows)} students{note}: {output}")
     if marks.troubled:
         raise typer.Exit(ExitCode.failed)

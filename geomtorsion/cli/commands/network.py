@@ -156,14 +156,14 @@ def _family(one: LineFamily, square: float | None) -> dict[str, Any]:
 def _circuit(net: DislocationNetwork, loop: Loop, lattice: str | None) -> dict[str, Any]:
     """The Burgers vector of one circuit as plain data, or why there is none."""
     try:
-        found = net.burgers(loop, lattice)
+        burgers = net.burgers(loop, lattice)
     except GeomtorsionError as error:
         return {"circuit": loop.name, "failed": str(error), "kind": type(error).__name__}
     return {
         "circuit": loop.name,
-        "vector": found.vector.tolist(),
-        "lattice": found.whole.tolist() or None,
-        "crossings": len(found.crossings),
+        "vector": burgers.vector.tolist(),
+        "lattice": burgers.whole.tolist() or None,
+        "crossings": len(burgers.crossings),
     }
 
 
