@@ -222,8 +222,8 @@ class AtomCircuits:
     def _through(self, sites: Sequence[Site]) -> AtomCircuit:
         """The circuit along bonds from site to site."""
         path, steps = [sites[0]], []
-        for one, two in pairwise(sites):
-            on, labels = self._way(one, two)
+        for start, end in pairwise(sites):
+            on, labels = self._way(start, end)
             path += on
             steps += labels
         return AtomCircuit.of(

@@ -287,9 +287,9 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
     scale = np.linalg.norm(vectors, axis=1).mean() / np.linalg.norm(ideal, axis=1).mean()
     r = vectors / scale
     unit = r / np.maximum(np.linalg.norm(r, axis=1), 1e-300)[:, None]
-    other = int(np.abs(unit @ unit[0]).argmin())
+    partner = int(np.abs(unit @ unit[0]).argmin())
     directions = ideal / np.linalg.norm(ideal, axis=1)[:, None]
-    angle = unit[0] @ unit[other]
+    angle = unit[0] @ unit[partner]
     # Any pair of neighbour vectors with about this angle is a candidate for these two.
     cosines = directions @ directions.T
     first, second = np.nonzero((np.abs(cosines - angle) < 0.5) & (np.abs(cosines) < 0.9))
@@ -297,7 +297,7 @@ def _seeded(lattice: Lattice, vectors: np.ndarray) -> Frame:
         # All neighbours are on a line, or seem so from very far, or one overlaps with the atom: any
         # rotation fits equally.
         return Frame(lattice, np.eye(3), float(scale))
-    here = triads(unit[:1], unit[other : other + 1])[0]
+    here = triads(unit[:1], unit[partner : partner + 1])[0]
     turns = np.swapaxes(triads(directions[first], directions[second]), 1, 2) @ here
     at = np.einsum("nij,kj->nki", turns, r)
     misfits = squared(at[:, :, None] - ideal).min(axis=2).sum(axis=1)
@@ -457,13 +457,13 @@ def frame_of(
         alike = parts[frame_and_fit[0].lattice.name] > 0
         share = max(share_of(*frame_and_fit, vectors), parts[frame_and_fit[0].lattice.name])
     if name is not None and share < 0.5:
-        other = likely_lattice(vectors)
-        rival = share_of(*other, vectors)
+        rival_fit = likely_lattice(vectors)
+        rival = share_of(*rival_fit, vectors)
         # Clearly another lattice.
-        if other[0].lattice.name != name and rival > 2 * share:
+        if rival_fit[0].lattice.name != name and rival > 2 * share:
             raise CrystalError(
                 f"lattice: the neighbours of {rival:.1%} of the atoms fit into "
-                f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
+                f"{rival_fit[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
                 "that one, or none."
             )
     if not (alike if share >= METHOD.share else _is_noisy(frame_and_fit[0], vectors)):

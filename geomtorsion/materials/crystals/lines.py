@@ -183,9 +183,9 @@ def simplified(
         del lines[k]
         # The removed node moves to the beginning of the line, so many periods back.
         place, offset = line.path[0] - line.image @ vectors, line.image
-        for m, other in list(lines.items()):
-            if gone in (other.start, other.end):
-                lines[m] = _moved(other, gone, junction, place, offset, vectors)
+        for m, neighbour in list(lines.items()):
+            if gone in (neighbour.start, neighbour.end):
+                lines[m] = _moved(neighbour, gone, junction, place, offset, vectors)
     rings = [k for k, one in lines.items() if one.start == one.end and not one.image.any()]
     for k in rings:
         if length_of(smoothed(lines[k].path, True, width)) < np.pi * width:
@@ -199,15 +199,15 @@ def _without_eyes(
     """Merge lines that part and meet again within a core into one with the sum of their b."""
     lines: dict[int, Strand] = {}
     line_at: dict[tuple[int, ...], int] = {}
-    for k, one in enumerate(found):
-        line = one if one.start <= one.end else one.reversed(vectors)
+    for k, strand in enumerate(found):
+        line = strand if strand.start <= strand.end else strand.reversed(vectors)
         ends = (line.start, line.end, *line.image.tolist())
-        other = lines.get(line_at.setdefault(ends, k))
-        if other is None or one.start == one.end:
+        twin = lines.get(line_at.setdefault(ends, k))
+        if twin is None or strand.start == strand.end:
             lines[k] = line
-        elif line.length + other.length < np.pi * width:
-            first = min(line, other, key=lambda x: x.length)
-            lines[line_at[ends]] = replace(first, burgers=line.burgers + other.burgers)
+        elif line.length + twin.length < np.pi * width:
+            first = min(line, twin, key=lambda x: x.length)
+            lines[line_at[ends]] = replace(first, burgers=line.burgers + twin.burgers)
         else:
             lines[k] = line
     nonzero_lines = {k: line for k, line in lines.items() if line.burgers.any()}

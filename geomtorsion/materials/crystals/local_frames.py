@@ -61,9 +61,9 @@ def local_frames(lattice: Lattice, vectors: np.ndarray) -> LocalFrames:
 def clear_misfit(name: str) -> float:
     """The least misfit in a lattice of an atom that is in another lattice without any noise."""
     misfits = [np.inf]
-    for other in LATTICES.values():
-        if other.name != name:
-            ideal = replace(other, shells=50).ideal[0]
+    for lattice in LATTICES.values():
+        if lattice.name != name:
+            ideal = replace(lattice, shells=50).ideal[0]
             # Any of several neighbours at the same distance may be counted.
             moved = ideal + 1e-6 * np.random.default_rng(0).normal(size=(200, *ideal.shape))
             order = np.linalg.norm(moved, axis=2).argsort(axis=1)[:, :, None]
@@ -81,8 +81,8 @@ def _some(lattice: Lattice, vectors: np.ndarray) -> tuple[np.ndarray, ...]:
     r = vectors / scale[:, None, None]
     unit = vectors / np.maximum(sizes, 1e-300)[:, :, None]
     cosines = np.abs(np.einsum("ni,nki->nk", unit[:, 0], unit))
-    other = cosines.argmin(axis=1)
-    here = triads(unit[:, 0], unit[np.arange(count), other])
+    partner = cosines.argmin(axis=1)
+    here = triads(unit[:, 0], unit[np.arange(count), partner])
     best, turns = np.full(count, -np.inf), np.tile(np.eye(3), (count, 1, 1))
     squares = (ideal**2).sum(axis=1)
     at = (r @ np.swapaxes(here, 1, 2)).reshape(-1, 3)

@@ -114,11 +114,11 @@ def _slots(
         if best is None:
             best = (near, np.zeros(len(places), dtype=np.int64), single, misfit)
             continue
-        other = misfit < best[3]
+        closer = misfit < best[3]
         best = (
-            np.where(other[:, None], near, best[0]),
-            np.where(other, number, best[1]),
-            np.where(other, single, best[2]),
+            np.where(closer[:, None], near, best[0]),
+            np.where(closer, number, best[1]),
+            np.where(closer, single, best[2]),
             np.minimum(misfit, best[3]),
         )
     assert best is not None
@@ -137,9 +137,9 @@ def _tables(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, list[tuple[int, i
     cell = np.array(lattice.period)
     points = {tuple(p) for p in (np.array(lattice.points) % cell).tolist()}
     for kind, vectors in enumerate(kinds):
-        for other, place in enumerate(lattice.offsets):
+        for end_kind, place in enumerate(lattice.offsets):
             ends = (vectors + lattice.offsets[kind] - place) % cell
-            behind[kind, [tuple(v) in points for v in ends.tolist()]] = other
+            behind[kind, [tuple(v) in points for v in ends.tolist()]] = end_kind
     back = np.array(
         [
             [slot[behind[kind][k]][tuple((-v).tolist())] for k, v in enumerate(vectors)]
@@ -172,13 +172,13 @@ def _closing(near: np.ndarray, kind: np.ndarray, lattice: Lattice) -> np.ndarray
     for number in range(len(lattice.neighbours)):
         mine = np.flatnonzero(kind == number)
         for s in range(near.shape[1]):
-            other = near[mine, s]
-            wrong = near[other, back[number, s]] != mine
-            wrong |= kind[other] != behind[number, s]
-            wrong &= other >= 0
+            neighbour = near[mine, s]
+            wrong = near[neighbour, back[number, s]] != mine
+            wrong |= kind[neighbour] != behind[number, s]
+            wrong &= neighbour >= 0
             torn[mine[wrong]] = True
             # A neighbour that does not have this atom as a neighbour is out of place as well.
-            torn[other[wrong]] = True
+            torn[neighbour[wrong]] = True
         for one, s, t, u in triangles:
             if one != number:
                 continue

@@ -143,7 +143,7 @@ def _shares(
     beside = [numbers[x, : y.shells].ravel() for x, y in zip(some, lattices, strict=True)]
     # An atom may be a neighbour of several others.
     around = np.unique(np.concatenate(beside))
-    other = local_of(lattices, neighbours(around)[1]) if len(around) else local
+    local_around = local_of(lattices, neighbours(around)[1]) if len(around) else local
     shares = {}
     for k, lattice in enumerate(lattices):
         shares[lattice.name] = len(every[k]) / len(atoms)
@@ -151,8 +151,8 @@ def _shares(
             continue
         rows = np.searchsorted(around, beside[k])
         mean = np.repeat(local.quaternions[some[k]], lattice.shells, axis=0)
-        _, angles = symmetry_of(lattice.name).nearest(mean, other.quaternions[rows])
-        alike = ((other.phase[rows] == k) & (angles < METHOD.wall)).mean()
+        _, angles = symmetry_of(lattice.name).nearest(mean, local_around.quaternions[rows])
+        alike = ((local_around.phase[rows] == k) & (angles < METHOD.wall)).mean()
         # In noise, as many atoms fit next to a fitting atom as anywhere else.
         if alike < shares[lattice.name] / 2 or not _are_ordered(lattice, local, every[k], vectors):
             shares[lattice.name] = 0.0

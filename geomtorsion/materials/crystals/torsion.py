@@ -177,8 +177,8 @@ class Torsion:
         labels = self.labels.copy()
         inside = free[rows].any(axis=1)
         of_face = np.where(sides[:, 0] >= 0, core[sides[:, 0]], core[sides[:, 1]])
-        other = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
-        of_face = np.maximum(of_face, other)
+        behind = np.where(sides[:, 1] >= 0, core[sides[:, 1]], of_face)
+        of_face = np.maximum(of_face, behind)
         order = np.flatnonzero(inside & np.isin(of_face, touched))
         order = order[np.argsort(of_face[order], kind="stable")]
         breaks = np.flatnonzero(np.diff(of_face[order])) + 1
@@ -207,8 +207,8 @@ def _program(
     matrix = scipy.sparse.coo_array(
         (BOUNDARY[side].astype(float), (face, number[local[face, side]])), shape=(many, count)
     )
-    one = scipy.sparse.eye_array(many)
-    table = scipy.sparse.hstack([matrix, one, -one]).tocsc()
+    identity = scipy.sparse.eye_array(many)
+    table = scipy.sparse.hstack([matrix, identity, -identity]).tocsc()
     cost = np.concatenate([np.zeros(count), weights, weights])
     bounds = np.array([(-np.inf, np.inf)] * count + [(0, np.inf)] * (2 * many))
     solution = np.zeros((count, 3))

@@ -179,10 +179,10 @@ def _check_packing(path: Path, said: dict[str, Any]) -> None:
     """Refuse codecs that do more than compress."""
     listed = [said.get("compressor"), *(said.get("filters") or []), *(said.get("codecs") or [])]
     while listed:
-        one = listed.pop()
-        if one is None:
+        entry = listed.pop()
+        if entry is None:
             continue
-        codec = one if isinstance(one, dict) else {}
+        codec = entry if isinstance(entry, dict) else {}
         name = codec.get("id") or codec.get("name")
         if name not in HARMLESS:
             raise FileFormatError(

@@ -393,8 +393,8 @@ class Samples:
             low, high = (f"{x:.2g}" for x in (self.sigma.min(), self.sigma.max()))
             parts.append(f"sigma {low}" + (f" to {high}" if high != low else ""))
         if self.unit:
-            other = self.vector_unit != self.unit
-            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if other else ""))
+            has_own_unit = self.vector_unit != self.unit
+            parts.append(f"in {self.unit}" + (f", b in {self.vector_unit}" if has_own_unit else ""))
         return f"SampledFrame({', '.join(parts)})"
 
 
@@ -435,9 +435,9 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
         for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
             matrix[j, i], matrix[i, j] = w[k], -w[k]
         return matrix
-    other = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
+    short_form = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
     raise GridError(
-        f"rotation: expected shape {(n, n, *shape)} (matrix) or {other}, got {w.shape}."
+        f"rotation: expected shape {(n, n, *shape)} (matrix) or {short_form}, got {w.shape}."
     )
 
 

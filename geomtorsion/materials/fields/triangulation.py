@@ -291,14 +291,14 @@ class Triangulation:
         One matrix for each direction, shape (nodes, nodes), by least squares, each neighbour by the
         square of its distance.
         """
-        node, other, step = self._neighbours
+        node, neighbour, step = self._neighbours
         count = len(self.points)
         squares = np.zeros((count, self.dimension, self.dimension))
         np.add.at(squares, node, step[:, :, None] * step[:, None])
         weights = np.einsum("kij,kj->ki", np.linalg.pinv(squares, hermitian=True)[node], step)
         matrices = []
         for column in weights.T:
-            table = scipy.sparse.csr_array((column, (node, other)), shape=(count, count))
+            table = scipy.sparse.csr_array((column, (node, neighbour)), shape=(count, count))
             matrices.append((table - scipy.sparse.diags_array(table.sum(axis=1))).tocsr())
         return tuple(matrices)
 
@@ -308,14 +308,14 @@ class Triangulation:
 
         A matrix of shape (k, nodes), and the nodes of its rows: nodes with enough neighbours.
         """
-        node, other, step = self._neighbours
+        node, neighbour, step = self._neighbours
         count = len(self.points)
         wide = np.column_stack([np.ones(len(step)), step])
         squares = np.zeros((count, wide.shape[1], wide.shape[1]))
         np.add.at(squares, node, wide[:, :, None] * wide[:, None])
         inverse = np.linalg.pinv(squares, hermitian=True)[:, 0]
         weights = (inverse[node] * wide).sum(axis=1)
-        table = scipy.sparse.csr_array((weights, (node, other)), shape=(count, count))
+        table = scipy.sparse.csr_array((weights, (node, neighbour)), shape=(count, count))
         # A plane needs more neighbours than parameters, and not all of them on one line.
         total = np.asarray(table.sum(axis=1)).ravel()
         enough = np.bincount(node, minlength=count) > wide.shape[1]
@@ -339,14 +339,14 @@ def checked_polygons(given: object) -> list[np.ndarray]:
     except (TypeError, ValueError):
         plain = False
     listed = [given] if plain else checks.entries(given, "boundary", GridError)
-    polygons = [numbers(one, "boundary") for one in listed]
-    for one in polygons:
-        if one.ndim != 2 or one.shape[1] != 2 or len(one) < 3:
+    polygons = [numbers(polygon, "boundary") for polygon in listed]
+    for polygon in polygons:
+        if polygon.ndim != 2 or polygon.shape[1] != 2 or len(polygon) < 3:
             raise GridError(
                 f"boundary: expected polygons of three corners or more, shape (k, 2), got shape "
-                f"{one.shape}."
+                f"{polygon.shape}."
             )
-        if not np.isfinite(one).all():
+        if not np.isfinite(polygon).all():
             raise GridError("boundary: expected polygons with finite corners, got infinity or NaN.")
     return polygons
 

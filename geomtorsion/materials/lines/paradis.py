@@ -268,7 +268,7 @@ def _nodes(
         constraints.append(reader.whole(words[5], "constraint"))
         for _ in range(count_arms):
             words = reader.next(f"an arm of node {tag[0]},{tag[1]}")
-            line, other = reader.line, reader.tag(words[0])
+            line, neighbour = reader.line, reader.tag(words[0])
             numbers = words[1:]
             if len(numbers) == 3:
                 numbers = numbers + reader.next("the normal of a glide plane")
@@ -276,11 +276,11 @@ def _nodes(
                 reader.fail(f"an arm has b and a normal, six numbers, but {len(numbers)} came.")
             values = [reader.number(word, "an arm") for word in numbers]
             reader.line = line
-            if other == tag:
+            if neighbour == tag:
                 reader.fail(f"the arm joins node {tag[0]},{tag[1]} to itself.")
             if not any(values[:3]):
                 reader.fail("the arm has b = 0: it is no dislocation.")
-            arms.setdefault((tag, other), []).append((line, values))
+            arms.setdefault((tag, neighbour), []).append((line, values))
     if (more := next(reader.rows, None)) is not None:
         reader.line, words = more
         reader.fail(f"nodeCount says {count} nodes, but more follows: {shown(' '.join(words))}.")

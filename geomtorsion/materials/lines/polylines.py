@@ -183,16 +183,16 @@ class _Walker:
         arms = self.arms[node]
         if len(arms) != 2 or arms[0] == arms[1] or self.ends[node]:
             return None
-        other = arms[0] if arms[1] == line else arms[1]
-        if self.used[other]:
+        next_line = arms[0] if arms[1] == line else arms[1]
+        if self.used[next_line]:
             return None
-        onward = 1 if self.pairs[other][0] == node else -1
-        here, there = self.vectors[line], self.vectors[other]
+        onward = 1 if self.pairs[next_line][0] == node else -1
+        here, there = self.vectors[line], self.vectors[next_line]
         gap = tuple(sense * a - onward * b for a, b in zip(here, there, strict=True))
         if not vanishes(gap, self.scale, self.tolerance):
             return None
-        self.used[other] = True
-        return other, onward
+        self.used[next_line] = True
+        return next_line, onward
 
 
 def line_table(

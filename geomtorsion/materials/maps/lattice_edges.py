@@ -160,10 +160,10 @@ def _differences(q: np.ndarray, joined: np.ndarray) -> np.ndarray:
     total = np.zeros_like(middle)
     weights = [(-1) ** k * comb(SMOOTH, k) for k in range(SMOOTH + 1)]
     for k, weight in enumerate(weights):
-        one = q[row, column + k]
+        quaternion = q[row, column + k]
         # q and -q are the same rotation.
-        sign = np.where((one * middle).sum(axis=1) < 0, -1.0, 1.0)
-        total += (weight * sign)[:, None] * one
+        sign = np.where((quaternion * middle).sum(axis=1) < 0, -1.0, 1.0)
+        total += (weight * sign)[:, None] * quaternion
     turns = 2 * product(total, conjugated(middle))[:, 1:]
     return turns / np.sqrt(sum(weight**2 for weight in weights))
 

@@ -84,11 +84,11 @@ def _h5oina(path: Path, group: Any, laue: Mapping[int, str]) -> MapPoints:
 
     phases: dict[int, Phase] = {}
     for key in header["Phases"]:
-        one = header["Phases"][key]
-        title = np.ravel(one["Phase Name"][()])[0]
+        entry = header["Phases"][key]
+        title = np.ravel(entry["Phase Name"][()])[0]
         title = title.decode("utf-8", "replace") if isinstance(title, bytes) else str(title)
-        lattice = [np.ravel(one[f"Lattice {what}"][()]) for what in ("Dimensions", "Angles")]
-        group_name = LAUE_NUMBERS.get(float(np.ravel(one["Laue Group"][()])[0]))
+        lattice = [np.ravel(entry[f"Lattice {what}"][()]) for what in ("Dimensions", "Angles")]
+        group_name = LAUE_NUMBERS.get(float(np.ravel(entry["Laue Group"][()])[0]))
         phases[int(key)] = described(
             f"{path.name}: Phases/{key}", int(key), title, group_name, laue,
             (lattice[0].tolist(), np.degrees(lattice[1]).round(6).tolist()), "y",

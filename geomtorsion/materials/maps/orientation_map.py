@@ -239,10 +239,10 @@ class OrientationMap:
             angles, "angles", OrientationError, shape=(None, None, 3), infinite=None
         )
         indexed = np.asarray(np.isfinite(euler).all(axis=-1))
-        one = phase if isinstance(phase, Phase) else Phase("crystal", phase)
+        entry = phase if isinstance(phase, Phase) else Phase("crystal", phase)
         q = quaternion_from_euler(np.radians(np.where(indexed[..., None], euler, 0.0)), "ZXZ")
         return cls(
-            q, indexed.astype(int), {1: one}, two_steps(steps), threshold=threshold, sigma=sigma,
+            q, indexed.astype(int), {1: entry}, two_steps(steps), threshold=threshold, sigma=sigma,
             unit=unit,
         )  # fmt: skip
 

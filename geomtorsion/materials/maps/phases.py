@@ -123,13 +123,13 @@ class Phase:
         Array of shape (k, 3).
         """
         subject = "Burgers vector of a family"
-        one = self.lattice @ cell_vector(vector, subject, self)
-        if not one.any():
+        burgers = self.lattice @ cell_vector(vector, subject, self)
+        if not burgers.any():
             raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
         images: list[np.ndarray] = []
         # Lattice constants have about four digits.
-        near = 1e-4 * np.abs(one).max()
-        for image in images_of(self, one[None])[:, 0]:
+        near = 1e-4 * np.abs(burgers).max()
+        for image in images_of(self, burgers[None])[:, 0]:
             if all(min(abs(image - x).max(), abs(image + x).max()) > near for x in images):
                 images.append(image)
         return np.array(images)
