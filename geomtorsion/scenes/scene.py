@@ -376,11 +376,11 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
     for effect in listed:
         if keys.count(effect.key) > 1 and not effect.several:
             raise SceneError(f"the effect {effect.key} is there twice. Keep one of them.")
-        for other in listed:
-            if other.key in effect.excludes:
+        for rival in listed:
+            if rival.key in effect.excludes:
                 raise SceneError(
-                    f"{effect.key} and {other.key} contradict each other: {effect.title}; "
-                    f"{other.title}. Keep one of them."
+                    f"{effect.key} and {rival.key} contradict each other: {effect.title}; "
+                    f"{rival.title}. Keep one of them."
                 )
     return listed
 

@@ -348,13 +348,13 @@ def _groups(scene: Scene, changes: Sequence[Mapping[str, Values]]) -> dict[Hasha
             member = _Member(place, varied, *numbers, None)
             key: Hashable = ("start", own)
         else:
-            other = scene.with_values(varied)
-            member = _Member(place, varied, *other.numbers, other)
-            assembly = other.assembly
+            variant = scene.with_values(varied)
+            member = _Member(place, varied, *variant.numbers, variant)
+            assembly = variant.assembly
             switches = str([part.switches for part in assembly.parts.values()])
             # An axis of symmetry, for one, may be another while the equations are the same.
-            read = tuple(x for item in other.selection.watch for x in item.made_of(assembly))
-            times = other.t, other.samples, other.accuracy
+            read = tuple(x for item in variant.selection.watch for x in item.made_of(assembly))
+            times = variant.t, variant.samples, variant.accuracy
             key = (tuple(member.parameters), tuple(assembly.rates.items()), switches, read, times)
         groups.setdefault(key, []).append(member)
     return groups
