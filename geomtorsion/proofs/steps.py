@@ -212,10 +212,10 @@ class Stepper:
         for factor in (SHRINK,) if shrunk else (1 / SHRINK, SHRINK):
             # Larger disks than 8 steps to the end gain nothing.
             while factor < 1 or radius <= 8 * last:
-                other = self.disk(radius * factor)
-                if other is None or other.longest <= best.longest + 1e-3:
+                disk = self.disk(radius * factor)
+                if disk is None or disk.longest <= best.longest + 1e-3:
                     break
-                radius, best = radius * factor, other
+                radius, best = radius * factor, disk
         return best
 
     def step(self, radius: float | None, most: fmpq) -> Step:
