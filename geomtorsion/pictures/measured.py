@@ -143,19 +143,20 @@ def _draw_group(
     """The circuits of one section; longest: |b| of all."""
     # The longest arrow is half as long as the widest circuit, and can be seen.
     widest = max(
-        float(np.ptp(one.path[:, np.isfinite(one.path[0])], axis=1).max()) for one in vectors
+        float(np.ptp(vector.path[:, np.isfinite(vector.path[0])], axis=1).max())
+        for vector in vectors
     )
     extent = max(abs(float(line[-1] - line[0])) for line in corners)
     reach = max(widest, extent / STYLE.arrows * 4) / 2
-    for one in vectors:
+    for vector in vectors:
         # A bright line below a dark one is visible on any background.
         for colour, width in (("white", 3.4), (START, 1.6)):
-            axes.plot(*one.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
-        low, high = np.nanmin(one.path, axis=1), np.nanmax(one.path, axis=1)
+            axes.plot(*vector.path, color=colour, linewidth=width, solid_capstyle="round", zorder=4)
+        low, high = np.nanmin(vector.path, axis=1), np.nanmax(vector.path, axis=1)
         middle = (low + high) / 2
-        if one.arrow is not None and longest > 0:
-            step = one.arrow / longest * reach
-            colour = GAP if one.is_significant else SOFT
+        if vector.arrow is not None and longest > 0:
+            step = vector.arrow / longest * reach
+            colour = GAP if vector.is_significant else SOFT
             # Heads shrink with short arrows, so that these show their sense as well.
             axes.quiver(
                 *middle,
@@ -168,10 +169,10 @@ def _draw_group(
                 minlength=0,
                 zorder=5,
             )
-        noise = f" ± {one.noise:.2g}" if one.noise else ""
-        text = f"|b| = {one.magnitude:.3g}{noise} {one.unit}".rstrip()
-        if one.whole.size:
-            text = f"b = ({', '.join(map(str, one.whole.tolist()))}) lattice vectors"
+        noise = f" ± {vector.noise:.2g}" if vector.noise else ""
+        text = f"|b| = {vector.magnitude:.3g}{noise} {vector.unit}".rstrip()
+        if vector.whole.size:
+            text = f"b = ({', '.join(map(str, vector.whole.tolist()))}) lattice vectors"
         axes.annotate(
             text,
             (middle[0], low[1] if down else high[1]),

@@ -63,7 +63,7 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
             f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {STYLE.edges}."
         )
     vectors = net.basis_burgers(basis)
-    sizes = [float(np.linalg.norm(one.vector)) for one in vectors]
+    sizes = [float(np.linalg.norm(vector.vector)) for vector in vectors]
     largest = max(sizes, default=0.0)
     figure = new_figure(7.6, 6.2)
     axes = figure.subplots()
@@ -72,9 +72,9 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     axes.plot(edges[..., 0].T, edges[..., 1].T, color=SOFT, lw=1, zorder=1)
     axes.plot(*places.T, "o", color=START, ms=4, zorder=3)
     shades = _shades(figure, axes, largest)
-    for one, length in zip(vectors, sizes, strict=True):
-        if length > max(FLAT * largest, one.error):
-            corners = np.array([places[net.edges.numbers[node]] for node in one.cycle])
+    for vector, length in zip(vectors, sizes, strict=True):
+        if length > max(FLAT * largest, vector.error):
+            corners = np.array([places[net.edges.numbers[node]] for node in vector.cycle])
             axes.fill(*corners.T, color=shades(length), alpha=0.85, zorder=2, lw=0)
             axes.annotate(
                 f"{length:.3g}",
@@ -85,7 +85,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
                 zorder=4,
             )
     missed = sum(
-        length > max(FLAT * largest, one.error) for one, length in zip(vectors, sizes, strict=True)
+        length > max(FLAT * largest, vector.error)
+        for vector, length in zip(vectors, sizes, strict=True)
     )
     frame = net.frame
     exact = isinstance(frame, Frame)
@@ -323,12 +324,14 @@ def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequ
 def _draw_shares(axes: Axes, families: Sequence[LineFamily]) -> None:
     """Length of the longest families, screw and edge."""
     shown = families[: len(SERIES)]
-    whole = sum(one.length for one in families) or 1.0
-    for k, one in enumerate(shown):
-        share, color = 100 * one.length / whole, SERIES[k].color
-        axes.barh(k, share * one.screw, color=color, height=0.62)
-        axes.barh(k, share * one.edge, left=share * one.screw, color=color, alpha=0.35, height=0.62)
-        text = f"b = {one.name}: {number(round(share, 2))} %, screw {100 * one.screw:.0f} %"
+    whole = sum(family.length for family in families) or 1.0
+    for k, family in enumerate(shown):
+        share, color = 100 * family.length / whole, SERIES[k].color
+        axes.barh(k, share * family.screw, color=color, height=0.62)
+        axes.barh(
+            k, share * family.edge, left=share * family.screw, color=color, alpha=0.35, height=0.62
+        )
+        text = f"b = {family.name}: {number(round(share, 2))} %, screw {100 * family.screw:.0f} %"
         axes.annotate(text, (0, k - 0.44), fontsize=9, va="bottom", color="#222222")
     left = len(families) - len(shown)
     axes.set_title("length by family" + (f", {left} more not shown" if left else ""), fontsize=10)
