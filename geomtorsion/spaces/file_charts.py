@@ -110,8 +110,8 @@ def _chart(
     keeps = table.get("keeps_frame", False)
     flag(keeps, f"{words.file}: {place}.keeps_frame", FileFormatError, message=FLAG)
     eta = [[frame.eta[i, j] for j in each] for i in each]
-    other = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
-    return Chart.of(other, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))
+    chart_frame = Frame(words.coordinates, rows, eta, parameters=words.parameters, name=name)
+    return Chart.of(chart_frame, name, keeps_frame=keeps, **_edge(words, table, f"{place}."))
 
 
 def _edge(words: Vocabulary, table: Mapping[str, Any], place: str) -> dict[str, Any]:

@@ -63,8 +63,8 @@ class Pair:
     def chart(self) -> str:
         """The first chart, the home chart if possible, that contains both motions."""
         atlas = self.problem.atlas
-        others = [name for name in atlas.makers if name != atlas.home]
-        for name in (atlas.home, *others):
+        charts = [name for name in atlas.makers if name != atlas.home]
+        for name in (atlas.home, *charts):
             try:
                 for solution in self.curves.values():
                     solution.in_chart(name)
