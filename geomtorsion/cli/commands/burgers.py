@@ -274,9 +274,9 @@ def refuse_options(given: Mapping[str, object], measured: bool) -> None:
     """Refuse options that belong to the other kind of source."""
     for name, value in given.items():
         if value is not None and value is not False and value not in ([], {}):
-            other = "spaces given by formulas" if measured else "measured fields"
+            owner = "spaces given by formulas" if measured else "measured fields"
             this = "measured" if measured else "a space"
-            raise LoopError(f"{name}: it belongs to {other}, but the source is {this}. Drop it.")
+            raise LoopError(f"{name}: it belongs to {owner}, but the source is {this}. Drop it.")
 
 
 def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
