@@ -146,7 +146,7 @@ def test_circles(scan, tmp_path):
     found = json.loads(run(*arguments, "--json", "-o", str(tmp_path / "o"), code=1).stdout)
     good, bad = found["circles"]
     assert good["magnitude"] / good["area"] == pytest.approx(np.radians(0.4), rel=1e-4)
-    assert "lies in grain 0" in bad["failed"]
+    assert "is in grain 0" in bad["failed"]
     assert (tmp_path / "o/circuits.png").stat().st_size > 5000
     shown = run(*arguments, code=1).stdout
     assert "in specimen axes" in shown

@@ -109,13 +109,13 @@ def test_wrong_circuits_are_told():
         np.linalg.norm((crystal.positions - centre)[:, :2] - [4, 4], axis=1) < 1.2
     )
     for wrong, message in (
-        ([0, 1], "three different ones"),
+        ([0, 1], "expected three or more different atoms for a circuit, got 2"),
         ([0, 1, atoms], f"from 0 to {atoms - 1}"),
         ("abc", "list|whole number"),
     ):
         with pytest.raises(CrystalError, match=message):
             crystal.circuit(atoms=wrong)
-    with pytest.raises(CrystalError, match="another image|three different"):
+    with pytest.raises(CrystalError, match="another image|three or more different"):
         crystal.circuit(atoms=column[crystal.positions[column, 2].argsort()].tolist())
     for point, normal, radius, message in (
         (centre, [0, 0, 0], 5, "a direction"),
