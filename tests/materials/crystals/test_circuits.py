@@ -121,7 +121,7 @@ def test_wrong_circuits_are_told():
         (centre, [0, 0, 0], 5, "a direction"),
         (centre, [0, 0, 1], 1, "distance of neighbours"),
         (centre, [0, 0, 1], -1, "positive"),
-        (centre, [0, 0, 1], 1000, "no atom lies within"),
+        (centre, [0, 0, 1], 1000, "got no atom within"),
         ([0, 0, float("nan")], [0, 0, 1], 5, "finite"),
     ):
         with pytest.raises(CrystalError, match=message):
