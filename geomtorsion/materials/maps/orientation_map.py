@@ -452,8 +452,8 @@ class OrientationMap:
         """
         if tuple(plane) != (0, 1):
             raise OrientationError(
-                f"plane: expected x and y, the plane of an orientation map, got "
-                f"{checks.shown(plane)}. Omit the option."
+                "plane: expected x and y, the only plane of an orientation map, got another one. "
+                "Omit the option."
             )
         most = min(self.shape) - 1
         n = checks.count(size, "size", OrientationError, 1, most)

@@ -241,7 +241,7 @@ REFUSED = [
     ("word.data", data("{k} {t} {x} {y} {z}", " # smd"), "style of the atoms .*got 'smd'"),
     ("a.xyz", "1\nProperties=species:S:1\nCu\n", "expected pos:R:3"),
     ("b.xyz", "1\nx\nCu 1 2\n", "got rows of 3 columns"),
-    ("c.xyz", '1\nLattice="1 0 0 0 1 0 0 0 1" pbc="yes"\nCu 1 2 3\n', "pbc: expected T or F for each of three"),
+    ("c.xyz", '1\nLattice="1 0 0 0 1 0 0 0 1" pbc="yes"\nCu 1 2 3\n', "pbc: expected T or F"),
 ]
 
 
