@@ -96,7 +96,7 @@ CASES: list[tuple[str, str | bytes | Callable[[], bytes], Callable[[Path], objec
     ("samples.tif", tiff(compression=1, strip=bytes(64), samples=60000), LatticeImage.read, "grey"),
     ("a.vtk", VTK + "ORIGIN 0 0 0\nSPACING 1 1 1\n", SampledFrame.read, "DIMENSIONS"),
     ("far.csv", diagonal(290), SampledFrame.read, "290 x 290 x 290 nodes"),
-    ("a.data", PARADIS.format(10**9, "", "0,0 1 1 1 0 0\n"), DislocationNetwork.read, "got the end"),
+    ("a.data", PARADIS.format(10**9, "", "0,0 1 1 1 0 0\n"), DislocationNetwork.read, "the end"),
     (
         "head.data",
         PARADIS.format(1, "x = [\n" + "1\n" * 100_000, ""),

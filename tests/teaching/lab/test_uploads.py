@@ -108,7 +108,7 @@ def test_an_orientation_map_is_read():
         (nowhere(), "nothing is known"),
         (wall_ctf().replace(b"\r\n1\t", b"\r\n0\t"), "got phase 0 (not indexed) for all"),
         (wall_ctf().replace(b"\r\n1\t5.0", b"\r\n1\t5.3", 1).replace(b"5.3", b"5.7", 1), "mixed"),
-        (wall_ctf().replace(b"\r\n1\t7.0", b"\r\n4\t7.0", 1), "or 0 for a pixel without an orientation, got 4"),
+        (wall_ctf().replace(b"\r\n1\t7.0", b"\r\n4\t7.0", 1), "without an orientation, got 4"),
         (wall_ctf().replace(b"Euler2", b"Angle2"), "expected a column Euler2"),
         (pickle.dumps(Trap()), "pickle"),
         (objects(), "map.npz"),
