@@ -84,18 +84,13 @@ class DislocationNetwork:
         copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
         length, largest = None, 0.0
         for start, end, key, data in copy.edges(keys=True, data=True):
-            where = f"line {start!r} -> {end!r}"
+            where = f"line {start!r} -> {end!r} (key {key!r})"
             if "burgers" not in data:
-                raise NetworkError(
-                    f"{where}: expected an attribute 'burgers', got none. Give each line its b."
-                )
+                raise NetworkError(f"{where}: expected an attribute 'burgers', got none. Give b.")
             data["burgers"] = exact_vector(data["burgers"], where, length)
             length, strength = len(data["burgers"]), size(data["burgers"])
             if not strength:
-                raise NetworkError(
-                    f"{where} (key {key!r}): expected b different from zero, got b = 0, which is "
-                    "not a dislocation. Remove the line."
-                )
+                raise NetworkError(f"{where}: expected non-zero b, got b = 0. Remove the line.")
             largest = max(largest, strength)
         object.__setattr__(self, "graph", nx.freeze(copy))
         object.__setattr__(self, "_scale", largest or 1.0)
@@ -123,10 +118,7 @@ class DislocationNetwork:
         outside = checks.entries(named, "surface", NetworkError)
         for node in outside:
             if not isinstance(node, Hashable) or node not in graph:
-                raise NetworkError(
-                    f"surface: expected nodes of the lines, got {checks.shown(node)}. Name nodes "
-                    "where lines end."
-                )
+                raise NetworkError(f"surface: expected nodes of lines, got {checks.shown(node)}.")
         nx.set_node_attributes(graph, {node: node in outside for node in graph}, "surface")
         if positions is not None:
             places = checks.table(positions, "positions", NetworkError)
@@ -311,10 +303,7 @@ class DislocationNetwork:
             The node is not in the network, or no line touches it.
         """
         if node not in self.graph or not self.graph.degree[node]:
-            raise NetworkError(
-                f"node: expected a node of a line, got {checks.shown(node)}. Name a node where "
-                "lines start or end."
-            )
+            raise NetworkError(f"node: expected a node of a line, got {checks.shown(node)}.")
         out = [b for _, _, b in self.graph.out_edges(node, data="burgers")]
         into = [tuple(-x for x in b) for _, _, b in self.graph.in_edges(node, data="burgers")]
         return total([*out, *into])
@@ -437,8 +426,7 @@ class DislocationNetwork:
             found = values / self.box.volume
         if not np.isfinite(found).all():
             raise NetworkError(
-                "expected a density within the range of floats, got a larger one. Give positions "
-                "and box in other units."
+                "density: expected a float, got a larger number. Give positions in other units."
             )
         return found
 
@@ -491,10 +479,7 @@ class DislocationNetwork:
                 "Use .reversed to reverse one of them."
             )
         if junction in self.graph:
-            raise NetworkError(
-                f"junction: expected a new name, got {checks.shown(junction)}, which is a node "
-                "already. Choose another name."
-            )
+            raise NetworkError(f"junction: expected a new name, got node {checks.shown(junction)}.")
         joint = total([one, two])
         graph = self.to_networkx()
         for start, end, key in (first, second):
@@ -511,7 +496,4 @@ class DislocationNetwork:
         with suppress(KeyError, TypeError, ValueError):
             if isinstance(line, tuple):
                 return self.graph.edges[line]["burgers"]
-        raise NetworkError(
-            f"line: expected (start, end, key) of a line of the network, got {checks.shown(line)}. "
-            "List them by graph.edges(keys=True)."
-        )
+        raise NetworkError(f"expected the (start, end, key) of a line, got {checks.shown(line)}.")

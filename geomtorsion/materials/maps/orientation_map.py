@@ -108,8 +108,7 @@ class OrientationMap:
             checks.instance(value, Phase, f"phase {number}", OrientationError)
         if phase.shape != q.shape[:2] or min(phase.shape) < 2:
             raise OrientationError(
-                f"phase: expected shape {q.shape[:2]}, at least (2, 2), got {phase.shape}. Give a "
-                "phase for each pixel."
+                f"phase: expected shape {q.shape[:2]}, at least (2, 2), got {phase.shape}."
             )
         if not np.isin(phase, [0, *phases]).all():
             strange = phase[~np.isin(phase, [0, *phases])][0]
@@ -122,14 +121,12 @@ class OrientationMap:
         bad = known & ~(np.isfinite(length) & (length > 0))
         if bad.any():
             raise OrientationError(
-                "quaternions: expected four finite numbers, not all 0, at pixel "
-                f"{tuple(np.argwhere(bad)[0].tolist())}, got {q[bad][0].tolist()}. Put phase 0 at "
-                "pixels without an orientation."
+                f"quaternions: expected finite numbers, not all 0, got {q[bad][0].tolist()} at "
+                f"pixel {tuple(np.argwhere(bad)[0].tolist())}. Put phase 0 there, or correct them."
             )
         if not known.any():
             raise OrientationError(
-                "phase: expected a phase for some pixels, got 0 (no orientation) for all. Give the "
-                "phase of each pixel."
+                "phase: expected a phase for each pixel, got 0 (no orientation) for all."
             )
         unit = np.zeros(4)
         unit[0] = 1.0
