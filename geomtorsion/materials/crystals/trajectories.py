@@ -154,7 +154,7 @@ def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
     if note.exists() and read_text(note) != text:
         raise CheckpointError(
             f"{folder}: expected frames of this file with these settings, got frames of another "
-            f"file or of other settings. Give the ones in {note}, or name another directory."
+            f"file or of other settings. Use the settings in {note}, or another directory."
         )
     return text
 

@@ -215,7 +215,7 @@ class _Rows:
     def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
         """Finite numbers of a given count; OVITO may write the size of the core after a point."""
         if len(words) < count:
-            self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is it complete?")
+            self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is the row complete?")
         found = [x for x in map(finite_number, words[:count]) if x is not None]
         if len(found) < count:
             self.fail(

@@ -284,7 +284,7 @@ class _Source:
         # Some locales write a decimal comma, except perhaps at points without an orientation.
         text = text.replace(",", ".")
         if not rows:
-            self.fail(start - 1, "expected points, got the end of the file. Is it complete?")
+            self.fail(start - 1, "expected points, got the end of the file. Is the file complete?")
         try:
             found = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
             if found.shape == (len(rows), width) and np.isfinite(found).all():
