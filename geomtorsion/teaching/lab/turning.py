@@ -130,6 +130,12 @@ def turnable(scene: Film) -> str:
     )
 
 
+def in_space(scene: Film) -> Json:
+    """A picture in space as part of a reply: `space`, its document, and `title`."""
+    kind = "Animation" if len(scene.times) > 1 else "Figure"
+    return {"space": turnable(scene), "title": f"{kind}: {scene.title}"}
+
+
 @cache
 def _script() -> str:
     return Path(__file__).with_name("turn.js").read_text("utf-8")

@@ -55,16 +55,16 @@ def test_a_crystal_is_clicked(standing: Watched):
     """In a browser: a circuit of one's own by four clicks and by arrow keys; it fits a phone."""
     page = standing.tab("Loops")
     frame: Any = page.frame_locator("#atoms iframe")
-    said = frame.locator("#said")
+    said = frame.locator("#result")
     frame.locator("#example").click()
     assert "b = (−1, 0) is missing" in said.inner_text()
-    frame.locator("#anew").click()
+    frame.locator("#restart").click()
     around = (-4, -2), (4, 3)
     for atom in corners("one edge dislocation", *around):
         frame.locator(f'circle[data-atom="{atom}"]').click()
     assert closure("one edge dislocation", ring("one edge dislocation", *around)) == [-1, 0]
     assert re.search(r"anticlockwise: closed in the crystal.*b = \(−1, 0\)", said.inner_text())
-    frame.locator("#which").select_option("none")
+    frame.locator("#which").select_option("no dislocation")
     frame.locator("#crystal").focus()
     for key in ("ArrowUp", "ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown"):
         page.keyboard.press(key)
