@@ -47,9 +47,9 @@ def compass(course: float) -> Json:
         samples=PAGE.samples,
     )
     scene = Film(
-        "compass", "Two ships on one globe", ("longitude 0°", "longitude 90°", "north"),
+        "compass", "Two ships on one globe", ("0°", "90°", "north"),
         curves_of(pair, LABELS), times=times_of(pair), globe=1.0, equal=True, turn=1.3,
-        note="Black dot: the start. Pale lines: behind the globe. t: the length of each path in "
-        "radii of the globe.",
+        note="Black dot: the start. Pale lines: behind the globe. 0° and 90°: longitudes. t: the "
+        "length of each path in radii of the globe.",
     )  # fmt: skip
     return in_space(scene)

@@ -34,8 +34,8 @@ FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
 AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
-# A symmetric body, whose cones are circular.
-BODY = {"I": (1.0, 1.0, 1.8), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
+# A long symmetric body: its cones are circular and touch from outside, which is easy to see.
+BODY = {"I": (2.0, 2.0, 1.0), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 
 

@@ -34,7 +34,7 @@ PATHS: tuple[tuple[str, tuple[float, ...]], ...] = (
 )  # fmt: skip
 TOPS: Mapping[str, Json] = {
     "A body that tumbles": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
-    "A symmetric body": {"moments": (1, 1, 1.8), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
+    "A symmetric body": {"moments": (2, 2, 1), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
     "A heavy top": {
         "moments": (0.5, 0.5, 0.9), "omega": (0, 0, 8), "tilt": 0.5, "t": 8,
         "effects": ("gravity", "pivot"),

@@ -331,7 +331,7 @@ async def _tell(send: Send, status: int, text: str) -> None:
 
 # First requests of the tabs; the motions among them are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
-_TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
+_TOP = {"moments": [2.0, 2.0, 1.0], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
     ("compass", {"course": PAGE.course}),
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),

@@ -162,39 +162,31 @@ def _cones(result: SceneResult) -> Film:
     long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
     tips = thinned((fixed / size).tolist(), PAGE.film_points)
     curves = [
-        Curve(tips, _SPACE, "space cone: directions of ω in space", tip="ω"),
-        Curve(_rays(tips), replace(_SPACE, end=""), thin=True),
+        Curve(tips, _SPACE, "space cone: directions of ω in space", tip="ω", cone=True),
         Curve(
             thinned(turns[:, :, 2].tolist(), PAGE.film_points),
             replace(_AXIS, width=1.4), "path of axis 3", tip="3",
         ),
         Curve(
             [(0, 0, 0), (momentum[0] / long).tolist()],
-            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start",
+            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start", tip="L",
         ),
     ]  # fmt: skip
     polhode = thinned((omega / size).tolist(), PAGE.film_points)
-    moving = [
-        Curve(polhode, replace(_BODY, end="", width=2.4), "body cone: rolls on the space cone"),
-        Curve(_rays(polhode), replace(_BODY, end="", width=0.7)),
-    ]
-    axis = Stroke("#8a8f99", "-", 1.2, "")
-    moving += [
-        Curve([(0, 0, 0), end], axis, tip=name)
-        for name, end in (("1", (1, 0, 0)), ("2", (0, 1, 0)))
-    ]
-    moving.append(Curve([(0, 0, 0), (0, 0, 1)], axis))
+    rim = replace(_BODY, end="", width=2.4)
+    axis = Stroke(_BODY.color, "-", 1.2, "")
+    # Axis 3 ends in the mark of its path, which has its number.
+    ends = {"1": (0.5, 0, 0), "2": (0, 0.5, 0), "": (0, 0, 1)}
+    moving = (
+        Curve(polhode, rim, "body cone: rolls on the space cone", cone=True),
+        *(Curve([(0, 0, 0), end], axis, tip=tip) for tip, end in ends.items()),
+    )
     return Film(
-        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), tuple(moving),
+        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), moving,
+        note="1, 2, 3: body axes. x, y, z: fixed axes, z is the vertical.",
         attitudes=thinned(turns.tolist(), PAGE.film_points),
         times=thinned(result.times.tolist(), PAGE.film_points), equal=True,
     )  # fmt: skip
-
-
-def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[float]]:
-    """A cone by its rays: from the origin to some of the tips and back."""
-    chosen = thinned(tips, count)
-    return [point for tip in chosen for point in ((0.0, 0.0, 0.0), tip, (0.0, 0.0, 0.0))]
 
 
 def _plan(scene: Scene) -> str:

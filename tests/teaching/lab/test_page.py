@@ -477,6 +477,15 @@ def test_dark_and_narrow(standing: Watched):
     plan = page.locator("#top-plan").bounding_box()
     assert film["y"] < 800
     assert film["y"] < watch.bounding_box()["y"] < plan["y"]
+    # Also while the page is scrolled and a finger is on the picture.
+    page.mouse.move(200, film["y"] + 20)
+    page.mouse.wheel(0, 300)
+    on_top = """e => { const box = e.getBoundingClientRect();
+        return e.contains(document.elementFromPoint(box.x + 9, box.y + box.height / 2)); }"""
+    panel = page.locator(".controls.after")
+    page.wait_for_function("document.querySelector('#App').scrollTop === 300")
+    expect(panel).to_be_in_viewport()
+    assert panel.evaluate(on_top)
     assert too_wide(page) == []
     page.emulate_media(color_scheme="light")
 

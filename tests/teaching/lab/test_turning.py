@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geomtorsion.pictures.style import SERIES
@@ -77,3 +79,23 @@ def test_keys_of_the_browser_stay_its_own(film: Any):
         film.keyboard.press(key)
         assert canvas.evaluate(INK) != shown
         shown = canvas.evaluate(INK)
+
+
+def test_a_cone_is_filled_once(browser: Any, tmp_path: Path):
+    """A cone is a pale surface, which does not darken where its curve runs around twice."""
+    shades = []
+    for turns in (1, 2):
+        angles = [turns * k * 2 * math.pi / 80 for k in range(81)]
+        rim = Curve([(math.cos(a), math.sin(a), 1) for a in angles], SERIES[0], cone=True)
+        path = tmp_path / f"cone{turns}.html"
+        path.write_text(turnable(Film("cone", "A cone", ("", "", ""), (rim,))), "utf-8")
+        page = browser.new_page(viewport=WINDOW)
+        page.goto(path.as_uri())
+        ink = page.locator("#space").evaluate(
+            "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data]"
+        )
+        # A pixel of the surface only: 18 % of full opacity.
+        shades.append(np.count_nonzero(np.array(ink[3::4]) == round(0.18 * 255)))
+        page.close()
+    assert shades[0] > 5000
+    assert shades[1] == pytest.approx(shades[0], rel=0.02)
