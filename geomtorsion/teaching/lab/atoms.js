@@ -94,7 +94,7 @@
     const sense = Math.abs(area) < 1e-9 ? "" : area > 0 ? ", anticlockwise" : ", clockwise";
     if (!last[0] && !last[1]) return `${n} steps${sense}: the circuit closes in the crystal and in the perfect lattice, so b = (0, 0). It encloses no dislocation, or several that cancel.`;
     const other = area > 0 ? "clockwise" : "anticlockwise";
-    return `${n} steps${sense}: the circuit closes in the crystal, but not in the perfect lattice. Its gap from start to end is b = ${vector(last)} lattice vectors, the same for every circuit around the same dislocations. A ${other} circuit changes the sign of b.`;
+    return `${n} steps${sense}: the circuit closes in the crystal, but not in the perfect lattice. Its gap from start to end is b = ${vector(last)} in lattice vectors, for every circuit around the same dislocations. A ${other} circuit changes the sign of b.`;
   }
   function vector(v) { return `(${v.map((x) => String(x).replace("-", "−")).join(", ")})`; }
 

@@ -18,8 +18,8 @@ from geomtorsion.teaching.lab.views import saving
 # Name of a crystal -> its edge dislocations: position, and b along x of the displacement.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
     "one edge dislocation": ((0.0, 0.0, 1),),
-    "two equal edge dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
-    "two opposite edge dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
+    "two equal dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
+    "two opposite dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
     "no dislocation": (),
 }
 # Half the numbers of columns and rows.

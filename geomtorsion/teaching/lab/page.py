@@ -329,7 +329,7 @@ def _(
     mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
-    mo.Html(views.measured(map_reply))
+    mo.Html(views.map_circuit(map_reply))
     return
 
 

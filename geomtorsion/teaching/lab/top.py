@@ -160,11 +160,11 @@ def _cones(result: SceneResult) -> Film:
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
     momentum = result["angular_momentum_space"]
     long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
-    tips = thinned((fixed / size).tolist(), PAGE.film_points)
+    tips = thinned((fixed / size).tolist(), PAGE.frames)
     curves = [
         Curve(tips, _SPACE, "space cone: directions of ω in space", tip="ω", cone=True),
         Curve(
-            thinned(turns[:, :, 2].tolist(), PAGE.film_points),
+            thinned(turns[:, :, 2].tolist(), PAGE.frames),
             replace(_AXIS, width=1.4), "path of axis 3", tip="3",
         ),
         Curve(
@@ -172,7 +172,7 @@ def _cones(result: SceneResult) -> Film:
             replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start", tip="L",
         ),
     ]  # fmt: skip
-    polhode = thinned((omega / size).tolist(), PAGE.film_points)
+    polhode = thinned((omega / size).tolist(), PAGE.frames)
     rim = replace(_BODY, end="", width=2.4)
     axis = Stroke(_BODY.color, "-", 1.2, "")
     # Axis 3 ends in the mark of its path, which has its number.
@@ -184,8 +184,8 @@ def _cones(result: SceneResult) -> Film:
     return Film(
         "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), moving,
         note="1, 2, 3: body axes. x, y, z: fixed axes, z is the vertical.",
-        attitudes=thinned(turns.tolist(), PAGE.film_points),
-        times=thinned(result.times.tolist(), PAGE.film_points), equal=True,
+        attitudes=thinned(turns.tolist(), PAGE.frames),
+        times=thinned(result.times.tolist(), PAGE.frames), equal=True,
     )  # fmt: skip
 
 

@@ -102,7 +102,7 @@ def turnable(scene: Film) -> str:
         "times": _rounded(scene.times),
         "globe": scene.globe,
         "equal": scene.equal,
-        "seconds": PAGE.film,
+        "seconds": PAGE.duration,
         "turn": scene.turn,
     }
     # In a script element only the end tag of the element ends the text.

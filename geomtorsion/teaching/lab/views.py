@@ -340,7 +340,7 @@ def map_description(facts: Json) -> str:
     return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
 
 
-def measured(reply: Json) -> str:
+def map_circuit(reply: Json) -> str:
     """The picture of a map with a circuit, and its Burgers vector or the reason why it has none."""
     if reply.get("problem"):
         return map_description(reply)

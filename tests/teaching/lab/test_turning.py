@@ -49,21 +49,21 @@ def test_a_film_takes_its_time(film: Any):
     play = film.locator("#play")
     play.click()
     assert play.inner_text() == "Pause"
-    film.clock.run_for(500 * PAGE.film)
+    film.clock.run_for(500 * PAGE.duration)
     assert picture(film) in HALF
     play.click()
     assert play.inner_text() == "Play"
     film.clock.run_for(1000)
     assert picture(film) in HALF
     play.click()
-    film.clock.run_for(500 * PAGE.film + 100)
+    film.clock.run_for(500 * PAGE.duration + 100)
     assert (picture(film), play.inner_text()) == (TIMES - 1, "Play")
 
 
 def test_a_film_that_is_begun_again_runs_once(film: Any):
     """However often the button was pressed before a picture was drawn."""
     film.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
-    film.clock.run_for(500 * PAGE.film)
+    film.clock.run_for(500 * PAGE.duration)
     assert picture(film) in HALF
 
 
