@@ -201,7 +201,7 @@ def test_an_image(lattice, tmp_path):
         (("--sigma", "1"), "--sigma: expected a file of sampled frames"),
         (("--threshold", "1"), "--threshold: expected a file of orientation maps"),
         (("--size", "1"), "--size: expected a whole number from 2"),
-        (("--plane", "y,x"), "--plane: an image has one plane"),
+        (("--plane", "y,x"), r"--plane: expected (0, 1), the only plane of an image, got (1, 0)"),
     ],
 )
 def test_wrong_options_of_images(lattice, arguments, message):
@@ -223,10 +223,10 @@ def masked(lines: list[str]) -> list[str]:
         ("masked.ctf", "masked.ctf: no pixel is indexed"),
         ("mixed.ctf", "Steps are mixed"),
         ("phase.ctf", "phase 7 is not described in the header"),
-        ("nan.npz", "nan.npz: coframe: nothing is known"),
-        ("shape.npz", "shape (rows, 2, 9, 8) was needed"),
+        ("nan.npz", "nan.npz: coframe: expected values at some nodes, got none"),
+        ("shape.npz", "expected shape (rows, 2, 9, 8)"),
         ("nan.npy", "nan.npy: image[0, 0] = nan is not finite"),
-        ("noise.npy", "no lattice that can be seen"),
+        ("noise.npy", "no visible lattice"),
         ("flat.npy", "the image has no lattice"),
     ],
 )
@@ -261,7 +261,10 @@ def test_bad_files_through_the_commands(tmp_path, command, name, said):
     [
         ("circle 900,900:2", ("leaves",)),
         ("circle 3,3:300", ("leaves",)),
-        ("circle 3,3,1:2", ("two coordinates", "3 coordinates", "in 2")),
+        (
+            "circle 3,3,1:2",
+            ("two coordinates", "expected 2 coordinates, one for each axis of the grid, got 3"),
+        ),
     ],
 )
 def test_loops_outside_through_the_commands(scan, lattice, tmp_path, loop, words):
