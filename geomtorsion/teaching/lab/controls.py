@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -75,19 +75,27 @@ def with_unit(name: str) -> str:
 # -- loops -------------------------------------------------------------------------------------
 
 
-def centre(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
-    """A slider for each coordinate of a centre."""
+def place(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+    """A list of the planes of two coordinates, and a slider for each coordinate of a centre."""
+    options = {_plane_text(info, pair): pair for pair in info["planes"]}
+    wanted = query.one_of("plane", list(options), next(iter(options)))
     ranges = [(low, high) for low, high, _ in info["loop_ranges"]]
     usual = [_between(x, *ends) for x, ends in zip(info["loop_centre"], ranges, strict=True)]
     at = query.numbers("centre", ranges, usual)
     return mo.ui.dictionary(
-        {
+        {"plane": mo.ui.dropdown(options, value=wanted, label="plane")}
+        | {
             name: mo.ui.slider(low, high, step, value=x, label=with_unit(name), show_value=True)
             for name, (low, high, step), x in zip(
                 info["coordinates"], info["loop_ranges"], at, strict=True
             )
         }
     )
+
+
+def _plane_text(info: Json, pair: Sequence[int]) -> str:
+    """The two coordinates of a plane."""
+    return ", ".join(greek_name(info["coordinates"][k]) for k in pair)
 
 
 def _between(value: float, low: float, high: float) -> float:
@@ -100,25 +108,20 @@ def radius(mo: ModuleType, query: Query) -> ui.slider:
     return mo.ui.slider(steps=list(RADII), value=float(wanted), label="radius", show_value=True)
 
 
-def plane(mo: ModuleType, info: Json, query: Query) -> ui.dropdown:
-    """A list of the planes of two coordinates."""
-    shown = [greek_name(name) for name in info["coordinates"]]
-    options = {f"{shown[i]}, {shown[k]}": (i, k) for i, k in info["planes"]}
-    wanted = query.one_of("plane", list(options), next(iter(options)))
-    return mo.ui.dropdown(options, value=wanted, label="plane")
+def loop_case(info: Json, place: Json, size: float) -> Json:
+    """Sliders as the arguments of the task for loops."""
+    centre = [place[name] for name in info["coordinates"]]
+    return {"space": info["name"], "centre": centre, "radius": size, "plane": list(place["plane"])}
 
 
-def loop_query(
-    info: Json, where: Mapping[str, float], size: float, plane: tuple[int, int]
-) -> dict[str, tuple[str, str]]:
+def loop_query(info: Json, place: Json, size: float) -> dict[str, tuple[str, str]]:
     """The values of a loop that the address stores."""
-    shown = [greek_name(name) for name in info["coordinates"]]
-    i, k = info["planes"][0]
+    centre = loop_case(info, place, size)["centre"]
     return {
         "loop": (info["name"], FIRST_LOOP),
-        "centre": (numbers_text(list(where.values())), numbers_text(info["loop_centre"])),
+        "centre": (numbers_text(centre), numbers_text(info["loop_centre"])),
         "radius": (f"{size:g}", f"{PAGE.radius:g}"),
-        "plane": (f"{shown[plane[0]]}, {shown[plane[1]]}", f"{shown[i]}, {shown[k]}"),
+        "plane": (_plane_text(info, place["plane"]), _plane_text(info, info["planes"][0])),
     }
 
 
@@ -220,12 +223,14 @@ def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
 # -- curves -------------------------------------------------------------------------------------
 
 
-def velocity(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
-    """A slider for the velocity along each frame vector, one for the time."""
+def curve(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+    """A slider for each component of the velocity, for the time, and for each moment of a body."""
     usual, t = list(info["velocity"]), info["t"]
     most = [max(PAGE.fastest, abs(value)) for value in usual]
     at = query.numbers("velocity", [(-x, x) for x in most], usual)
     [end] = query.numbers("t", [(t / 20, 2 * t)], [t])
+    count = BODIES.get(info["name"], 0)
+    inertia = query.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
     sliders = {}
     for k, (value, limit) in enumerate(zip(at, most, strict=True)):
         step = PAGE.step if abs(value / PAGE.step - round(value / PAGE.step)) < 1e-9 else 0.0001
@@ -235,6 +240,12 @@ def velocity(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
     sliders["t"] = mo.ui.slider(
         t / 20, 2 * t, t / 20, value=end, label="time t", show_value=True, debounce=False
     )
+    sliders |= {
+        f"I{k}": mo.ui.slider(
+            0.5, 4, 0.25, value=value, label=f"moment of inertia I{k + 1}", show_value=True
+        )
+        for k, value in enumerate(inertia)
+    }
     return mo.ui.dictionary(sliders)
 
 
@@ -254,56 +265,34 @@ def _leg(space: str, k: int) -> str:
     return f"move along axis {k + 1 - turns}: u{k + 1} in length/time"
 
 
-def moments(mo: ModuleType, space: str, query: Query) -> ui.dictionary:
-    """A slider for each moment of inertia; none for a space without a body."""
-    count = BODIES.get(space, 0)
-    at = query.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
-    return mo.ui.dictionary(
-        {
-            f"I{k}": mo.ui.slider(
-                0.5, 4, 0.25, value=at[k], label=f"moment of inertia I{k + 1}", show_value=True
-            )
-            for k in range(count)
-        }
-    )
-
-
-def path_query(
-    info: Json, speeds: Mapping[str, float], inertia: Mapping[str, float]
-) -> dict[str, tuple[str, str]]:
+def path_query(info: Json, values: Mapping[str, float]) -> dict[str, tuple[str, str]]:
     """The values of two curves that the address stores."""
-    speed = [value for name, value in speeds.items() if name != "t"]
-    own = list(inertia.values())
+    own = _numbered("I", values)
     return {
         "path": (info["name"], FIRST_PATH),
-        "velocity": (numbers_text(speed), numbers_text(info["velocity"])),
-        "t": (numbers_text([speeds["t"]]), numbers_text([info["t"]])),
+        "velocity": (numbers_text(_numbered("u", values)), numbers_text(info["velocity"])),
+        "t": (numbers_text([values["t"]]), numbers_text([info["t"]])),
         "moments": (numbers_text(own), numbers_text([1.0] * len(own))),
     }
 
 
-def path_case(
-    space: str, speeds: Mapping[str, float], inertia: Mapping[str, float]
-) -> dict[str, object]:
+def _numbered(letter: str, values: Json) -> list[float]:
+    """The values of the sliders whose keys are this letter with a number, in order."""
+    return [value for key, value in values.items() if key[0] == letter and key[1:].isdecimal()]
+
+
+def path_case(space: str, values: Mapping[str, float]) -> dict[str, object]:
     """Sliders as the arguments of the task for paths.
 
     Examples
     --------
-    >>> path_case("s2", {"u0": 0.5, "u1": 1.0, "t": 2.0}, {})
+    >>> path_case("s2", {"u0": 0.5, "u1": 1.0, "t": 2.0})
     {'space': 's2', 'velocity': [0.5, 1.0], 't': 2.0, 'moments': None}
     """
-    speed = [value for name, value in speeds.items() if name != "t"]
-    own = list(inertia.values())
+    speed, own = _numbered("u", values), _numbered("I", values)
     # Equal unit moments give the metric of the frame; a body that does not turn keeps its metric.
-    given = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
-    return {"space": space, "velocity": speed, "t": speeds["t"], "moments": given}
-
-
-def loop_case(space: str, where: Mapping[str, float], size: float, plane: tuple[int, int]) -> Json:
-    """Sliders as the arguments of the task for loops."""
-    return {
-        "space": space, "centre": list(where.values()), "radius": size, "plane": list(plane),
-    }  # fmt: skip
+    moments = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
+    return {"space": space, "velocity": speed, "t": values["t"], "moments": moments}
 
 
 def case_kind(mo: ModuleType, query: Query) -> ui.radio:
@@ -322,62 +311,57 @@ def case_kind(mo: ModuleType, query: Query) -> ui.radio:
 # -- the top ------------------------------------------------------------------------------------
 
 
-def body(mo: ModuleType, query: Query) -> ui.dictionary:
-    """Sliders for moments of inertia, angular velocity, tilt and time."""
+def top(mo: ModuleType, query: Query) -> ui.dictionary:
+    """The quantity in the chart, a switch for each effect, and sliders for the body."""
     slider = mo.ui.slider
+    watch = query.one_of("watch", list(WATCHED), "nutation")
+    on = query.some_of("effects", list(SWITCHES), ())
     inertia = query.numbers("body", [(0.5, 4)] * 3, BODY["I"])
     rates = query.numbers("omega", [(-20, 20)] * 3, BODY["w"])
     [tilt] = query.numbers("tilt", [(0, 3)], [BODY["tilt"]])
     [time] = query.numbers("time", [(1, 30)], [BODY["t"]])
-    sliders = {
+    quantities = {text: name for name, text in WATCHED.items()}
+    controls = {
+        "watch": mo.ui.dropdown(quantities, value=WATCHED[watch], label="quantity in the chart")
+    }
+    controls |= {
+        name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()
+    }
+    controls |= {
         f"I{k}": slider(0.5, 4, 0.1, value=x, label=f"I{k} in kg m²", show_value=True)
         for k, x in enumerate(inertia, 1)
     }
-    sliders |= {
+    controls |= {
         f"w{k}": slider(-20, 20, 0.1, value=x, label=f"Ω{k} in rad/s", show_value=True)
         for k, x in enumerate(rates, 1)
     }
-    sliders["tilt"] = slider(0, 3, 0.05, value=tilt, label="tilt of axis 3 in rad", show_value=True)
-    sliders["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
-    return mo.ui.dictionary(sliders)
-
-
-def switches(mo: ModuleType, query: Query) -> ui.dictionary:
-    """A switch for each effect."""
-    on = query.some_of("effects", list(SWITCHES), ())
-    return mo.ui.dictionary(
-        {name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()}
+    controls["tilt"] = slider(
+        0, 3, 0.05, value=tilt, label="tilt of axis 3 in rad", show_value=True
     )
+    controls["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
+    return mo.ui.dictionary(controls)
 
 
-def watched(mo: ModuleType, query: Query) -> ui.dropdown:
-    """The quantity in the chart, for which the plan is made."""
-    options = {text: name for name, text in WATCHED.items()}
-    wanted = query.one_of("watch", list(WATCHED), "nutation")
-    return mo.ui.dropdown(options, value=WATCHED[wanted], label="quantity in the chart")
-
-
-def top_query(
-    numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str
-) -> dict[str, tuple[str, str]]:
-    """The values of the top that the address stores."""
+def top_case(values: Json) -> Json:
+    """The controls of the top as the arguments of its task."""
     return {
-        "body": (numbers_text([numbers[f"I{k}"] for k in (1, 2, 3)]), numbers_text(BODY["I"])),
-        "omega": (numbers_text([numbers[f"w{k}"] for k in (1, 2, 3)]), numbers_text(BODY["w"])),
-        "tilt": (numbers_text([numbers["tilt"]]), numbers_text([BODY["tilt"]])),
-        "time": (numbers_text([numbers["t"]]), numbers_text([BODY["t"]])),
-        "effects": (",".join(name for name, on in effects.items() if on), ""),
-        "watch": (watch, "nutation"),
+        "moments": _numbered("I", values),
+        "omega": _numbered("w", values),
+        "tilt": values["tilt"],
+        "t": values["t"],
+        "effects": [name for name in SWITCHES if values[name]],
+        "watch": [values["watch"]],
     }
 
 
-def top_case(numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str) -> Json:
-    """Sliders and switches as the arguments of the task for the top."""
+def top_query(values: Json) -> dict[str, tuple[str, str]]:
+    """The values of the top that the address stores."""
+    case = top_case(values)
     return {
-        "moments": [numbers[f"I{k}"] for k in (1, 2, 3)],
-        "omega": [numbers[f"w{k}"] for k in (1, 2, 3)],
-        "tilt": numbers["tilt"],
-        "t": numbers["t"],
-        "effects": [name for name, wanted in effects.items() if wanted],
-        "watch": [watch],
+        "body": (numbers_text(case["moments"]), numbers_text(BODY["I"])),
+        "omega": (numbers_text(case["omega"]), numbers_text(BODY["w"])),
+        "tilt": (numbers_text([case["tilt"]]), numbers_text([BODY["tilt"]])),
+        "time": (numbers_text([case["t"]]), numbers_text([BODY["t"]])),
+        "effects": (",".join(case["effects"]), ""),
+        "watch": (values["watch"], "nutation"),
     }

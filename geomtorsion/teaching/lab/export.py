@@ -195,7 +195,7 @@ def curves() -> str:
         known = space_info(name)
         speeds = {f"u{k}": value for k, value in enumerate(known["velocity"])} | {"t": known["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
-        reply = task("paths")(**path_case(name, speeds, inertia))
+        reply = task("paths")(**path_case(name, speeds | inertia))
         with_moments = f", moments of inertia {moments}" if moments else ""
         shown = _nameless(views.paths(reply) + views.paths_below(reply))
         title = f"{name}: {known['title']}{with_moments}"

@@ -56,56 +56,35 @@ def _(controls, mo, query):
     loop_space = controls.spaces(mo, controls.FIRST_LOOP, query, "loop")
     radius = controls.radius(mo, query)
     path_space = controls.spaces(mo, controls.FIRST_PATH, query, "path")
-    body = controls.body(mo, query)
-    switches = controls.switches(mo, query)
-    watched = controls.watched(mo, query)
+    top = controls.top(mo, query)
     kind = controls.case_kind(mo, query)
-    return body, course, kind, loop_space, path_space, radius, switches, watched
+    return course, kind, loop_space, path_space, radius, top
 
 
 @app.cell
 def _(Query, controls, loop_space, mo, runner):
     loop_facts = runner.ask("space_info", space=loop_space.value)
     _own = Query.now(mo).of_case("loop", loop_space.value, controls.FIRST_LOOP)
-    centre = controls.centre(mo, loop_facts, _own)
-    plane = controls.plane(mo, loop_facts, _own)
-    return centre, loop_facts, plane
+    place = controls.place(mo, loop_facts, _own)
+    return loop_facts, place
 
 
 @app.cell
 def _(Query, controls, mo, path_space, runner):
     path_facts = runner.ask("space_info", space=path_space.value)
     _own = Query.now(mo).of_case("path", path_space.value, controls.FIRST_PATH)
-    velocity = controls.velocity(mo, path_facts, _own)
-    moments = controls.moments(mo, path_space.value, _own)
-    return moments, path_facts, velocity
+    curve = controls.curve(mo, path_facts, _own)
+    return curve, path_facts
 
 
 @app.cell
-def _(
-    body,
-    centre,
-    course,
-    kind,
-    loop_space,
-    mo,
-    moments,
-    path_space,
-    plane,
-    radius,
-    store,
-    switches,
-    tab,
-    velocity,
-    views,
-    watched,
-):
+def _(course, curve, kind, loop_space, mo, path_space, place, radius, store, tab, top, views):
     store(mo, {"tab": (tab.value, views.COMPASS)})
     _panels = {
         views.COMPASS: [course],
-        views.LOOPS: [loop_space, plane, radius, *centre.values()],
-        views.PATHS: [path_space, *velocity.values(), *moments.values()],
-        views.TOP: [watched, *switches.values(), *body.values()],
+        views.LOOPS: [loop_space, radius, *place.values()],
+        views.PATHS: [path_space, *curve.values()],
+        views.TOP: top.values(),
         views.COSTS: [kind],
     }
     mo.stop(tab.value not in _panels)
@@ -114,25 +93,13 @@ def _(
 
 
 @app.cell
-def _(
-    body,
-    centre,
-    controls,
-    loop_space,
-    moments,
-    path_space,
-    plane,
-    radius,
-    switches,
-    velocity,
-    watched,
-):
-    _path = controls.path_case(path_space.value, velocity.value, moments.value)
+def _(controls, curve, loop_facts, path_facts, place, radius, top):
+    _path = controls.path_case(path_facts["name"], curve.value)
     cases = {
-        "loop": controls.loop_case(loop_space.value, centre.value, radius.value, plane.value),
+        "loop": controls.loop_case(loop_facts, place.value, radius.value),
         "straightest": _path,
         "shortest": _path,
-        "top": controls.top_case(body.value, switches.value, watched.value),
+        "top": controls.top_case(top.value),
     }
     return (cases,)
 
@@ -235,9 +202,9 @@ def _(mo, tab, tetrad_reply, views):
 
 
 @app.cell
-def _(cases, centre, controls, loop_facts, mo, plane, radius, runner, store, tab, views):
+def _(cases, controls, loop_facts, mo, place, radius, runner, store, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    store(mo, controls.loop_query(loop_facts, centre.value, radius.value, plane.value))
+    store(mo, controls.loop_query(loop_facts, place.value, radius.value))
     loop_reply = runner.ask("loop", **cases["loop"])
     mo.Html(views.loop(loop_reply))
     return (loop_reply,)
@@ -337,9 +304,9 @@ def _(
 
 
 @app.cell
-def _(cases, controls, mo, moments, path_facts, runner, store, tab, velocity, views):
+def _(cases, controls, curve, mo, path_facts, runner, store, tab, views):
     mo.stop(tab.value != views.PATHS)
-    store(mo, controls.path_query(path_facts, velocity.value, moments.value))
+    store(mo, controls.path_query(path_facts, curve.value))
     path_reply = runner.ask("paths", **cases["straightest"])
     mo.Html(views.paths(path_reply))
     return (path_reply,)
@@ -356,9 +323,9 @@ def _(mo, path_reply, tab, views):
 
 
 @app.cell
-def _(body, cases, controls, mo, runner, store, switches, tab, views, watched):
+def _(cases, controls, mo, runner, store, tab, top, views):
     mo.stop(tab.value != views.TOP)
-    store(mo, controls.top_query(body.value, switches.value, watched.value))
+    store(mo, controls.top_query(top.value))
     top_reply = runner.ask("top", **cases["top"])
     mo.Html(views.top(top_reply))
     return (top_reply,)

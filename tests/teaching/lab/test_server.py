@@ -40,16 +40,10 @@ def test_the_first_requests_are_those_of_the_tabs():
     query = Query()
     facts = space_info(controls.FIRST_LOOP)
     # What controls hold has no type of its own in marimo.
-    centre: Any = controls.centre(marimo, facts, query).value
-    body: Any = controls.body(marimo, query).value
-    switches: Any = controls.switches(marimo, query).value
-    loop = controls.loop_case(
-        controls.FIRST_LOOP,
-        centre,
-        controls.radius(marimo, query).value,
-        controls.plane(marimo, facts, query).value,
-    )
-    top = controls.top_case(body, switches, controls.watched(marimo, query).value)
+    place: Any = controls.place(marimo, facts, query).value
+    body: Any = controls.top(marimo, query).value
+    loop = controls.loop_case(facts, place, controls.radius(marimo, query).value)
+    top = controls.top_case(body)
     asked = {json.dumps([name, arguments]) for name, arguments in FIRST}
     assert json.dumps(["loop", loop]) in asked
     assert json.dumps(["top", top]) in asked
