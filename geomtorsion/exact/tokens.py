@@ -114,7 +114,7 @@ def tokens_of(
             f"the expression has {len(text):,} characters; the limit is {limits.characters:,}",
             "Split it, or name its parts with unknown functions.",
         )
-    found: list[Token] = []
+    tokens: list[Token] = []
     position = 0
     while position < len(text):
         check_limits()
@@ -139,9 +139,9 @@ def tokens_of(
             if piece not in {"+", "-", "*", "/", "**", "(", ")", ","}:
                 _refuse(source, piece, position, end)
         if kind != "space":
-            found.append(Token(kind, piece, position, end))
+            tokens.append(Token(kind, piece, position, end))
         position = end
-    return found
+    return tokens
 
 
 def _refuse(source: Source, sign: str, start: int, end: int) -> NoReturn:

@@ -1,4 +1,4 @@
-"""as typed: an expression in a field, written for the library or as on paper."""
+"""typed expressions: text of a field, in the notation of the library or of paper."""
 
 from __future__ import annotations
 
