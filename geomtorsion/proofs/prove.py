@@ -329,17 +329,15 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         burgers = [arb(x) for x in result.burgers.tolist()]
         turn = [arb(x) for x in result.motion.turn.ravel().tolist()]
         errors = arb(result.error), arb(result.turn_error)
-        accuracies = [
+        goals = [
             Wanted.of(digits, error, max((abs(x) for x in row), key=float))
             for row, error in zip((burgers, turn), errors, strict=True)
         ]
-    development = proved_development(
-        connection, result.loop, parameters, accuracies, is_exact=not changed
-    )
-    rows = development.rotation
+    path = proved_development(connection, result.loop, parameters, goals, is_exact=not changed)
+    rows = path.rotation
     with ball_precision(EXACT_BITS):
         turned = [x - int(i == j) for i, row in enumerate(rows) for j, x in enumerate(row)]
-        gaps = _largest(development.burgers, burgers), _largest(turned, turn)
+        gaps = _largest(path.burgers, burgers), _largest(turned, turn)
         bound = upper_float(gaps[0])
         verdicts = [_verdict(gap, error) for gap, error in zip(gaps, errors, strict=True)]
     holds = False if False in verdicts else None if None in verdicts else True
@@ -348,19 +346,9 @@ def _development(result: Development, digits: int, changed: Mapping[str, Any]) -
         *(f"b{k + 1}" for k in range(n)),
         *(f"R{i + 1}{j + 1}" for i in range(n) for j in range(n)),
     )
-    balls = (*development.burgers, *(x for row in rows for x in row))
+    balls = (*path.burgers, *(x for row in rows for x in row))
     return lambda seconds, assumes: Proof(
-        result,
-        balls,
-        names,
-        (),
-        digits,
-        bound,
-        holds,
-        development.bits,
-        development.steps,
-        seconds,
-        assumes,
+        result, balls, names, (), digits, bound, holds, path.bits, path.steps, seconds, assumes
     )
 
 

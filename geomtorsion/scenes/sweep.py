@@ -234,41 +234,37 @@ def sweep(
     if not combinations:
         raise SceneError("nothing is varied: there are no values.")
     changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
-    measurements = _Measured(readers, len(changes), progress)
+    tally = _Measured(readers, len(changes), progress)
     try:
         for members in _groups(scene, changes).values():
-            _solve_group(scene, members, engine, measurements)
+            _solve_group(scene, members, engine, tally)
     except KeyboardInterrupt:
         # Where nothing is finished there is nothing to keep.
-        if not measurements.measured:
+        if not tally.measured:
             raise
-        measurements.stop()
-    unfinished = [
-        (changes[place], reason) for place, reason in sorted(measurements.unfinished.items())
-    ]
+        tally.stop()
+    unfinished = [(changes[place], reason) for place, reason in sorted(tally.unfinished.items())]
     if len(unfinished) == len(changes):
         raise StuckError(f"no motion reaches its end; with {unfinished[0][0]}: {unfinished[0][1]}.")
     grid = (len(changes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
         values,
-        {name: column.reshape(grid) for name, column in measurements.columns.items()},
+        {name: column.reshape(grid) for name, column in tally.columns.items()},
         scene.accuracy,
-        measurements.errors.reshape(grid),
-        ", ".join(sorted(measurements.engines)),
+        tally.errors.reshape(grid),
+        ", ".join(sorted(tally.engines)),
         time.perf_counter() - began,
         tuple(unfinished),
-        measurements.interrupted,
+        tally.interrupted,
     )
 
 
 def _column(path: str, column: Iterable[Number | Sequence[Number]]) -> np.ndarray:
     """Values of a path: numbers, or vectors of equal length."""
     message = "{subject}: expected a list of numbers, or of vectors of equal length, got {value}."
-    entries = (
-        list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
-    )
-    return checks.array(entries, path, SceneError, message=message, infinite=None)
+    items = list(column) if isinstance(column, Iterable) and not isinstance(column, str) else "none"
+    return checks.array(items, path, SceneError, message=message, infinite=None)
 
 
 def _plain(value: np.ndarray) -> Values:

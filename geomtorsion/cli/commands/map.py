@@ -116,12 +116,8 @@ def map(
     reading = Reading(sigma, threshold, order, tuple(laue or ()), slip, pixel, spots, resolution)
     path = Path(source)
     if blocks is not None or resume or is_array(path):
-        block_options = Blocks(
-            blocks, steps, unit, 1 if workers is None else workers, resume, overwrite
-        )
-        _in_blocks(
-            path, reading, block_options, size, plane, output, form, as_json=as_json, circle=circle
-        )
+        layout = Blocks(blocks, steps, unit, 1 if workers is None else workers, resume, overwrite)
+        _in_blocks(path, reading, layout, size, plane, output, form, as_json=as_json, circle=circle)
         return
     refuse = {"--steps": steps, "--unit": unit or None, "--workers": workers}
     refuse |= {"--overwrite": overwrite or None}

@@ -47,11 +47,9 @@ class AtomData:
                     f"{shown(name)}. Name one of these, or omit species for all atoms."
                 )
         names = self.species or ()
-        numbers = np.flatnonzero(np.isin(np.array(names), list(species)))
+        rows = np.flatnonzero(np.isin(np.array(names), list(species)))
         return replace(
-            self,
-            positions=self.positions[numbers],
-            species=tuple(names[k] for k in numbers.tolist()),
+            self, positions=self.positions[rows], species=tuple(names[k] for k in rows.tolist())
         )
 
 

@@ -271,12 +271,8 @@ class AtomCircuits:
                 )
             back.append(previous)
         way = back[::-1]
-        label_of = {
-            (a, b): v for a, b, v in zip(first.tolist(), second.tolist(), labels, strict=True)
-        }
-        path_labels = [
-            label_of[a, b] if (a, b) in label_of else -label_of[b, a] for a, b in pairwise(way)
-        ]
+        bonds = {(a, b): v for a, b, v in zip(first.tolist(), second.tolist(), labels, strict=True)}
+        path_labels = [bonds[a, b] if (a, b) in bonds else -bonds[b, a] for a, b in pairwise(way)]
         return [sites[k] for k in way[1:]], path_labels
 
     def _near(self, start: np.ndarray, end: np.ndarray) -> list[Site]:

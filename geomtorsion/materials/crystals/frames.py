@@ -175,17 +175,15 @@ def fitted(frame: Frame, vectors: np.ndarray) -> Fit:
         closeness = 2 * at @ ideal.T - (ideal**2).sum(axis=1)
         which = closeness.argmax(axis=1)
         places.append((which.reshape(count, k), squared(at - ideal[which]).reshape(count, k)))
-    rows, kind, (which, squares) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
+    rows, kind, (which, errors) = np.arange(count), np.zeros(count, dtype=np.int64), places[0]
     if len(places) > 1:
-        kind = np.argmin(
-            [np.minimum(squares, missing).sum(axis=1) for _, squares in places], axis=0
-        )
-        which, squares = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
+        kind = np.argmin([np.minimum(errors, missing).sum(axis=1) for _, errors in places], axis=0)
+        which, errors = (np.stack(one)[kind, rows] for one in zip(*places, strict=True))
     filled = np.zeros((count, k), dtype=bool)
     filled[rows[:, None], which] = True
-    whole = filled.all(axis=1) & (squares.max(axis=1) < missing)
+    whole = filled.all(axis=1) & (errors.max(axis=1) < missing)
     labels = np.stack(lattice.neighbours)[kind[:, None], which]
-    return Fit(kind, labels, whole, np.sqrt(squares.mean(axis=1)) / lattice.nearest)
+    return Fit(kind, labels, whole, np.sqrt(errors.mean(axis=1)) / lattice.nearest)
 
 
 def occupied(frame: Frame, vectors: np.ndarray) -> np.ndarray:
@@ -442,20 +440,20 @@ def frame_of(
         The atoms are not a crystal, or are a crystal of another lattice.
     """
     if name is None:
-        frame_and_fit = likely_lattice(vectors, orient, constant)
+        match = likely_lattice(vectors, orient, constant)
     else:
-        frame_and_fit = single_frame(lattice_named(name), vectors, orient, constant)
-    share = share_of(*frame_and_fit, vectors)
+        match = single_frame(lattice_named(name), vectors, orient, constant)
+    share = share_of(*match, vectors)
     alike = True
     if share < 0.5 and shares is not None:
         # In many grains, single atoms decide the lattice.
-        parts = shares(frame_and_fit[0].lattice)
+        parts = shares(match[0].lattice)
         most = max(parts, key=lambda key: parts[key])
-        if name is None and parts[most] > max(share, parts[frame_and_fit[0].lattice.name]):
-            frame_and_fit = single_frame(lattice_named(most), vectors, orient, constant)
+        if name is None and parts[most] > max(share, parts[match[0].lattice.name]):
+            match = single_frame(lattice_named(most), vectors, orient, constant)
         # Atoms around those with frames of their own must be oriented alike, as in grains.
-        alike = parts[frame_and_fit[0].lattice.name] > 0
-        share = max(share_of(*frame_and_fit, vectors), parts[frame_and_fit[0].lattice.name])
+        alike = parts[match[0].lattice.name] > 0
+        share = max(share_of(*match, vectors), parts[match[0].lattice.name])
     if name is not None and share < 0.5:
         best_fit = likely_lattice(vectors)
         rival = share_of(*best_fit, vectors)
@@ -466,7 +464,7 @@ def frame_of(
                 f"with their neighbours, got {name}, which {share:.1%} fit. Name "
                 f"{best_fit[0].lattice.name}, or omit lattice to have it found."
             )
-    if not (alike if share >= METHOD.share else _is_noisy(frame_and_fit[0], vectors)):
+    if not (alike if share >= METHOD.share else _is_noisy(match[0], vectors)):
         kinds = name or f"one of {', '.join(LATTICES)}"
         beside = ", and adjacent ones are not oriented alike" if share >= METHOD.share else ""
         raise CrystalError(
@@ -474,9 +472,7 @@ def frame_of(
             f"another kind: the neighbours of only {share:.1%} of the atoms fit{beside}. Cut out "
             "the crystalline part, or one sublattice of a compound."
         )
-    return frame_and_fit[0].deformed(
-        vectors[:, : frame_and_fit[0].lattice.shells], frame_and_fit[1]
-    )
+    return match[0].deformed(vectors[:, : match[0].lattice.shells], match[1])
 
 
 def _is_noisy(frame: Frame, vectors: np.ndarray) -> bool:

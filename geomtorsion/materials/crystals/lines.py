@@ -66,13 +66,9 @@ def smoothed(path: np.ndarray, closed: bool, width: float) -> np.ndarray:
     waves = 2 * np.pi * np.fft.rfftfreq(len(rest), length / len(rest))
     # Half of a wave that is cut to a tenth is then about twice as long as a core is wide.
     gauss = np.exp(-0.5 * (1.5 * waves * width) ** 2)
-    deviations = np.fft.irfft(
-        np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0
-    )
-    deviations = (
-        np.concatenate([deviations[:count], deviations[:1]]) if closed else deviations[: count + 1]
-    )
-    return line + deviations
+    bend = np.fft.irfft(np.fft.rfft(rest, axis=0) * (1 - (1 - gauss) ** 2)[:, None], len(rest), 0)
+    bend = np.concatenate([bend[:count], bend[:1]]) if closed else bend[: count + 1]
+    return line + bend
 
 
 @dataclass(frozen=True, eq=False)

@@ -95,14 +95,12 @@ def _spread(
 ) -> dict[tuple[int, int], np.ndarray]:
     """Covariances of circuits from noise, computed from the covariances of their sides."""
     grid, plane, size = lines.grid, lines.plane, lines.size
-    covariances = {}
+    table = {}
     for pair in {**one.covariance, **two.covariance}:
         none = np.zeros((1,) * grid.dimension)
-        covariances[pair] = lines.sums(
-            one.covariance.get(pair, none), two.covariance.get(pair, none)
-        )
+        table[pair] = lines.sums(one.covariance.get(pair, none), two.covariance.get(pair, none))
     if not noise.joins_columns:
-        return covariances
+        return table
     # Two adjacent sides share the noise of one node.
     starts, ends = lines.four(one.starts, two.starts), lines.four(one.ends, two.ends)
     for (i, j), c in _both_ways(noise, plane).items():
@@ -114,8 +112,8 @@ def _spread(
             -starts[0] * starts[2] * at[0] + starts[1] * ends[2] * at[1]
             + ends[0] * starts[3] * at[2] - ends[1] * ends[3] * at[3]
         )  # fmt: skip
-        covariances[i, j] = covariances.get((i, j), 0.0) + here
-    return covariances
+        table[i, j] = table.get((i, j), 0.0) + here
+    return table
 
 
 def _both_ways(noise: Noise, plane: tuple[int, int]) -> dict[tuple[int, int], np.ndarray]:

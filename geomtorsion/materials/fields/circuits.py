@@ -240,15 +240,13 @@ def sampled_edges(field: Field, starts: np.ndarray, ends: np.ndarray) -> EdgeInt
             weighted(blocks, places, edge, weight)
         if both:
             chosen.append(grid.known.other(blocks, places, field.other_order))
-        integrals = []
+        parts = []
         for one in chosen:
             values = grid.known.interpolated(flat, one, places)
             values = values.reshape(field.rows, grid.dimension, -1) + field.mean[:, :, None]
             each = np.einsum("imk,km,k->ik", values, steps[edge], weight)
-            integrals.append(
-                np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1)
-            )
-        return integrals
+            parts.append(np.stack([np.bincount(edge, row, len(starts)) for row in each], axis=1))
+        return parts
 
     (fine, other), (coarse,) = summed(2, True), summed(1, False)
     errors = np.abs(fine - other).max(axis=1) + np.abs(fine - coarse).max(axis=1)

@@ -369,33 +369,27 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
             f"{path}: {name}: expected a data set of this file, got a link or a group. Copy the "
             "data set into the file."
         )
-    data_set = file[name]
-    if data_set.shape is None or data_set.dtype.kind not in "fiub":
+    array = file[name]
+    if array.shape is None or array.dtype.kind not in "fiub":
         raise FileFormatError(
             f"{path}: {name}: expected real numbers, got "
-            f"{'nothing' if data_set.shape is None else data_set.dtype}."
+            f"{'nothing' if array.shape is None else array.dtype}."
         )
     # Parts that were never written would be read as zeros.
-    parts = math.prod(
-        -(-n // m) for n, m in zip(data_set.shape, data_set.chunks or (), strict=False)
-    )
-    written = (
-        data_set.id.get_num_chunks() if data_set.chunks else bool(data_set.id.get_storage_size())
-    )
-    if written < parts and data_set.size:
+    parts = math.prod(-(-n // m) for n, m in zip(array.shape, array.chunks or (), strict=False))
+    written = array.id.get_num_chunks() if array.chunks else bool(array.id.get_storage_size())
+    if written < parts and array.size:
         raise FileFormatError(
             f"{path}: {name}: expected {parts:,} written parts, got {int(written):,}. Write the "
             "file again."
         )
-    packed = [
-        key for key in PACKED if key in data_set.attrs and not np.isnan(data_set.attrs[key]).all()
-    ]
+    packed = [key for key in PACKED if key in array.attrs and not np.isnan(array.attrs[key]).all()]
     if packed:
         raise FileFormatError(
             f"{path}: {name}: expected plain numbers, got {', '.join(packed)}, which only NetCDF "
             "files define. Write the numbers unpacked with nan for missing ones, or save as .nc."
         )
-    return data_set
+    return array
 
 
 def write_hdf5(path: Path, contents: Contents) -> None:

@@ -156,18 +156,15 @@ def noise_of(
     if covariance is None:
         if sigma is None:
             return None, None, None, ""
-        origin = "given"
+        note = "given"
         if isinstance(sigma, str):
             checks.choice(sigma, ["estimate"], "sigma", GridError)
-            sigmas, origin = (
-                estimated(values, grid),
-                "the median of sixth differences along the axes",
-            )
+            sigmas, note = estimated(values, grid), "the median of sixth differences along the axes"
         else:
             sigmas = sigma_of(sigma, shape, grid)
         wide = ones if sigmas.shape[2:] == ones else grid.shape
-        return sigmas, None, Noise.of_sigma(np.broadcast_to(sigmas, (*shape[:2], *wide))), origin
-    origin = "given"
+        return sigmas, None, Noise.of_sigma(np.broadcast_to(sigmas, (*shape[:2], *wide))), note
+    note = "given"
     covariances: np.ndarray | Noise
     if isinstance(covariance, Noise):
         covariances = noise = covariance
@@ -175,7 +172,7 @@ def noise_of(
         checks.choice(covariance, ["estimate"], "covariance", GridError)
         covariances = estimated_covariance(values, grid)
         noise = Noise.of_covariance(covariances)
-        origin = "medians of sums and differences of sixth differences along the axes"
+        note = "medians of sums and differences of sixth differences along the axes"
     else:
         covariances = covariance_of(covariance, shape, grid)
         noise = Noise.of_covariance(covariances)
@@ -186,7 +183,7 @@ def noise_of(
             "sigma: expected either sigma or covariance, got both. Omit sigma: the covariance "
             "includes it."
         )
-    return sigmas, covariances, noise, origin
+    return sigmas, covariances, noise, note
 
 
 def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:

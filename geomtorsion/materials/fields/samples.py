@@ -226,13 +226,9 @@ class Samples:
             sigmas = _of_displacement(sigma, values, blank._grid)
             variances = np.broadcast_to(sigmas, values.shape) ** 2
         masked_values = np.where(mask, np.nan, values)
-        displacement_field = displacement_of(masked_values, blank._grid, order, branch, variances)
-        options |= {
-            "source": displacement_field.source,
-            "displacement": displacement_field,
-            "sigma": displacement_field.sigma,
-        }
-        return cls(lines, displacement_field.coframe, order, names, **options)
+        sampled_u = displacement_of(masked_values, blank._grid, order, branch, variances)
+        options |= {"source": sampled_u.source, "displacement": sampled_u, "sigma": sampled_u.sigma}
+        return cls(lines, sampled_u.coframe, order, names, **options)
 
     @classmethod
     def from_strain_rotation(

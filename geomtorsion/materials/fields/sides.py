@@ -183,10 +183,8 @@ class _Rules:
         ends = squares.tocoo()
         row, column = ends.coords
         depth = (column - row) % points
-        near_ends = (depth < margin) | (depth > self.edges - margin)
-        ends = type(ends)(
-            (ends.data[near_ends], (row[near_ends], column[near_ends])), shape=ends.shape
-        ).tocsr()
+        rim = (depth < margin) | (depth > self.edges - margin)
+        ends = type(ends)((ends.data[rim], (row[rim], column[rim])), shape=ends.shape).tocsr()
         # The sum contains the full weight of each inner node.
         whole = np.asarray(matrix.sum(axis=0)).ravel() ** 2
         weighted = variances * whole.reshape(-1, *(1,) * (self.grid.dimension - 1 - self.axis))

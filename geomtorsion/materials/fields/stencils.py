@@ -276,21 +276,19 @@ class KnownNodes:
 
     def other(self, blocks: Blocks, places: np.ndarray, order: int) -> Blocks:
         """Blocks of the order to compare with, as for `Rule.other`."""
-        other_blocks = self.blocks(places, order)
-        same = np.flatnonzero((other_blocks.used == blocks.used) & (other_blocks.used > 0))
-        cells = np.where(
-            other_blocks.thin, other_blocks.first, np.floor(places + SLACK).astype(int)
-        )
-        for nodes in np.unique(other_blocks.used[same]).tolist():
-            rest = same[other_blocks.used[same] == nodes]
+        rival = self.blocks(places, order)
+        same = np.flatnonzero((rival.used == blocks.used) & (rival.used > 0))
+        cells = np.where(rival.thin, rival.first, np.floor(places + SLACK).astype(int))
+        for nodes in np.unique(rival.used[same]).tolist():
+            rest = same[rival.used[same] == nodes]
             if nodes > 2:
-                self._search(other_blocks, rest, cells, nodes - 2)
+                self._search(rival, rest, cells, nodes - 2)
             else:
                 # Use only the nearest node: the error is then too large instead of missing.
-                first = other_blocks.first[:, rest]
-                other_blocks.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
-                other_blocks.used[rest] = 1
-        return other_blocks
+                first = rival.first[:, rest]
+                rival.first[:, rest] = first + (places[:, rest] - first > 1 / 2)
+                rival.used[rest] = 1
+        return rival
 
     def _search(self, found: Blocks, rest: np.ndarray, cells: np.ndarray, nodes: int) -> None:
         """Assign the most centred known blocks of a number of nodes to points."""

@@ -262,19 +262,16 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
             f"expected version 5 or 6 of the format, got {shown(first[-1])}. Write the file again "
             "with OVITO."
         )
-    contents = _Contents()
+    body = _Contents()
     while rows.line < len(rows.rows):
         words = rows.next("a keyword")
-        if words and words[0] in contents.parts:
-            contents.parts[words[0]](rows, words)
-    for key, present in (
-        ("DISLOCATIONS", contents.listed),
-        ("DISLOCATION_JUNCTIONS", contents.joined),
-    ):
-        if not present:
+        if words and words[0] in body.parts:
+            body.parts[words[0]](rows, words)
+    for key, flag in (("DISLOCATIONS", body.listed), ("DISLOCATION_JUNCTIONS", body.joined)):
+        if not flag:
             rows.fail(f"expected {key}, got the end of the file. Is the file complete?")
     try:
-        return contents.lines()
+        return body.lines()
     except GeomtorsionError as error:
         raise FileFormatError(f"{rows.name}: {error}") from None
 

@@ -157,13 +157,9 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
         angles = np.pi / 3 * np.arange(6)
         turns = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in angles])
         flat = np.concatenate([turns, turns @ np.diag([1.0, -1.0])])
-        operations = np.zeros((24, 3, 3))
-        operations[:, :2, :2], operations[:12, 2, 2], operations[12:, 2, 2] = (
-            np.tile(flat, (2, 1, 1)),
-            1.0,
-            -1.0,
-        )
-        return operations
+        group = np.zeros((24, 3, 3))
+        group[:, :2, :2], group[:12, 2, 2], group[12:, 2, 2] = np.tile(flat, (2, 1, 1)), 1.0, -1.0
+        return group
     rows = permutations(np.eye(dimension))
     signs = list(product((1.0, -1.0), repeat=dimension))
     return np.array([np.array(row) * np.array(sign)[:, None] for row in rows for sign in signs])

@@ -203,17 +203,13 @@ def _written(value: object) -> float | int | str:
     """A component of b: whole numbers and floats as they are, fractions as text."""
     if isinstance(value, float):
         return value
-    rational = checks.fraction(value)
-    if rational is None:
+    ratio = checks.fraction(value)
+    if ratio is None:
         raise NetworkError(
             f"b: expected a rational number or a float for a JSON file, got {checks.shown(value)}. "
             "Give it as a float."
         )
-    return (
-        rational.numerator
-        if rational.denominator == 1
-        else f"{rational.numerator}/{rational.denominator}"
-    )
+    return ratio.numerator if ratio.denominator == 1 else f"{ratio.numerator}/{ratio.denominator}"
 
 
 def read_json_lines(

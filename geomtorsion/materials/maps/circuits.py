@@ -259,7 +259,7 @@ def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
 
     points: corners, shape (2, k), the last one equal to the first. Returns shape (ys, xs).
     """
-    changes = np.zeros((len(ys), len(xs) + 1), dtype=np.int64)
+    steps = np.zeros((len(ys), len(xs) + 1), dtype=np.int64)
     for k in range(points.shape[1] - 1):
         (x0, x1), (y0, y1) = points[:, k : k + 2]
         if y0 == y1:
@@ -268,8 +268,6 @@ def windings(points: np.ndarray, xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
         rows = np.arange(low, high)
         crossings = x0 + (ys[rows] - y0) / (y1 - y0) * (x1 - x0)
         # A polygon side changes the winding number of all grid points with x below its crossing.
-        np.add.at(
-            changes, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1
-        )
-    ahead = np.cumsum(changes[:, ::-1], axis=1)[:, ::-1]
+        np.add.at(steps, (rows, np.searchsorted(xs, crossings, side="left")), 1 if y1 > y0 else -1)
+    ahead = np.cumsum(steps[:, ::-1], axis=1)[:, ::-1]
     return ahead[:, 1:]

@@ -166,12 +166,10 @@ def densities(
             "families: expected edges and screws that add up to b per area, got families that do "
             "not span it. Give another family as well."
         )
-    tables = [np.zeros((2, len(family.normals))) for family in families]
+    parts = [np.zeros((2, len(family.normals))) for family in families]
     for (f, k, is_edge), number in zip(place, numbers, strict=True):
-        tables[f][0 if is_edge else 1, k] = number
-    return tuple(
-        SlipDensity(family, *table) for family, table in zip(families, tables, strict=True)
-    )
+        parts[f][0 if is_edge else 1, k] = number
+    return tuple(SlipDensity(family, *table) for family, table in zip(families, parts, strict=True))
 
 
 def _shown(indices: Indices) -> str:
