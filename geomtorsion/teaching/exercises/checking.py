@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite
 from typing import TYPE_CHECKING
 
 import sympy
 
 from geomtorsion import errors
 from geomtorsion.checks import close_names, cut
+from geomtorsion.codegen import graph
+from geomtorsion.codegen.balls import float_values
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.teaching.exercises.answers import answer_text, completed, components, expression
 from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.entries import split_outside
 from geomtorsion.teaching.exercises.limits import MOST, check_weight
-from geomtorsion.teaching.exercises.numeric import at_point
 from geomtorsion.teaching.exercises.question import deviation, plain_name, scaled, shown_name
 from geomtorsion.teaching.exercises.verdict import MESSAGES, QuestionVerdict, message_of
 from geomtorsion.units import scale_of, unit
@@ -81,10 +82,11 @@ def _without_unit(question: Question, text: str, where: str) -> tuple[str, float
 
 def _float(expr: sympy.Expr, where: str) -> float:
     """An expression without symbols as a number."""
-    found = at_point(expr, {})
-    if found is None or found.imag or not isfinite(float(found.real)):
+    [value] = float_values(graph([], [expr]), [])
+    number = math.nan if value is None or complex(value).imag else complex(value).real
+    if not math.isfinite(number):
         raise ExpressionError(f"{where}: this has no finite real value. Give a number.")
-    return float(found.real)
+    return number
 
 
 ZERO = sympy.S.Zero
