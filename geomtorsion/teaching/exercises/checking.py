@@ -16,11 +16,11 @@ from geomtorsion.codegen import graph
 from geomtorsion.codegen.balls import float_values
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
 from geomtorsion.teaching.exercises.answers import answer_text, completed, components, expression
-from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, compare_all, has_root, same
+from geomtorsion.teaching.exercises.compare import EQUAL, PARTLY, agreement, agrees, has_root
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.entries import split_outside
 from geomtorsion.teaching.exercises.limits import MOST, check_weight
-from geomtorsion.teaching.exercises.question import deviation, plain_name, scaled, shown_name
+from geomtorsion.teaching.exercises.question import HALF, plain_name, scaled, shown_name
 from geomtorsion.teaching.exercises.verdict import MESSAGES, QuestionVerdict, message_of
 from geomtorsion.units import scale_of, unit
 
@@ -33,6 +33,14 @@ if TYPE_CHECKING:
 _UNIT = re.compile(r"^(.*?(?:[\d.)]|pi|π))\s*([A-Za-z°%]+(?:/s)?|1/s)\s*$", re.DOTALL)
 # Rounding to two digits changes a number by no more than this share: 1.05 is written as 1.1.
 ROUNDED = 0.05
+
+
+# Messages about single answers that are wrong without a recognised mistake.
+_NOT_RIGHT = {
+    "choice": "That is not it.",
+    "number": "The number is not right.",
+    "expression": "That is not equal to the solution.",
+}
 
 
 class UnitError(ExpressionError):
@@ -89,8 +97,6 @@ def _float(expr: sympy.Expr, where: str) -> float:
     return number
 
 
-ZERO = sympy.S.Zero
-
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index, Value
     from geomtorsion.teaching.exercises.question import Mistake, Question
@@ -109,15 +115,6 @@ def check_question(question: Question, given: object) -> QuestionVerdict:
         return _wrong(question, "too large", str(error))
     except (GeomtorsionError, ArithmeticError, ValueError, RecursionError) as error:
         return _wrong(question, "unreadable", str(error) or type(error).__name__)
-
-
-def _checked(question: Question, value: Value) -> QuestionVerdict:
-    """The verdict on an answer that was read."""
-    if question.kind == "choice":
-        return _check_choice(question, value)
-    if question.kind == "number":
-        return _check_number(question, value)
-    return _check_exactly(question, value)
 
 
 def preview(question: Question, value: Value) -> str:
@@ -140,9 +137,9 @@ def read(question: Question, given: object) -> Value:
     """
     name = question.name
     if question.kind == "expression":
-        return _dropped({(): expression(question, given, name)})
+        return without_zeros({(): expression(question, given, name)})
     if question.kind == "equations":
-        return _dropped(equations(question, given, name))
+        return without_zeros(equations(question, given, name))
     if question.kind == "number":
         return numbers(question, given, name)
     if question.kind == "choice":
@@ -151,7 +148,7 @@ def read(question: Question, given: object) -> Value:
     return components(question, given, name)
 
 
-def _dropped(value: Value) -> Value:
+def without_zeros(value: Value) -> Value:
     """Without the components that are zero."""
     return {key: x for key, x in value.items() if x != 0}
 
@@ -187,110 +184,73 @@ class LookupErrorInAnswer(GeomtorsionError, ValueError):
     """A choice that is not one of the options."""
 
 
-def _check_choice(question: Question, value: Value) -> QuestionVerdict:
-    if value == question.solution:
-        return _right(question)
-    found = [m for m in question.mistakes if m.value == value]
-    return _diagnosed(question, found) or _wrong(question, "", "That is not it.")
-
-
-def _check_number(question: Question, value: Value) -> QuestionVerdict:
-    away = deviation(question, value, question.solution)
-    if away <= 1:
-        return _right(question)
-    # A recognised mistake takes precedence over "rounded too early": it is more specific.
-    found = [m for m in question.mistakes if deviation(question, value, m.value) <= 1]
-    said = _diagnosed(question, found)
-    if said is not None:
-        return said
-    if away * question.tolerance <= ROUNDED:
-        return _wrong(question, "rounded", MESSAGES["rounded"])
-    if question.shape:
-        return _counted_from_zero(question, value) or _by_component(
-            question, _agreement(question, value)
-        )
-    return _wrong(question, "", "The number is not right.")
-
-
-def _agreement(question: Question, value: Value) -> dict[Index, str]:
-    """Which numbers are right: within the tolerance of the largest."""
-    right = question.solution
-    size = max((abs(float(x)) for x in right.values()), default=0.0) or 1.0
-    allowed = question.tolerance * size
-    keys = sorted({*value, *right})
-    difference = {key: abs(float(value.get(key, 0)) - float(right.get(key, 0))) for key in keys}
-    return {key: EQUAL if difference[key] <= allowed else "different" for key in keys}
-
-
-def _check_exactly(question: Question, value: Value) -> QuestionVerdict:
-    """Exact: right if every difference vanishes and every value agrees over the domain."""
-    domain, given = question.domain, _dropped(value)
-    value = _dropped(completed(value, question.symmetry))
-    agreement = compare_all(domain, value, question.solution)
-    if all(state == EQUAL for state in agreement.values()):
+def _checked(question: Question, value: Value) -> QuestionVerdict:
+    """The verdict on an answer that was read: right, a likely mistake, or the wrong components."""
+    right, completed = question.solution, _completed(question, value)
+    states = agreement(question, completed, right)
+    if all(state == EQUAL for state in states.values()):
         return _right(question)
     # A mistake may lack the symmetry of the solution; then it is compared as written.
-    written = (value, given) if len(given) < len(value) else (value,)
-    found = [m for m in question.mistakes if any(same(domain, x, m.value) for x in written)]
-    said = _diagnosed(question, found)
-    if said is not None:
-        return said
-    if question.kind == "components" and "counted" in question.generic:
-        said = _counted_from_zero(question, value)
-        if said is not None:
-            return said
-    if all(state in (EQUAL, PARTLY) for state in agreement.values()):
-        right = question.solution
-        root = any(has_root(value.get(key, ZERO) - right.get(key, ZERO)) for key in agreement)
+    written = without_zeros(value)
+    answers = (completed, written) if len(written) < len(completed) else (completed,)
+    mistakes = [
+        mistake
+        for mistake in question.mistakes
+        if any(agrees(question, answer, mistake.value) for answer in answers)
+    ]
+    if mistakes:
+        return _diagnosed(question, mistakes)
+    # A recognised mistake takes precedence over "rounded too early": it is more specific.
+    if question.kind == "number" and agrees(replace(question, tolerance=ROUNDED), value, right):
+        return _wrong(question, "rounded", MESSAGES["rounded"])
+    if any(k == -1 for key in value for k in key):
+        return _counted_from_zero(question, completed)
+    if all(state in (EQUAL, PARTLY) for state in states.values()):
+        root = any(has_root(completed.get(key, 0) - right.get(key, 0)) for key in states)
         return _wrong(question, "domain", MESSAGES["domain" if root else "branch"])
-    return _by_component(question, agreement, value)
+    if question.shape or question.kind == "equations":
+        return _by_component(question, states, completed)
+    return _wrong(question, "", _NOT_RIGHT[question.kind])
 
 
-def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict | None:
-    """The diagnosis of indices that start at 0, if this happened."""
-    if not any(k == -1 for key in value for k in key):
-        return None
+def _completed(question: Question, value: Value) -> Value:
+    """An answer with the components that follow by symmetry, and without zeros if it is exact."""
+    if question.kind == "number":
+        return value
+    return without_zeros(completed(value, question.symmetry))
+
+
+def _counted_from_zero(question: Question, value: Value) -> QuestionVerdict:
+    """The verdict on indices that start at 0."""
     moved = {tuple(k + 1 for k in key): x for key, x in value.items()}
     inside = all(k < n for key in moved for k, n in zip(key, question.shape, strict=True))
-    if inside and _is_solution(question, moved):
-        return _wrong(question, "counted", MESSAGES["counted"])
-    return _wrong(question, "counted", "An index is 0: " + MESSAGES["counted"])
+    is_solution = inside and agrees(question, moved, question.solution)
+    reason = "" if is_solution else "An index is 0: "
+    return _wrong(question, "counted", reason + MESSAGES["counted"])
 
 
-def _is_solution(question: Question, value: Value) -> bool:
-    """Whether a value is right, as numbers or exactly."""
-    if question.kind == "number":
-        return deviation(question, value, question.solution) <= 1
-    return same(question.domain, value, question.solution)
-
-
-def _by_component(
-    question: Question, agreement: Mapping[Index, str], value: Value | None = None
-) -> QuestionVerdict:
-    """Which components are right; the mistake that all wrong ones share, if they share one."""
-    wrong = [key for key, state in agreement.items() if state != EQUAL]
-    if not question.shape and question.kind != "equations":
-        return _wrong(question, "", "That is not equal to the solution.")
-    named = ", ".join(_label(question, key) for key in wrong[: MOST.named])
+def _by_component(question: Question, states: Mapping[Index, str], value: Value) -> QuestionVerdict:
+    """The share of right components; the mistake that all wrong components have in common."""
+    wrong = [key for key, state in states.items() if state != EQUAL]
+    names = ", ".join(_label(question, key) for key in wrong[: MOST.named])
     more = f" and {len(wrong) - MOST.named} more" if len(wrong) > MOST.named else ""
-    score = round(1 - len(wrong) / len(agreement), 3)
-    text = f"{len(agreement) - len(wrong)} of {len(agreement)} right. Look again at {named}{more}."
-    code = "incomplete"
-    shared = _shared(question, wrong, value) if value is not None else ""
-    if shared:
-        code, text = shared, f"{text} {message_of(shared, question.remarks)}"
-    return QuestionVerdict(question.name, False, score, text, code, (), question.points)
+    score = round(1 - len(wrong) / len(states), 3)
+    text = f"{len(states) - len(wrong)} of {len(states)} right. Look again at {names}{more}."
+    code = _common(question, wrong, value)
+    if code:
+        text = f"{text} {message_of(code, question.remarks)}"
+    return QuestionVerdict(
+        question.name, False, score, text, code or "incomplete", (), question.points
+    )
 
 
-def _shared(question: Question, wrong: list[Index], value: Value) -> str:
-    """A sign or a factor 2 by which all wrong components are off."""
+def _common(question: Question, wrong: list[Index], value: Value) -> str:
+    """The code of a sign or a factor 2 by which all wrong components are off; or empty."""
     given = {key: value[key] for key in wrong if key in value}
     right = {key: question.solution[key] for key in wrong if key in question.solution}
-    for code, factor in (("sign", -1), ("factor", 2)):
-        if code in question.generic and same(question.domain, given, scaled(right, factor)):
+    for code, factor in (("sign", -1), ("factor", 2), ("factor", HALF)):
+        if code in question.generic and agrees(question, given, scaled(right, factor)):
             return code
-    if "factor" in question.generic and same(question.domain, scaled(given, 2), right):
-        return "factor"
     return ""
 
 
@@ -301,14 +261,11 @@ def _label(question: Question, key: Index) -> str:
     return f"{question.label or question.name}[{','.join(str(k + 1) for k in key)}]"
 
 
-def _diagnosed(question: Question, found: list[Mistake]) -> QuestionVerdict | None:
+def _diagnosed(question: Question, mistakes: list[Mistake]) -> QuestionVerdict:
     """The verdict on an answer that is one of the expected mistakes."""
-    if not found:
-        return None
-    codes = list(dict.fromkeys(mistake.code for mistake in found))
-    said = (one.message or message_of(one.code, question.remarks) for one in found)
-    texts = list(dict.fromkeys(said))[:2]
-    message = " Or: ".join(texts)
+    codes = list(dict.fromkeys(mistake.code for mistake in mistakes))
+    texts = (m.message or message_of(m.code, question.remarks) for m in mistakes)
+    message = " Or: ".join(list(dict.fromkeys(texts))[:2])
     return QuestionVerdict(
         question.name, False, 0.0, message, codes[0], tuple(codes[1:]), question.points
     )

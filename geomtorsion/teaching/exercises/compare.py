@@ -16,9 +16,10 @@ from geomtorsion.precision import ball_precision
 from geomtorsion.teaching.exercises.limits import check_weight
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from geomtorsion.teaching.exercises.domain import Domain
+    from geomtorsion.teaching.exercises.question import Question
 
 Index = tuple[int, ...]
 Value = Mapping[Index, Any]
@@ -108,17 +109,48 @@ def has_inverse(expr: sympy.Expr) -> bool:
     return any(part.free_symbols for part in expr.atoms(*_INVERSE))
 
 
-def compare_all(domain: Domain, given: Value, right: Value) -> dict[Index, str]:
-    """`compare` for every component that occurs in one of two; a missing component is zero."""
-    keys = sorted({*given, *right})
-    return {key: compare(domain, given.get(key, 0), right.get(key, 0)) for key in keys}
+def agreement(question: Question, given: Value, right: Value) -> Mapping[Index, str]:
+    """EQUAL, PARTLY or DIFFERENT for each component of two answers; a missing component is zero.
+
+    Options of a choice are compared as they are, numbers within the tolerance of the question
+    (relative to the largest number of `right`), all others by `compare`.
+
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> [agreement(load("4.4").question("compass"), {(): x}, {(): 2.0}) for x in (2.001, 2.5)]
+    [{(): 'equal'}, {(): 'different'}]
+    """
+    return dict(_states(question, given, right))
 
 
-def same(domain: Domain, given: Value, right: Value) -> bool:
-    """Whether all components are equal; ends at the first difference."""
-    return all(
-        compare(domain, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
-    )
+def agrees(question: Question, given: Value, right: Value) -> bool:
+    """Whether all components of two answers agree; ends at the first difference."""
+    return all(state == EQUAL for _, state in _states(question, given, right))
+
+
+def _states(question: Question, given: Value, right: Value) -> Iterator[tuple[Index, str]]:
+    """`agreement`, one component after another."""
+    allowed = question.tolerance * largest(right) if question.kind == "number" else 0.0
+    for key in sorted({*given, *right}):
+        one, two = given.get(key, 0), right.get(key, 0)
+        if question.kind == "choice":
+            yield key, EQUAL if one == two else DIFFERENT
+        elif question.kind == "number":
+            yield key, EQUAL if abs(float(one) - float(two)) <= allowed else DIFFERENT
+        else:
+            yield key, compare(question.domain, one, two)
+
+
+def largest(value: Value) -> float:
+    """Size of the largest number, which sets the scale of a tolerance; 1 if all are zero.
+
+    Examples
+    --------
+    >>> largest({(0,): -3.0, (1,): 2.0}), largest({})
+    (3.0, 1.0)
+    """
+    return max((abs(float(x)) for x in value.values()), default=0.0) or 1.0
 
 
 def _values(domain: Domain, *expressions: sympy.Expr) -> list[Sequence[acb]]:

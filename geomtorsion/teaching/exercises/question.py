@@ -15,7 +15,7 @@ import sympy
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import cut
 from geomtorsion.geometry import Tensor
-from geomtorsion.teaching.exercises.compare import Index, Value
+from geomtorsion.teaching.exercises.compare import Index, Value, agrees
 from geomtorsion.teaching.exercises.domain import Domain
 
 KINDS = ("expression", "components", "equations", "number", "choice")
@@ -75,7 +75,7 @@ class Question:
     unit: str = ""
     tolerance: float = 1e-3
     options: Mapping[str, str] = field(default_factory=dict)
-    generic: tuple[str, ...] = ("sign", "factor", "permuted", "counted")
+    generic: tuple[str, ...] = ("sign", "factor", "permuted")
     remarks: Mapping[str, str] = field(default_factory=dict)
     points: int = 1
 
@@ -125,47 +125,26 @@ def _is_zero(value: object) -> bool:
     return not isinstance(value, str) and value == 0
 
 
-def deviation(question: Question, given: Value, right: Value) -> float:
-    """Largest difference, in tolerances of the question."""
-    size = max((abs(float(x)) for x in right.values()), default=0.0)
-    allowed = question.tolerance * (size or 1.0)
-    keys = {*given, *right}
+def all_mistakes(question: Question) -> tuple[Mistake, ...]:
+    """Expected mistakes of the exercise, then generic ones; none equals the solution."""
+    own: list[Mistake] = []
+    for mistake in question.errors():
+        value = normal(mistake.value)
+        repeated = any(m.code == mistake.code and m.value == value for m in own)
+        if not (repeated or looks_like(question, value, question.solution)):
+            own.append(Mistake(mistake.code, value, mistake.message))
+    # If the exercise explains why a value is wrong, the general message is dropped.
+    known = (question.solution, *(mistake.value for mistake in own))
+    generic = [Mistake(m.code, normal(m.value), m.message) for m in _generic(question)]
     return (
-        max((abs(float(given.get(k, 0)) - float(right.get(k, 0))) for k in keys), default=0.0)
-        / allowed
+        *own,
+        *(m for m in generic if not any(looks_like(question, m.value, value) for value in known)),
     )
 
 
-def all_mistakes(question: Question) -> tuple[Mistake, ...]:
-    """Expected mistakes of the exercise, then generic ones; none equals the solution."""
-    found: list[Mistake] = []
-    for mistake in question.errors():
-        value = normal(mistake.value)
-        if _is_other(question, value) and not _repeats(found, mistake.code, value):
-            found.append(Mistake(mistake.code, value, mistake.message))
-    # If the exercise explains why a value is wrong, the general message is dropped.
-    own = tuple(found)
-    for mistake in _generic(question):
-        value = normal(mistake.value)
-        if _is_other(question, value) and not any(_agree(question, value, m.value) for m in own):
-            found.append(Mistake(mistake.code, value, mistake.message))
-    return tuple(found)
-
-
-def _is_other(question: Question, value: Value) -> bool:
-    """Whether a wrong answer differs from the right one."""
-    if question.kind == "number":
-        return deviation(question, value, question.solution) > 1
-    return value != question.solution
-
-
-def _agree(question: Question, one: Value, two: Value) -> bool:
-    """Whether two wrong answers are the same."""
-    return one == two or (question.kind == "number" and deviation(question, one, two) <= 1)
-
-
-def _repeats(found: Iterable[Mistake], code: str, value: Value) -> bool:
-    return any(known.code == code and known.value == value for known in found)
+def looks_like(question: Question, one: Value, two: Value) -> bool:
+    """Whether two answers are written alike, or are one number within the tolerance."""
+    return one == two or (question.kind == "number" and agrees(question, one, two))
 
 
 def _generic(question: Question) -> Iterator[Mistake]:

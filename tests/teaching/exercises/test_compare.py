@@ -9,11 +9,12 @@ from geomtorsion.teaching.exercises.compare import (
     DIFFERENT,
     EQUAL,
     PARTLY,
+    agreement,
+    agrees,
     compare,
-    compare_all,
-    same,
 )
 from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.exercises.question import Question
 from tests.teaching.exercises.hard_answers import HARD
 
 x = sp.Symbol("x", real=True)
@@ -66,10 +67,21 @@ def test_too_large_is_said():
 
 def test_components_are_compared_one_by_one():
     """Missing components are zero."""
-    found = compare_all(DOMAIN, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
-    assert found == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
-    assert same(DOMAIN, {(0,): x - x}, {})
-    assert not same(DOMAIN, {(0,): x}, {})
+    asked = Question("q", "components", "?", dict, DOMAIN, shape=(3,))
+    states = agreement(asked, {(0,): x, (1,): p}, {(0,): x, (2,): 1})
+    assert states == {(0,): EQUAL, (1,): DIFFERENT, (2,): DIFFERENT}
+    assert agrees(asked, {(0,): x - x}, {})
+    assert not agrees(asked, {(0,): x}, {})
+
+
+def test_numbers_agree_within_the_tolerance():
+    """The tolerance is relative to the largest component of the right answer, or to 1."""
+    asked = Question("q", "number", "?", dict, DOMAIN, shape=(2,), tolerance=1e-2)
+    right = {(0,): 100.0, (1,): 1.0}
+    assert agrees(asked, {(0,): 100.9, (1,): 0.1}, right)
+    assert agreement(asked, {(0,): 101.1}, right) == {(0,): DIFFERENT, (1,): EQUAL}
+    assert agrees(asked, {(0,): 0.009}, {})
+    assert not agrees(asked, {(0,): 0.011}, {})
 
 
 @pytest.mark.parametrize("name", HARD)
