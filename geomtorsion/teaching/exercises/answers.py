@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import sympy
 
 from geomtorsion import checks
 from geomtorsion.errors import ExpressionError, LimitError
-from geomtorsion.exact import parse_expression
 from geomtorsion.pictures.text import expression_text
 from geomtorsion.precision import CALCULATED
 from geomtorsion.teaching.exercises.entries import flat, index, kind, table_or_list
 from geomtorsion.teaching.exercises.limits import ANSWER, MOST
-from geomtorsion.teaching.exercises.notation import written_out
+from geomtorsion.teaching.exercises.notation import read_typed
 from geomtorsion.teaching.exercises.question import advice, example, shown_name
 
 if TYPE_CHECKING:
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
 
 # Digits of a number in a solution's text.
 DIGITS = round(-math.log10(CALCULATED))
-# A typed expression grows when all its signs are written out.
-_WRITTEN_OUT = replace(ANSWER, characters=3 * ANSWER.characters)
 
 
 def expression(question: Question, given: object, where: str) -> sympy.Expr:
@@ -49,15 +45,9 @@ def expression(question: Question, given: object, where: str) -> sympy.Expr:
             f"{where}: an expression in quotes was needed, but {kind(given)} came. Write for "
             'instance "sin(x)/2".'
         )
-    if len(given) > ANSWER.characters:
-        raise LimitError(
-            f"{where}: {len(given):,} characters; the limit is {ANSWER.characters:,}. "
-            "Write it shorter."
-        )
     names = question.domain.names
-    text = written_out(without_label(given, names), names, where)
     try:
-        return parse_expression(text, names, {}, where=where, limits=_WRITTEN_OUT, decimals=True)
+        return read_typed(without_label(given, names), names, where, ANSWER)
     except (ExpressionError, LimitError) as error:
         raise type(error)(advice(question, str(error), given)) from None
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from geomtorsion.checks import cut
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.exercises.notation import plain_signs
+from geomtorsion.teaching.exercises.signs import plain_signs
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index

@@ -285,7 +285,7 @@ def shown_name(text: str) -> str:
 def advice(question: Question, message: str, given: str = "") -> str:
     """A message of the parser, with advice for an answer, in which nothing can be declared.
 
-    given: the typed text; it replaces the rewritten text in the message.
+    given: the typed text; it is added if the message shows other signs for it.
 
     Examples
     --------
@@ -301,6 +301,7 @@ def advice(question: Question, message: str, given: str = "") -> str:
     message = _FUNCTION.sub("Write it with sin, cos, tan, exp, log, sqrt and the like.", message)
     message = _SMALLER.sub("Write a smaller one.", shown_name(message))
     lines = message.splitlines()
-    if len(lines) < 2 or not given or cut(given, 80) in lines[1]:
+    excerpt = lines[1].strip(" …") if len(lines) > 1 else ""
+    if not given or excerpt in re.sub(r"\s", " ", given):
         return message
-    return f"{message}\nThat is how your answer was read: {cut(given, 80)}"
+    return f"{message}\nYou typed: {cut(given, 80)}"
