@@ -74,13 +74,10 @@ def read_typed(
     """
     if len(text) > limits.characters:
         raise LimitError(
-            f"{where}: {len(text):,} characters; the limit is {limits.characters:,}. "
+            f"{where}: expected at most {limits.characters:,} characters, got {len(text):,}. "
             "Write it shorter."
         )
-    try:
-        source = Source(_with_rates(plain_signs(text), symbols), where)
-    except ExpressionError as error:
-        raise ExpressionError(f"{where}: {error}") from None
+    source = Source(_with_rates(plain_signs(text, where), symbols), where)
     words = list(_words(source.text, symbols, functions))
     tokens = [
         checked(source, token, {*symbols, *functions}, limits, decimals=decimals)
@@ -259,7 +256,7 @@ class _Completer:
         self.where = where
         self.result: list[Token] = []
         # For each open bracket: whether a value is in a denominator, and whether this is a
-        # fraction of two numbers; and what follows the closed bracket.
+        # fraction of two numbers; and the tokens after the closed bracket.
         self.under: list[str] = [""]
         self.closing: list[str] = [""]
 
@@ -273,7 +270,7 @@ class _Completer:
         return self.words[k] if 0 <= k < len(self.words) else _Word("end", "", "", 0)
 
     def _add(self, k: int, code: str) -> None:
-        """Append signs, names and numbers that word k stands for, separated by spaces."""
+        """Append tokens, separated by spaces in `code`, at the columns of word k."""
         start, end = self.words[k].start, self.words[k].end
         for text in code.split():
             kind = (

@@ -114,10 +114,10 @@ def normal(value: object) -> Value:
     elif isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, str):
-        found: dict[Index, Any] = {}
+        components: dict[Index, Any] = {}
         for k, entry in enumerate(value):
-            found |= {(k, *key): x for key, x in normal(entry).items()}
-        return found
+            components |= {(k, *key): x for key, x in normal(entry).items()}
+        return components
     return {} if _is_zero(value) else {(): value}
 
 
@@ -134,11 +134,11 @@ def all_mistakes(question: Question) -> tuple[Mistake, ...]:
         if not (repeated or looks_like(question, value, question.solution)):
             own.append(Mistake(mistake.code, value, mistake.message))
     # If the exercise explains why a value is wrong, the general message is dropped.
-    known = (question.solution, *(mistake.value for mistake in own))
+    better = (question.solution, *(mistake.value for mistake in own))
     generic = [Mistake(m.code, normal(m.value), m.message) for m in _generic(question)]
     return (
         *own,
-        *(m for m in generic if not any(looks_like(question, m.value, value) for value in known)),
+        *(m for m in generic if not any(looks_like(question, m.value, value) for value in better)),
     )
 
 
@@ -296,7 +296,7 @@ def advice(question: Question, message: str, given: str = "") -> str:
     """
     names = ", ".join(symbol_names(question))
     allowed = f"Names that may occur here: {names}." if names else "No names occur in this answer."
-    message = _NAME.sub(r"\1 is no name that occurs in this answer", message)
+    message = _NAME.sub(r"\1 is not a name of this question", message)
     message = _DECLARE.sub(allowed, message)
     message = _FUNCTION.sub("Write it with sin, cos, tan, exp, log, sqrt and the like.", message)
     message = _SMALLER.sub("Write a smaller one.", shown_name(message))

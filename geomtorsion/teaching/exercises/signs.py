@@ -104,18 +104,18 @@ _BARS = re.compile(r"\|([^|]+)\|")
 _LIBRARY = re.compile(r"\b(?:np|numpy|math|cmath|mpmath|sp|sympy)\.(?=[A-Za-z])")
 
 
-def plain_signs(text: str) -> str:
+def plain_signs(text: str, where: str) -> str:
     """Text in keyboard signs: superscripts, subscripts, LaTeX and other minus signs are replaced.
 
     Examples
     --------
-    >>> plain_signs("−φ₁² · √2"), plain_signs(r"\\frac{1}{2}\\cos^2\\phi_{1}")
+    >>> plain_signs("−φ₁² · √2", "q"), plain_signs(r"\\frac{1}{2}\\cos^2\\phi_{1}", "q")
     ('-φ_1^(2) *  sqrt 2', '((1)/(2)) cos^2 phi_1')
     """
     if re.search("[0-9][½¼¾⅓⅔]", text):
         raise ExpressionError(
-            "expected one number, got a number in front of a fraction sign. Write 5/2 for two and "
-            "a half."
+            f"{where}: expected one number, got a number in front of a fraction sign. Write 5/2 "
+            "for two and a half."
         )
     text = "".join(_full_size(kind, "".join(run)) for kind, run in groupby(text, _small_kind))
     text = text.translate(_SIGNS)

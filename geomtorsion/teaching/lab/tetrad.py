@@ -17,8 +17,8 @@ from geomtorsion.pictures.sections import aligned, section
 from geomtorsion.spaces import Space
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab import views
-from geomtorsion.teaching.lab.as_typed import read_typed
 from geomtorsion.teaching.lab.settings import PAGE
+from geomtorsion.teaching.lab.typed_expressions import read_typed
 
 if TYPE_CHECKING:
     from geomtorsion.pictures.quantities import Quantity

@@ -295,7 +295,7 @@ def test_a_choice_is_not_read_out_of_its_beginning():
 def test_a_decimal_comma():
     """It is said how to write the number."""
     said = check_question(number(1.5), "1,5")
-    assert said.message == "q: a number was needed, but 1,5 has a comma. Write 1.5 with a point."
+    assert said.message == "q: expected a number with a decimal point, got 1,5. Write 1.5."
 
 
 HOSTILE = [
@@ -357,7 +357,7 @@ def test_hostile_answers_end_soon(kind, given):
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ("xx", "xx is no name that occurs in this answer"),
+        ("xx", "xx is not a name of this question"),
         ("xx", "Did you mean x? Names that may occur here: x, y, t."),
         ("banana", "Names that may occur here: x, y, t."),
         ("foo(x)", "Write it with sin, cos, tan,"),

@@ -14,9 +14,10 @@ import sympy as sp
 from geomtorsion import exercises
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.exact import parse_expression
-from geomtorsion.teaching.exercises.checking import check_question, read
+from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.domain import Domain
 from geomtorsion.teaching.exercises.question import Question
+from geomtorsion.teaching.exercises.reading import read
 
 # Exercise, question, a right answer in an odd form.
 RIGHT = [

@@ -1,4 +1,4 @@
-"""as typed: an expression in a field of the page, written for the library or as on paper."""
+"""typed expressions: text of a field, in the notation of the library or of paper."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def read_typed(
     ExpressionError
         It cannot be read, can be read in two ways, or is not smooth.
     LimitError
-        It is longer or deeper than what a person types.
+        It is longer or deeper than people type.
 
     Examples
     --------
