@@ -158,7 +158,7 @@ def checked(
         piece = _PLAIN.get(piece, piece)
         if piece not in {"+", "-", "*", "/", "**", "(", ")", ","}:
             _refuse(source, piece, start, end)
-    return Token(kind, piece, start, end)
+    return token if piece == token.text else Token(kind, piece, start, end)
 
 
 def _refuse(source: Source, sign: str, start: int, end: int) -> NoReturn:

@@ -23,6 +23,7 @@ def answer_text(question: Question, value: Value) -> str:
 
     Examples
     --------
+    >>> import sympy
     >>> from geomtorsion.teaching.exercises import load
     >>> question = load("1.1").questions[0]
     >>> answer_text(question, {(0, 0): sympy.Integer(1), (1, 1): 1 / sympy.Symbol("r")})
