@@ -237,6 +237,18 @@ def test_several_numbers():
     assert code_of(three, "1 = 1; 2 = 2") == "right"
     assert code_of(three, "[-1, -2, 0]") == "sign"
     assert "b[2]" in check_question(three, "[1, 7, 0]").message
+    said = check_question(three, "[1, -2, 0]")
+    assert (said.score, said.diagnosis) == (pytest.approx(2 / 3, abs=1e-3), "sign")
+    assert "Look again at b[2]. The sign is wrong." in said.message
+    assert code_of(three, "0 = 1; 1 = 2") == "counted"
+
+
+def test_an_index_zero_is_explained_for_every_question():
+    """Also where the exercise expects no general mistake."""
+    matrix = components([[x, 0], [0, y]], generic=())
+    for answer, words in (("0,0 = x; 1,1 = y", "Indices are"), ("0,1 = x", "An index is 0: ")):
+        said = check_question(matrix, answer)
+        assert (said.diagnosis, said.message.startswith(words)) == ("counted", True)
 
 
 RATES = Question(
