@@ -262,6 +262,7 @@ def test_what_was_read_is_shown():
         ("|x| + zz", "zz"),
         ("2e^x % 3", "%"),
         ("x,y", ","),
+        ("1_2 x", "_2"),
         ("sin", "sin"),
     ],
 )
