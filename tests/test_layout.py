@@ -106,7 +106,7 @@ BUDGET = {
     "curves": 3350,
     "exact": 6750,
     "geometry": 5150,
-    "gravity": 2100,
+    "gravity": 2150,
     "loops": 5750,
     "materials": 14900,
     "ode": 5100,

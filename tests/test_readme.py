@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 README = ROOT / "README.md"
 TEXT = README.read_text("utf-8")
 LONGEST_README = 200
-# Pages of the site that are Markdown, and those whose Python is written with its results.
+# Markdown pages of the site, and the pages whose Python examples show their results.
 PAGES = sorted((ROOT / "examples" / "site").glob("**/*.md"))
 PAGES = [page for page in PAGES if page.parent.name != "pages"]
 EXAMPLES = [page for page in (README, *PAGES) if "```pycon" in page.read_text("utf-8")]
@@ -49,8 +49,8 @@ COMMANDS = [
     for line in block.splitlines()
     if line.startswith("geomtorsion ")
 ]
-# All exercises in two variants each: tests of the exports export them one by one. Pages of all
-# tabs: the test of the lesson in examples/classroom.md exports them.
+# The first exports all exercises, and tests of the exports cover them one by one. The second
+# exports all tabs, and the test of the lesson in examples/classroom.md covers them.
 LONG = (
     "geomtorsion exercises export --to stack -o moodle",
     "geomtorsion lab --export course",
@@ -72,7 +72,7 @@ def test_links_lead_to_files():
 
 @pytest.mark.parametrize("page", EXAMPLES, ids=lambda page: page.stem)
 def test_python_is_true(page):
-    """Each result that the README or a page shows is the result of its code."""
+    """The code of the README and of each page returns the results that the page shows."""
     report: list[str] = []
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS, verbose=False)
     runner.run(examples(page), out=report.append)
@@ -80,7 +80,7 @@ def test_python_is_true(page):
 
 
 def test_python_is_found():
-    """The pages hold as many examples as they should."""
+    """The pages contain at least the expected number of examples."""
     assert README in EXAMPLES
     assert sum(len(examples(page).examples) for page in EXAMPLES) >= EXPECTED_PYTHON
 
@@ -97,7 +97,7 @@ def test_the_scene_file_is_read(tmp_path):
 
 
 def test_commands_are_found():
-    """The README and the page of commands show as many as they should."""
+    """The README and the page of commands show at least the expected number of commands."""
     assert len(COMMANDS) >= EXPECTED_COMMANDS
     assert set(LONG) <= set(COMMANDS)
 
@@ -107,7 +107,7 @@ def test_commands_are_found():
     [pytest.param(x, marks=pytest.mark.slow) if x in LONG else x for x in COMMANDS],
 )
 def test_commands_run(command, tmp_path, monkeypatch):
-    """Each command ends well and says something; some read crystals, atoms, arrays, pictures."""
+    """Each command ends with code 0 and prints something; some read maps, images or atoms."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, ctf(bent((12, 14), 0.1)), "scan.ctf")
     for name, library, make in (
@@ -141,9 +141,9 @@ def test_what_measured_the_figures_is_there():
 
 
 def test_the_two_commands_stand_there_once():
-    """One line installs and runs, one installs and tests, and one builds the site, further down.
+    """One line installs and runs, one installs and tests, and a later one builds the site.
 
-    .ci/run takes them from here.
+    .ci/run reads these lines from the README.
     """
     assert len(INSTALLING) == 3
     run, test, site = INSTALLING
@@ -159,7 +159,7 @@ def test_the_two_commands_stand_there_once():
 
 
 def test_version_stands_once():
-    """Version and Python floor stand in pyproject.toml and nowhere else in the package."""
+    """The package does not repeat the version of pyproject.toml."""
     project = (ROOT / "pyproject.toml").read_text("utf-8")
     version = re.search(r'^version = "(.+)"$', project, re.MULTILINE)
     assert version

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -18,6 +19,7 @@ from geomtorsion.gravity.invariants import INVARIANTS, Scalars
 from geomtorsion.gravity.lagrangian import GEOMETRIES, Lagrangian, Reading, known_as, read
 from geomtorsion.gravity.matter import Fluid, MatterField
 from geomtorsion.gravity.momenta import Momenta
+from geomtorsion.gravity.naming import with_names
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,6 +111,25 @@ class FieldEquations:
         values = {name: self._reading.values[x] for x, name in self._reading.symbols.items()}
         return {name: self.frame.written(value) for name, value in values.items()}
 
+    @property
+    def expression(self) -> sp.Expr:
+        """The Lagrangian in the names of its invariants."""
+        return self._named.expression
+
+    def written(self, element: Element) -> sp.Expr:
+        """An element as it is printed, with unknown functions of an invariant: f(T), f'(T).
+
+        Examples
+        --------
+        >>> import geomtorsion as gt
+        >>> cosmos = gt.spaces.load("frw_flat").frame
+        >>> equations = gt.gravity.equations(gt.cartan(cosmos), "f(T)")
+        >>> equations.written(equations.E.element(0, 0))
+        (a(t)**2*f(T) - 12*Derivative(a(t), t)**2*Derivative(f(T), T))/a(t)**2
+        """
+        functions = {one.func for one in self.expression.atoms(AppliedUndef)}
+        return with_names(self.frame.written(element), self.scalars, functions)
+
     def scalar(self, name: str) -> Tensor:
         """An invariant by its name in the Lagrangian, whether it occurs there or not.
 
@@ -124,9 +145,8 @@ class FieldEquations:
     @cached_property
     def L(self) -> Tensor:
         """The Lagrangian on these fields, rank 0."""
-        return self.frame.scalar(
-            lambda: self._reading.element(self._reading.expression), "L", "Lagrangian"
-        )
+        reading = self._reading
+        return self.frame.scalar(lambda: reading.element(reading.expression), "L", "Lagrangian")
 
     @cached_property
     def _slopes(self) -> dict[str, Element]:
@@ -273,6 +293,17 @@ class FieldEquations:
             return self.frame.field.sum([(HALF, lower((i, j))), (-HALF, lower((j, i)))])
 
         return Tensor(self.frame, "DD", rule, antisymmetric(2), "E", "antisymmetric part of E")
+
+    @cached_property
+    def tensors(self) -> dict[str, Tensor]:
+        """E and E_[ij]; C where a connection is varied on its own, M where it is not metric."""
+        kinds = {one.kind for one in self.connections}
+        found = {"E": self.E, "E_[ij]": self.antisymmetric}
+        if kinds - {"cartan", "levi-civita"}:
+            found["C"] = self.C
+        if "general" in kinds:
+            found["M"] = self.M
+        return found
 
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:

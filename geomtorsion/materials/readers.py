@@ -192,18 +192,18 @@ def open_source(
     suffix, ends = ending(path), _suffixes(path)
     if ends and suffix not in ends:
         raise FileFormatError(
-            f"{path.name}: expected a name ending in {' or '.join(ends)}, as its content says, "
+            f"{path.name}: expected a name ending in {' or '.join(ends)}, to match the content, "
             f"got {shown(path.suffix)}. Rename it."
         )
     if suffix not in SUFFIXES:
         raise FileFormatError(
             f"{path.name}: expected a name ending in {', '.join(SUFFIXES)}, got "
-            f"{shown(path.suffix)}. Rename or export the file."
+            f"{shown(path.suffix)}. Rename the file, or export it in one of these formats."
         )
     if is_array(path):
         raise GridError(
-            f"{path.name}: expected a file that is read whole, got an array, of which maps are "
-            "made in blocks: geomtorsion map FILE -o DIR. For single circuits save it by "
+            f"{path.name}: expected a file that is read as a whole, got an array, which is mapped "
+            "in blocks: geomtorsion map FILE -o DIR. For single circuits, save the array by "
             "SampledFrame.save."
         )
     kind = kind_of(path)
@@ -216,8 +216,8 @@ def open_source(
         if name not in kind.options:
             owner = next(one for one in (GRID, MAP, IMAGE) if name in one.options)
             raise kind.error(
-                f"{name}: expected a file of {owner.plural}, got {kind.name} in {path.name}. Leave "
-                "the option out."
+                f"{name}: expected a file of {owner.plural}, got {kind.name} in {path.name}. Omit "
+                "the option."
             )
     return kind.read(path, **given)
 
@@ -244,12 +244,15 @@ def open_in_blocks(
     if is_array(path):
         return array_in_blocks(path, steps, unit, sigma, order)
     if steps is not None:
-        raise GridError(f"steps: expected them in {path.name}, got the option. Leave it out.")
+        raise GridError(
+            f"steps: expected no option, because {path.name} contains the axes, got "
+            f"{shown(steps)}. Omit the option."
+        )
     source = open_source(path, sigma=sigma, order=order)
     if not isinstance(source, SampledFrame):
         raise GridError(
-            f"blocks: expected a sampled frame, got another kind of source in {path.name}, whose "
-            "map is made at once. Leave out blocks and resume."
+            f"blocks: expected a sampled frame in {path.name}, got data of another kind, which "
+            "are mapped without blocks. Omit blocks and resume."
         )
     return frame_in_blocks(source, path.name)
 

@@ -25,7 +25,8 @@ _NAMES = {
     "T_scalar": "T", "omega": "ω", "eta": "η",
 }  # fmt: skip
 _NAME = re.compile("|".join(_NAMES))
-_BARRED = re.compile("(.)\u0304")
+_ACCENTS = {"\u0304": "bar", "\u0303": "tilde"}
+_ACCENTED = re.compile(f"(.)([{''.join(_ACCENTS)}])")
 _WORD = r"\b[A-Za-z][a-z]+(?![_^\w])"
 _WORDS = re.compile(rf" ?{_WORD}(?:[ ,]+{_WORD})* ?")
 # Stands for ] until indices are set, where it closes none of theirs.
@@ -85,7 +86,7 @@ def equation_latex(text: str) -> str:
     text = _NAME.sub(lambda match: _NAMES[match.group()], _commutators(text))
     text = re.sub(rf"(?:{_MARKS.pattern})+", lambda match: _staggered(match.group()), text)
     text = _WORDS.sub(lambda match: rf"\text{{{match.group()}}}", text)
-    text = _BARRED.sub(lambda match: rf"\bar {match[1]}", text)
+    text = _ACCENTED.sub(lambda match: rf"\{_ACCENTS[match[2]]} {match[1]}", text)
     # A blank between two factors is a thin space.
     text = re.sub(r"(?<=[}0-9]) (?=[^\W\d_]|[∂(\\])", r"\\,", text)
     return text.replace(_CLOSING, "]")

@@ -207,11 +207,13 @@ BASES = ("natural", "coordinate", "frame")
 class Quantity:
     """A quantity of a space, computed when its components are read.
 
-    entry: how it is presented. tensor: its components, in the requested basis.
+    entry: how it is presented. tensor: its components, in the requested basis. printed: a
+    component as it is printed; without it, by the names of the frame.
     """
 
     entry: Entry
     tensor: Tensor
+    printed: Callable[[Element], sympy.Expr] | None = None
 
     @property
     def letters(self) -> list[str]:
@@ -224,7 +226,9 @@ class Quantity:
         return text_label(self.entry.symbol, self.letters, self.tensor.slots)
 
     def written(self, element: Element) -> sympy.Expr:
-        """A component as it is printed: by the names of the frame, if it has some."""
+        """A component as it is printed."""
+        if self.printed is not None:
+            return self.printed(element)
         frame = self.tensor.frame
         return frame.written(element) if frame.names else element.sympy
 

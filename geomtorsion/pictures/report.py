@@ -22,6 +22,11 @@ from geomtorsion.loops import BurgersVector, Loop, burgers_vector
 from geomtorsion.ode import RungeKutta
 from geomtorsion.outgoing import html_text, size_text
 from geomtorsion.pictures.curve_files import Draw, curve_pictures
+from geomtorsion.pictures.field_equations import (
+    TITLE,
+    field_equations_data,
+    field_equations_html,
+)
 from geomtorsion.pictures.formula import FONT_SOURCE, expression_mathml, font_face, mathml
 from geomtorsion.pictures.latex import equation_latex, latex_matrix, latex_name, latex_text
 from geomtorsion.pictures.loops import draw_closure
@@ -29,13 +34,14 @@ from geomtorsion.pictures.quantities import SECTIONS, chosen_quantities, geometr
 from geomtorsion.pictures.sections import section
 from geomtorsion.pictures.style import STYLE, can_draw, svg_text
 from geomtorsion.pictures.text import greek_words
-from geomtorsion.pictures.verdicts import Verdict, verdicts
+from geomtorsion.pictures.verdicts import Verdict, of_identity, verdicts
 from geomtorsion.spaces import Pair, refuse_unknown_functions, solve_pair
 from geomtorsion.spaces.first_motion import first_motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from geomtorsion.gravity import FieldEquations
     from geomtorsion.pictures.quantities import Quantity
     from geomtorsion.spaces import Space
 
@@ -308,14 +314,16 @@ def write_report(
     *,
     pictures: bool = True,
     basis: str = "natural",
+    equations: FieldEquations | None = None,
 ) -> Path:
     """Write index.html and geometry.json and return the path of the page.
 
     The page needs no network: mathematics is MathML, style and pictures are inside. Without
     matplotlib the pictures are missing, and the page reports it; ``pictures=False`` omits motions
     and loops. Indices refer to the basis: "natural" (each quantity in the one in which it is
-    defined), "coordinate" or "frame". The directory is made if it is missing; nothing is written
-    before everything is computed.
+    defined), "coordinate" or "frame". ``equations`` are field equations on the space
+    (`gravity.equations`), shown after its geometry. The directory is made if it is missing; nothing
+    is written before everything is computed.
 
     Examples
     --------
@@ -329,8 +337,12 @@ def write_report(
     quantities = chosen_quantities(space, (), basis, progress)
     checked = verdicts(space, progress)
     seen = {}
+    if equations is not None:
+        progress("field equations")
+        seen[TITLE] = field_equations_html(equations)
+        checked[TITLE] = [of_identity(identity) for identity in equations.identities()]
     if pictures:
-        seen = {"Motions": motions_card(space, progress), "Closure": loop_card(space, progress)}
+        seen |= {"Motions": motions_card(space, progress), "Closure": loop_card(space, progress)}
     progress("writing")
     html = page(space, quantities, checked, seen)
     data = geometry_data(space, quantities)
@@ -338,6 +350,8 @@ def write_report(
         title: [{"name": v.name, "holds": v.holds, "detail": v.detail} for v in found]
         for title, found in checked.items()
     }
+    if equations is not None:
+        data["field_equations"] = field_equations_data(equations)
     # From here on nothing can fail but the disk.
     with written(directory, is_folder=True) as target:
         write_text(target / "geometry.json", json.dumps(data, indent=2) + "\n")

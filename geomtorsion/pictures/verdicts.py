@@ -63,14 +63,15 @@ def verdicts(
     for title, connection in connections.items():
         progress(title)
         own = connection is space.connection
-        groups[title] = [_of_identity(identity, own=own) for identity in identities(connection)]
+        groups[title] = [of_identity(identity, own=own) for identity in identities(connection)]
     if space.known:
         progress("known answers")
         groups["Known answers"] = [_of_answer(space, answer) for answer in space.known]
     return groups
 
 
-def _of_identity(identity: IdentityCheck, *, own: bool) -> Verdict:
+def of_identity(identity: IdentityCheck, *, own: bool = False) -> Verdict:
+    """The verdict on an identity; own: of a connection that the space brings."""
     # A connection with nonmetricity is not a mistake: metricity is a property there.
     required = not (own and identity.name in PROPERTIES)
     detail = f"{identity.checked} component{'s' * (identity.checked != 1)}"

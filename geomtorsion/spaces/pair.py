@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from sympy import Derivative
+from sympy.core.function import AppliedUndef
 
 from geomtorsion import checks
 from geomtorsion.caching import cached_property
@@ -248,11 +248,16 @@ def pair_problems(
 
 def refuse_unknown_functions(space: Space) -> None:
     """A motion needs numbers: a frame that contains an unknown function has none."""
-    names = [
-        str(generator.shown)
-        for generator in space.frame.field.generators
-        if generator.kind == "jet" and not isinstance(generator.shown, Derivative)
-    ]
+    tensors = [space.frame.coframe]
+    if space.connection is not None:
+        tensors.append(space.connection.coefficients)
+    functions = {
+        function
+        for tensor in tensors
+        for value in tensor.components.independent.values()
+        for function in value.sympy.atoms(AppliedUndef)
+    }
+    names = sorted(map(str, functions))
     if names:
         raise StartError(
             f"{space.name} contains the unknown function {names[0]}, so its motions have no "

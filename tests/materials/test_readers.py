@@ -64,7 +64,7 @@ def test_content_against_name(tmp_path):
     """A renamed file is told by its first bytes, with the remedy."""
     path = grid(tmp_path).rename(tmp_path / "map.ctf")
     with pytest.raises(
-        FileFormatError, match=re.escape("ending in .npz, as its content says, got '.ctf'")
+        FileFormatError, match=re.escape("ending in .npz, to match the content, got '.ctf'")
     ):
         open_source(path)
     path = write(tmp_path, ctf(), "map.txt")
@@ -83,9 +83,7 @@ def test_names_that_mean_nothing(tmp_path):
 
 def test_options_that_do_not_belong(tmp_path):
     """Each is named, with what to do."""
-    with pytest.raises(
-        GridError, match="threshold: expected a file of orientation maps.*Leave the"
-    ):
+    with pytest.raises(GridError, match="threshold: expected a file of orientation maps.*Omit the"):
         open_source(grid(tmp_path), threshold=3)
     with pytest.raises(
         OrientationError, match="order: expected a file of sampled frames, got an orientation map"
@@ -110,7 +108,7 @@ def test_images(tmp_path):
     with pytest.raises(GridError, match="pixel: expected a file of lattice images"):
         open_source(grid(tmp_path), pixel=(1, "nm"))
     np.save(path, np.random.default_rng(0).normal(size=(128, 128)))
-    with pytest.raises(ImageError, match="no lattice that can be seen"):
+    with pytest.raises(ImageError, match="no visible lattice"):
         open_source(path)
 
 

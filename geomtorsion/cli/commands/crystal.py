@@ -119,26 +119,29 @@ def crystal(
     folder = _folder(output, resume=resume, overwrite=overwrite)
     found: list[Json] = []
     made: list[Callable[[], DislocationNetwork]] = []
-    with bar(file.name) as progress:
+    try:
+        with bar(file.name) as progress:
 
-        def seen(done: float, total: int, what: str) -> None:
-            if progress is not None:
-                number = min(int(done) + 1, total)
-                progress(done / max(total, 1), f"{file.name}: frame {number} of {total}, {what}")
+            def seen(done: float, total: int, what: str) -> None:
+                if progress is not None:
+                    number = min(int(done) + 1, total)
+                    progress(
+                        done / max(total, 1), f"{file.name}: frame {number} of {total}, {what}"
+                    )
 
-        try:
             for report, lines in reports(file, wanted, folder, seen):
                 found.append(report)
                 # Only the last frame is written as lines.
                 made = [lines]
-        except KeyboardInterrupt:
-            stopped(f"; {len(found)} frames are in {folder}; go on with --resume" if folder else "")
-            raise typer.Exit(ExitCode.interrupted) from None
-    document = _shown(file, found, form)
-    if output is not None:
-        _save(document, made[0](), output)
-        if folder is not None:
-            forget(folder)
+        document = _shown(file, found, form)
+        if output is not None:
+            _save(document, made[0](), output)
+            if folder is not None:
+                forget(folder)
+    except KeyboardInterrupt:
+        more = f"; {len(found)} frames are in {folder}; resume with --resume" if folder else ""
+        stopped(more)
+        raise typer.Exit(ExitCode.interrupted) from None
 
 
 def _shown(file: Path, found: list[Json], form: Form) -> Json:

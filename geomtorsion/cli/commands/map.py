@@ -212,7 +212,7 @@ def _in_blocks(
         raise dashed(error) from None
     except KeyboardInterrupt:
         begun = run_in(place) is not None
-        stopped(f"; finished blocks are in {place}; go on with --resume" if begun else "")
+        stopped(f"; finished blocks are in {place}; resume with --resume" if begun else "")
         raise typer.Exit(ExitCode.interrupted) from None
     if as_json:
         typer.echo(json.dumps(numbers, indent=2))

@@ -11,6 +11,8 @@ import typer
 from geomtorsion.cli.options import Basis, BasisOption, SpaceOrFile, directory
 from geomtorsion.cli.sources import open_space
 from geomtorsion.cli.terminal import working
+from geomtorsion.cli.theories import ConnectionOption, LagrangianOption, field_equations
+from geomtorsion.errors import GravityError
 from geomtorsion.pictures.report import write_report
 
 
@@ -24,23 +26,31 @@ def report(
         bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
     ] = True,
     basis: BasisOption = Basis.natural,
+    lagrangian: LagrangianOption = None,
+    connection: ConnectionOption = None,
 ) -> None:
     """Write geometry, motions and a loop of a space as a page.
 
     The page, index.html, is one file that needs no network; geometry.json holds the geometry as
-    data. Pictures need the extra `plots`.
+    data. Pictures need the extra `plots`. With -L the page also shows the field equations of a
+    Lagrangian, as `geomtorsion gravity` does.
 
     \b
     Examples:
       geomtorsion report so3 -o so3-report
       geomtorsion report my-tetrad.toml -o my-report
       geomtorsion report kerr --basis frame
+      geomtorsion report frw -L "T + c*T**2"
     """
     with working(source) as progress:
         space = open_space(source)
         # The name in a file may be any text; the name of a directory may not.
         default = re.sub(r"[^\w-]+", "-", space.name) + "-report"
+        if connection and lagrangian is None:
+            raise GravityError("--connection: expected -L with it, got none. Add a Lagrangian.")
+        equations = field_equations(space, lagrangian, connection) if lagrangian else None
         written = write_report(
-            space, output or default, progress, pictures=pictures, basis=basis.value
-        )
+            space, output or default, progress, pictures=pictures, basis=basis.value,
+            equations=equations,
+        )  # fmt: skip
     typer.echo(f"{space.name}: wrote {written} and {written.with_name('geometry.json')}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -92,17 +94,18 @@ def run(
     if only_kept and checkpoint is not None:
         typer.echo(_partial(scene, checkpoint, solver))
         return
-    result = _solved(scene, solver, checkpoint)
     written: list[Path] = []
-    with working(scene.title or scene.name) as progress:
-        if output is not None:
-            written = write_run(result, output, form.value, progress)
-        if animate is not None:
-            progress("drawing the film")
-            written.append(write_scene_film(result, animate))
-    if checkpoint is not None:
-        checkpoint.unlink(missing_ok=True)
-        checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
+    with _resumable(scene, checkpoint, solver):
+        result = _solved(scene, solver, checkpoint)
+        with working(scene.title or scene.name) as progress:
+            if output is not None:
+                written = write_run(result, output, form.value, progress)
+            if animate is not None:
+                progress("drawing the film")
+                written.append(write_scene_film(result, animate))
+        if checkpoint is not None:
+            checkpoint.unlink(missing_ok=True)
+            checkpoint.with_name(PARTIAL).unlink(missing_ok=True)
     typer.echo("\n".join(_summary(result)))
     if proved:
         with working(f"{scene.title or scene.name}: proof"):
@@ -135,14 +138,21 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
     return path
 
 
+@contextmanager
+def _resumable(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> Iterator[None]:
+    """Report on Ctrl-C which results exist, and how to resume."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        stopped(_left(scene, checkpoint, engine))
+        raise typer.Exit(ExitCode.interrupted) from None
+
+
 def _solved(scene: Scene, engine: Engine | None, checkpoint: Path | None) -> SceneResult:
     """The result of a scene, as far as it goes."""
     with bar(scene.title or scene.name) as progress:
         try:
             return scene.run(engine, checkpoint, progress)
-        except KeyboardInterrupt:
-            stopped(_left(scene, checkpoint, engine))
-            raise typer.Exit(ExitCode.interrupted) from None
         except StuckError as stuck:
             if checkpoint is not None:
                 checkpoint.unlink(missing_ok=True)
@@ -157,7 +167,7 @@ def _left(scene: Scene, checkpoint: Path | None, engine: Engine | None) -> str:
     if checkpoint is None or not checkpoint.exists():
         return ""
     try:
-        return f"; {_partial(scene, checkpoint, engine)}; go on with --resume"
+        return f"; {_partial(scene, checkpoint, engine)}; resume with --resume"
     except CheckpointError:
         return ""
 

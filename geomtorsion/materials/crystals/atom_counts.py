@@ -21,8 +21,8 @@ def check_declared(name: str, kind: str, rows: list[str]) -> None:
         sizes = [abs(int(x)) if len(x) <= 18 else 10**18 for x in words if _WHOLE.fullmatch(x)]
         if sum(sizes) > most:
             raise FileFormatError(
-                f"{name}: line {number + 1}: expected at most {most:,} {what}, for which the file "
-                f"has room, got {shown(' '.join(words))}. Correct the number, or export the file "
+                f"{name}: line {number + 1}: expected at most {most:,} {what}, as many as the file "
+                f"can hold, got {shown(' '.join(words))}. Correct the number, or export the file "
                 "again."
             )
 
@@ -73,7 +73,7 @@ def check_count_of_gro(name: str, rows: list[str]) -> None:
     said = rows[1].strip() if len(rows) > 1 else ""
     if not said.isdecimal() or len(said) > 18 or len(rows) != int(said) + 3:
         raise FileFormatError(
-            f"{name}: line 2: the number of atoms, so many rows, and one with the cell were "
-            f"needed, but {shown(said)} and {max(len(rows) - 2, 0):,} rows came. Is it complete, "
-            "and of one frame?"
+            f"{name}: line 2: expected the number of atoms, and below it as many rows and one "
+            f"with the cell, got {shown(said)} and {max(len(rows) - 2, 0):,} rows. Is the file "
+            "complete, and does it hold only one frame?"
         )

@@ -95,7 +95,7 @@ def atom_frames(path: str | PathLike[str], form: str | None = None) -> Iterator[
         yield found
         count += 1
     if not count:
-        raise FileFormatError(f"{file.name}: it holds no atoms. Is the file complete?")
+        raise FileFormatError(f"{file.name}: expected atoms, got none. Is the file complete?")
 
 
 def _ase(name: str) -> Any:
@@ -104,7 +104,7 @@ def _ase(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise MissingExtraError(
-            "files of atoms are read by ase, which is not installed. Run `pip install "
+            "files of atoms in this format need ase, which is not installed. Run `pip install "
             "'geomtorsion[crystals]'`, or give arrays: Crystal(positions, cell)."
         ) from None
 
@@ -123,7 +123,7 @@ def _form_of(file: Path, form: str | None) -> str:
     if "nodalData" in start or "dataFileVersion" in start:
         raise FileFormatError(
             f"{file.name}: expected atoms, got a network of dislocation lines (ParaDiS). Read it "
-            "by DislocationNetwork.read, or show it by `geomtorsion network`."
+            "with DislocationNetwork.read, or show it with `geomtorsion network`."
         )
     if ending(file) in ENDS:
         return ENDS[ending(file)]
@@ -135,14 +135,14 @@ def _form_of(file: Path, form: str | None) -> str:
     except Exception:  # noqa: BLE001
         # A damaged beginning makes ase raise more than its own class of errors.
         raise FileFormatError(
-            f"{file.name}: its format is not known by its name or beginning. Name it by form=... "
-            f"(--read-as), one of {known}."
+            f"{file.name}: expected a name or beginning that shows the format, got a file of "
+            f"unknown format. Name its format by form=... (--read-as), one of {known}."
         ) from None
     if found not in FORMATS:
         raise FileFormatError(
-            f"{file.name}: expected one of the formats {known}, got what looks like {found!r}, "
-            "which is not read: such files may hold more than numbers. Name the format by form=... "
-            "(--read-as) if it is one of these, or export the file as extended XYZ."
+            f"{file.name}: expected one of the formats {known}, got a file that looks like "
+            f"{found!r}, which may hold more than numbers and is not read. Name the format by "
+            "form=... (--read-as) if it is one of these, or export the file as extended XYZ."
         )
     return found
 
@@ -185,7 +185,7 @@ def _by_ase(file: Path, kind: str) -> Iterator[Atoms]:
         if file.suffix.lower() != ".nc":
             raise FileFormatError(
                 f"{file.name}: expected the name of an AMBER NetCDF file to end in .nc, got "
-                f"{shown(file.suffix)}. Unpack or rename it."
+                f"{shown(file.suffix)}. Unpack or rename the file."
             )
     else:
         text = read_text(file, LARGEST_ARRAYS, otherwise="latin-1")
@@ -243,13 +243,13 @@ def _unreadable(where: str, kind: str, error: Exception) -> FileFormatError | Mi
     """The error for a file that ase refuses."""
     if isinstance(error, ModuleNotFoundError):
         return MissingExtraError(
-            f"{where}: {FORMATS[kind]} is read by {error.name}, which is not installed. Run `pip "
+            f"{where}: {FORMATS[kind]} files need {error.name}, which is not installed. Run `pip "
             f"install {error.name}`, or export the file as extended XYZ."
         )
     reason = cut(str(error).strip().split("\n")[0]) or type(error).__name__
     return FileFormatError(
-        f"{where}: expected {FORMATS[kind]}, got a file that ase cannot read so ({reason}). Is it "
-        "complete, and of this format? Name another by form=... (--read-as)."
+        f"{where}: expected {FORMATS[kind]}, got a file that ase cannot read in this format "
+        f"({reason}). Is the file complete? Name another format by form=... (--read-as)."
     )
 
 
@@ -260,8 +260,8 @@ def _data(atoms: Atoms, where: str) -> AtomData:
     missing = [k for k in range(3) if flags[k] and not edges[k].any()]
     if missing:
         raise FileFormatError(
-            f"{where}: it is said to repeat along edge {missing[0] + 1} of its cell, but the file "
-            "gives no such edge. Give the cell (Lattice in extended XYZ), or pbc F there."
+            f"{where}: expected edge {missing[0] + 1} of the cell, along which the atoms are "
+            "periodic, got none. Give it (Lattice in extended XYZ), or write pbc F for this edge."
         )
     # Edges along which nothing repeats may be missing; perpendicular ones replace them.
     cell = completed(edges)

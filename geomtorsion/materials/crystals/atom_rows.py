@@ -41,10 +41,10 @@ class AtomData:
         present = sorted(set(self.species or ()))
         for name in species:
             if name not in present:
-                known = cut(", ".join(present)) or "no species at all"
+                known = cut(", ".join(present)) or "it has none"
                 raise FileFormatError(
-                    f"{self.where}: species: expected some of those in the file ({known}), got "
-                    f"{shown(name)}. Name others, or none for all atoms."
+                    f"{self.where}: species: expected species of the file ({known}), got "
+                    f"{shown(name)}. Name one of these, or omit species for all atoms."
                 )
         names = self.species or ()
         kept = np.flatnonzero(np.isin(np.array(names), list(species)))
@@ -59,7 +59,7 @@ def words_of(name: str, lines: Sequence[int], rows: Sequence[str], width: int) -
     odd = next((k for k, words in enumerate(found) if len(words) != width), None)
     if odd is not None:
         raise FileFormatError(
-            f"{name}: line {lines[odd]}: expected a row like the others, of {width} columns, got "
+            f"{name}: line {lines[odd]}: expected {width} columns as in the other rows, got "
             f"{shown(rows[odd].strip())}. Is the file complete?"
         )
     return found
@@ -80,8 +80,8 @@ def numbers_of(
         for k in columns:
             if not is_number(row[k]):
                 raise FileFormatError(
-                    f"{name}: line {number}: expected a row like the others, with a number in "
-                    f"column {k + 1}, got {shown(' '.join(row))}. Is the file complete?"
+                    f"{name}: line {number}: expected a number in column {k + 1} as in the other "
+                    f"rows, got {shown(' '.join(row))}. Is the file complete?"
                 )
             check_number(name, number, row[k])
     return np.array(texts, dtype=float).reshape(-1, len(columns))
@@ -91,8 +91,8 @@ def check_number(name: str, line: int, word: str) -> None:
     """Refuse words that only Python accepts as a number, such as 1_8 for 18."""
     if (not word.isascii() or "_" in word) and is_number(word):
         raise FileFormatError(
-            f"{name}: line {line}: {shown(word)} is no number as programs write it, but would be "
-            f"read as {float(word):g}. Correct it, or export the file again."
+            f"{name}: line {line}: expected a number in plain digits, got {shown(word)}, which "
+            f"would be read as {float(word):g}. Correct it, or export the file again."
         )
 
 

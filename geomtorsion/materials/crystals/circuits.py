@@ -112,8 +112,8 @@ class AtomCircuits:
         numbers = once_round(numbers, "atoms")
         if len(set(numbers)) < 3:
             raise CrystalError(
-                f"atoms: three different ones or more were needed for a circuit, but "
-                f"{len(set(numbers))} came."
+                f"atoms: expected three or more different atoms for a circuit, got "
+                f"{len(set(numbers))}. Name more."
             )
         sites: list[Site] = [(numbers[0], 0, 0, 0)]
         for number in [*numbers[1:], numbers[0]]:
@@ -121,9 +121,9 @@ class AtomCircuits:
             sites.append((number, *self._nearest_image(self.places[number] - here)))
         if sites[-1] != sites[0]:
             raise CrystalError(
-                f"atoms: the circuit comes back to atom {numbers[0]} in another image, "
-                f"{sites[-1][1:]} periods further: it runs round the cell. Name atoms on the way "
-                "back."
+                f"atoms: expected a closed circuit, got one that runs around the cell: it ends at "
+                f"atom {numbers[0]} in another image, {sites[-1][1:]} periods away. Name atoms on "
+                "the way back."
             )
         return self._through(sites)
 
@@ -136,8 +136,8 @@ class AtomCircuits:
             Its centre, shape (3,).
         normal
             Shape (3,), of any length.
-        In the unit of the positions; a few neighbour distances, so that it meets no core.
-            In the unit of the positions; some neighbour distances, so that no core is met.
+        radius
+            In the unit of the positions; a few neighbour distances, so that it meets no core.
 
         Raises
         ------
@@ -149,8 +149,8 @@ class AtomCircuits:
         sites = [one for k, one in enumerate(found) if one != found[k - 1]]
         if len(sites) < 3:
             raise CrystalError(
-                f"radius: a circle with three atoms or more next to it was needed, but there are "
-                f"{len(sites)}. Take a larger one."
+                f"radius: expected a circle with three or more atoms next to it, got "
+                f"{len(sites)}. Take a larger radius."
             )
         return self._through([*sites, sites[0]])
 
@@ -160,12 +160,14 @@ class AtomCircuits:
         axis = checks.array(normal, "normal", CrystalError, shape=(3,))
         size = checks.positive(radius, "radius", CrystalError)
         if not np.linalg.norm(axis) > 0:
-            raise CrystalError("normal: a direction was needed, but (0, 0, 0) came.")
+            raise CrystalError(
+                "normal: expected a direction, got (0, 0, 0). Give a vector that is not zero."
+            )
         nearest = self.frame.lattice.nearest * self.frame.constant
         if size < nearest:
             raise CrystalError(
-                f"radius: at least the distance of neighbours, {nearest:.4g}, was needed for a "
-                f"circuit of atoms, but {size:.4g} came."
+                f"radius: expected at least the distance of neighbours, {nearest:.4g}, got "
+                f"{size:.4g}. Take a larger radius."
             )
         # Two columns perpendicular to the axis, right-handed with it.
         across = np.linalg.qr(np.column_stack([axis, np.eye(3)[np.abs(axis).argsort()[:2]].T]))[0]
@@ -212,9 +214,9 @@ class AtomCircuits:
         apart, k = tree.query(inside[0])
         if apart > self._reach:
             raise CrystalError(
-                f"a circle among atoms was needed, but no atom lies within {self._reach:.4g} of "
+                f"expected a circle among atoms, got no atom within {self._reach:.4g} of "
                 f"{checks.shown(place.round(6).tolist())}. Is the centre in the crystal, and the "
-                "radius in its unit?"
+                "radius in the unit of the positions?"
             )
         image = (offsets[k] - moved[0]).tolist()
         return int(numbers[k]), image[0], image[1], image[2]
@@ -264,8 +266,8 @@ class AtomCircuits:
             previous = int(before[back[-1]])
             if previous < 0:
                 raise CrystalError(
-                    f"atoms {one[0]} and {two[0]}: bonds that are lattice vectors were needed "
-                    "between them, but a core or a void lies there. Lead the circuit round it."
+                    f"atoms {one[0]} and {two[0]}: expected bonds between them that are lattice "
+                    "vectors, got a core or a void. Lead the circuit around it."
                 )
             back.append(previous)
         way = back[::-1]

@@ -113,8 +113,8 @@ class Crystal(InFrame):
             names = checks.entries(species, "species", CrystalError)
             if len(names) != len(self.positions):
                 raise CrystalError(
-                    f"species: one for each of {len(self.positions)} atoms was needed, but "
-                    f"{len(names)} came."
+                    f"species: expected one for each of {len(self.positions)} atoms, got "
+                    f"{len(names)}. Give as many as positions."
                 )
             put("species", tuple(map(str, names)))
 
@@ -169,8 +169,8 @@ class Crystal(InFrame):
             return own, fitted(own, vectors)
         if len(self.positions) < 20:
             raise CrystalError(
-                f"positions: 20 atoms or more were needed to tell a crystal, but "
-                f"{len(self.positions)} came. Repeat the cell."
+                f"positions: expected 20 or more atoms, so that a crystal can be recognized, got "
+                f"{len(self.positions)}. Repeat the cell."
             )
         numbers = sampled(len(self.positions))
         vectors = self._neighbours(NEIGHBOURS, numbers)

@@ -265,9 +265,9 @@ def check_turn(frame: Frame, vectors: np.ndarray) -> None:
     if share_within(frame, vectors) == 0:
         least = np.degrees(_turns(frame, vectors).min())
         raise CrystalError(
-            "orient: that of the crystal, or of one of its grains, was needed, but all atoms are "
-            f"turned from it by {least:.3g} degrees or more. Its rows are the crystal axes in the "
-            "specimen; leave it out to have it found."
+            "orient: expected the orientation of the crystal or of one of its grains, got one from "
+            f"which all atoms are turned by {least:.3g} degrees or more. Give the crystal axes in "
+            "the specimen as rows, or omit orient to have it found."
         )
 
 
@@ -382,8 +382,8 @@ def single_frame(
         best = refined(best, vectors, orient is not None)
         if abs(best.constant / constant - 1) > METHOD.strain:
             raise CrystalError(
-                f"constant: neighbours are as far apart as with a = {best.constant:.4g}, but "
-                f"{constant:.4g} came. Give it in the unit of the positions, or leave it out."
+                f"constant: expected about {best.constant:.4g}, from the distance of neighbours, "
+                f"got {constant:.4g}. Give it in the unit of the positions, or omit it."
             )
         best = replace(best, constant=constant)
     best = refined(best, vectors, orient is not None, constant is not None)
@@ -460,17 +460,17 @@ def frame_of(
         # Clearly another lattice.
         if other[0].lattice.name != name and rival > 2 * share:
             raise CrystalError(
-                f"lattice: the neighbours of {rival:.1%} of the atoms fit into "
-                f"{other[0].lattice.name}, but {name} came, into which {share:.1%} fit. Name "
-                "that one, or none."
+                f"lattice: expected {other[0].lattice.name}, which {rival:.1%} of the atoms fit "
+                f"with their neighbours, got {name}, which {share:.1%} fit. Name "
+                f"{other[0].lattice.name}, or omit lattice to have it found."
             )
     if not (alike if share >= METHOD.share else _is_noisy(found[0], vectors)):
         kinds = name or f"one of {', '.join(LATTICES)}"
-        beside = ", but not of those next to them" if share >= METHOD.share else ""
+        beside = ", and adjacent ones are not oriented alike" if share >= METHOD.share else ""
         raise CrystalError(
             f"positions: expected a crystal ({kinds}), got atoms as in a liquid or in a lattice of "
-            f"another kind: of only {share:.1%} of the atoms the neighbours fit{beside}. Cut out "
-            "the part that is crystalline, or one sublattice of a compound."
+            f"another kind: the neighbours of only {share:.1%} of the atoms fit{beside}. Cut out "
+            "the crystalline part, or one sublattice of a compound."
         )
     return found[0].deformed(vectors[:, : found[0].lattice.shells], found[1])
 

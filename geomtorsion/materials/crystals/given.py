@@ -45,7 +45,8 @@ class Given:
         flags = checks.entries(checks.rows(periodic), "periodic", CrystalError)
         if len(flags) != 3 or any(np.ndim(flag) or flag not in (0, 1) for flag in flags):
             raise CrystalError(
-                f"periodic: three truth values were needed, but {checks.shown(flags)} came."
+                f"periodic: expected three truth values, got {checks.shown(flags)}. Give one for "
+                "each edge of the cell."
             )
         wraps = np.array(flags, dtype=bool) & (cell is not None)
         if lattice is not None:
@@ -66,8 +67,8 @@ def positions_of(given: object) -> np.ndarray:
     limit = float(np.finfo(float).max ** (1 / 3)) / 2
     if largest > limit:
         raise CrystalError(
-            f"{POSITIONS}: numbers up to {limit:.1e} were needed, whose cubes are volumes, "
-            f"but {largest:.3g} came. Give them in another unit of length."
+            f"{POSITIONS}: expected numbers up to {limit:.1e}, since their cubes are volumes, got "
+            f"{largest:.3g}. Give them in another unit of length."
         )
     return found
 
@@ -79,15 +80,16 @@ def _cell(given: ArrayLike) -> np.ndarray:
         found = np.diag(found)
     if found.shape != (3, 3):
         raise CrystalError(
-            f"cell: three edges as rows were needed, shape (3, 3), but {found.shape} came."
+            f"cell: expected three edges as rows, shape (3, 3), got shape {found.shape}. Give "
+            "them, or three lengths of perpendicular edges."
         )
     with np.errstate(all="ignore"):
         volume = abs(np.linalg.det(found))
         sizes = np.prod(np.linalg.norm(found, axis=1))
     if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
         raise CrystalError(
-            f"cell: three edges that span a volume were needed, but "
-            f"{checks.shown(found.tolist())} came. Give an open box periodic=(False, False, False)."
+            f"cell: expected three edges that span a volume, got {checks.shown(found.tolist())}. "
+            "Give an edge also where nothing repeats, or omit the cell of an open crystal."
         )
     return found
 
@@ -100,9 +102,8 @@ def _rotation(given: ArrayLike | None) -> np.ndarray | None:
     u, sizes, v = np.linalg.svd(found)
     if np.abs(sizes - 1).max() > 1e-3 or np.linalg.det(found) < 0:
         raise CrystalError(
-            "orient: a rotation was needed, crystal axes from specimen axes, but "
-            f"{checks.shown(found.tolist())} came. Its columns are the specimen axes in the "
-            "crystal, of length one and right-handed."
+            f"orient: expected a rotation, got {checks.shown(found.tolist())}. Give the crystal "
+            "axes in the specimen as rows: of length one, perpendicular and right-handed."
         )
     nearest = u @ v
     # A rotation up to rounding stays unchanged, frame by frame of a trajectory.

@@ -64,9 +64,9 @@ class GrainCircuits:
             one, other = inside[:2]
             how = self.grains.wall(one, other).description
             raise CrystalError(
-                f"a circuit within one grain was needed, but atom {found[one]} lies in grain {one} "
-                f"and atom {found[other]} in grain {other}, {how}: "
-                "circuits end at the wall between them. Lead it through one of them."
+                f"expected a circuit within one grain, got atom {found[one]} in grain {one} and "
+                f"atom {found[other]} in grain {other}, {how}. Lead the circuit through one of "
+                "them: it cannot cross the wall between them."
             )
         if len(inside) < len(found):
             code = max(number for number in found if number < 0)
@@ -74,11 +74,11 @@ class GrainCircuits:
             if code == Nowhere.wall:
                 where = self._where(found[code])
             raise CrystalError(
-                f"a circuit within one grain was needed, but atom {found[code]} lies in {where}. "
-                "Lead it through a grain."
+                f"expected a circuit within one grain, got atom {found[code]} in {where}. Lead "
+                "the circuit through a grain."
             )
         if not inside:
-            raise CrystalError("atoms: three different ones or more were needed, but none came.")
+            raise CrystalError("atoms: expected three or more different atoms, got none.")
         return inside[0]
 
     def _where(self, atom: int) -> str:

@@ -122,8 +122,8 @@ class Grains:
         first, second = sorted((self[one], self[other]), key=lambda grain: grain.number)
         if first is second:
             raise CrystalError(
-                f"wall: two different grains were needed, but {first.number} came twice. Give "
-                "two of them."
+                f"wall: expected two different grains, got grain {first.number} twice. Name "
+                "another one."
             )
         for wall in self.walls:
             if wall.grains == (first.number, second.number):
@@ -144,7 +144,7 @@ class Grains:
                 return grain
         known = ", ".join(str(grain.number) for grain in self.grains)
         raise CrystalError(
-            f"number: that of a grain was needed ({checks.cut(known)}), but {wanted} came. Give "
+            f"number: expected the number of a grain ({checks.cut(known)}), got {wanted}. Give "
             "one of these."
         )
 

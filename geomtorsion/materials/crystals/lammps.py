@@ -113,7 +113,7 @@ def _whole_dump(name: str, first: int, rows: list[str]) -> list[str]:
     body = len(rows) - 1 - marks["ATOMS"]
     if body > int(said):
         raise FileFormatError(
-            f"{name}: line {first + count}: expected {said} atoms, as this line says, got "
+            f"{name}: line {first + count}: expected {said} atoms, as this line declares, got "
             f"{body:,} rows. Correct the number, or export the file again."
         )
     if body < int(said):
@@ -140,8 +140,8 @@ def dump_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     if not choices:
         raise FileFormatError(
             f"{name}: line {line + start}: expected columns x y z (or xu, xs, xsu ...), got "
-            f"{cut(' '.join(columns)) or 'none'}. Write them: dump 1 all custom 100 a.dump id "
-            "type x y z."
+            f"{cut(' '.join(columns)) or 'none'}. Write the dump with them: dump 1 all custom 100 "
+            "a.dump id type x y z."
         )
     axes, scaled = choices[0]
     kind = next((columns.index(x) for x in _KINDS if x in columns), None)
@@ -218,7 +218,7 @@ def data_frame(name: str, text: str) -> AtomData:
         )
         raise FileFormatError(
             f"{name}: expected a LAMMPS data file with a row such as 5 atoms, the box and a "
-            f"section Atoms, got one without its {missing}. Is the file complete?"
+            f"section Atoms, got a file without the {missing}. Is the file complete?"
         )
     start = sections["Atoms"]
     end = next((k for k in heads if k > start), len(rows))
@@ -226,7 +226,7 @@ def data_frame(name: str, text: str) -> AtomData:
     line, count = said["atoms"][0] + 1, " ".join(said["atoms"][1])
     if not count.isdecimal() or len(count) > 18 or int(count) != len(kept):
         raise FileFormatError(
-            f"{name}: line {line}: expected {cut(count)} atoms, as this line says, got "
+            f"{name}: line {line}: expected {cut(count)} atoms, as this line declares, got "
             f"{len(kept):,} rows. Correct the number, or export the file again."
         )
     lines = [k + 1 for k in kept]
@@ -251,18 +251,18 @@ def _style(
         kind, x, most = _STYLES[first]
         if width < most:
             raise FileFormatError(
-                f"{name}: line {line}: expected rows of {most} columns or more, as atoms of the "
-                f"style {first} have, got {width}. Correct the word behind Atoms #."
+                f"{name}: line {line}: expected {most} or more columns for atoms of the style "
+                f"{first}, got {width}. Correct the word after Atoms #."
             )
         return kind, x
     number = counts.get("atom types", (0, ["0"]))[1][0]
     types = int(number) if number.isdecimal() and len(number) < 10 else 0
     fitting = [style for style in _LIKELY if _fits(words, _STYLES[style], types)]
     if said or len({_STYLES[style][:2] for style in fitting}) != 1:
-        seems = f"columns that {' and '.join(fitting)} have" if fitting else f"{width} columns"
+        seems = f"columns that fit {' and '.join(fitting)}" if fitting else f"{width} columns"
         raise FileFormatError(
             f"{name}: line {line}: expected the style of the atoms (Atoms # atomic), got "
-            f"{shown(said) if said else seems}. Write one of {', '.join(_STYLES)} there."
+            f"{shown(said) if said else seems}. Write one of {', '.join(_STYLES)} after Atoms #."
         )
     return _STYLES[fitting[0]][:2]
 
@@ -310,7 +310,7 @@ def _cell(name: str, said: Said) -> np.ndarray | None:
     def numbers(key: str, count: int) -> list[float]:
         if key not in said:
             raise FileFormatError(
-                f"{name}: expected the box of the atoms ({key}) above its sections, got "
+                f"{name}: expected the box of the atoms ({key}) above the sections, got only "
                 f"{cut(', '.join(said))}. Is the file complete?"
             )
         k, words = said[key]

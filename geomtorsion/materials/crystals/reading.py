@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
 from os import PathLike
 
 from numpy.typing import ArrayLike
@@ -28,7 +27,7 @@ def species_of(given: Species) -> tuple[str, ...] | None:
     if not names or not all(isinstance(x, str) or checks.whole(x) is not None for x in names):
         raise FileFormatError(
             f"species: expected symbols of elements or numbers of types, got "
-            f"{checks.shown(given)}. Give such as 'U', 1 or ('U', 'Pu')."
+            f"{checks.shown(given)}. Give, for example, 'U', 1 or ('U', 'Pu')."
         )
     return tuple(map(str, names))
 
@@ -83,10 +82,11 @@ def read(
     ('bcc', 128)
     """
     number = checks.count(frame, "frame", FileFormatError)
-    found = next(islice(atom_frames(path, form), number, None), None)
-    if found is None:
-        raise FileFormatError(f"{path}: it has no frame {number}; they are counted from 0.")
-    return crystal_of(found.chosen(species_of(species)), lattice, orient, constant)
+    last = 0
+    for last, found in enumerate(atom_frames(path, form)):
+        if last == number:
+            return crystal_of(found.chosen(species_of(species)), lattice, orient, constant)
+    raise FileFormatError(f"{path}: frame: expected a number from 0 to {last}, got {number}.")
 
 
 def read_all(

@@ -52,9 +52,9 @@ def segmented(specimen: Specimen) -> Grains:
         share = float((local.phase >= 0).mean())
         if share > max(2 * fitting(specimen.frame, vectors).mean(), METHOD.share):
             raise CrystalError(
-                f"positions: expected a crystal, or grains with an inside, got atoms of which "
-                f"{share:.1%} have neighbours as in a lattice, but no grain is wider than a core, "
-                "as in a small cluster of many twins. Give a larger one."
+                "positions: expected a crystal, or grains wider than a core, got only narrower "
+                f"grains, as in a small cluster of many twins ({share:.1%} of the atoms have "
+                "neighbours as in a lattice). Give a larger cluster."
             )
         return single_grain(specimen.frame, specimen.places)
     groups = _in_order(specimen, groups, vectors)

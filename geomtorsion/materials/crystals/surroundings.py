@@ -52,7 +52,7 @@ class Surroundings:
         if 2 * len(np.unique(pairs)) > len(np.unique(self.numbers)):
             one, other = pairs[0].tolist()
             raise CrystalError(
-                f"positions: expected atoms apart from each other, got atoms {one} and {other} at "
+                f"positions: expected atoms at different positions, got atoms {one} and {other} at "
                 f"one position, and {len(pairs) - 1:,} more such pairs. Give a cell as large as "
                 "the crystal, and each atom once."
             )
@@ -107,8 +107,8 @@ class Places:
             points, numbers = around.points, around.numbers
             if around.whole and len(points) <= count:
                 raise CrystalError(
-                    f"positions: atoms with {count} neighbours were needed, but there are "
-                    f"{len(points)} atoms. Give more of the crystal."
+                    f"positions: expected atoms with {count} neighbours, got {len(points)} atoms. "
+                    "Give more of the crystal."
                 )
             if len(points) > count:
                 apart, near = around.apart.tree.query(centres[left], k=count + 1)

@@ -142,7 +142,7 @@ def _owner(kept: Path, report: Json) -> np.ndarray:
     if found.shape != (count,) or found.dtype != np.int64:
         raise CheckpointError(
             f"{file}: expected the grain of each of {count:,} atoms, got a file that is missing or "
-            "damaged. Begin anew with --overwrite."
+            "damaged. Restart with --overwrite."
         )
     return found
 
@@ -153,8 +153,8 @@ def _settings(path: Path, wanted: Wanted, folder: Path) -> str:
     text, note = json.dumps(said, indent=1), folder / SETTINGS
     if note.exists() and read_text(note) != text:
         raise CheckpointError(
-            f"{folder} holds frames of another file or of other settings. Give those that stand in "
-            f"{note}, or begin anew in another directory."
+            f"{folder}: expected frames of this file with these settings, got frames of another "
+            f"file or of other settings. Use the settings in {note}, or another directory."
         )
     return text
 
@@ -172,4 +172,7 @@ def forget(folder: Path) -> None:
     try:
         folder.rmdir()
     except OSError as error:
-        raise GeomtorsionError(f"{folder}: it holds other files, which stay: {error}") from None
+        raise GeomtorsionError(
+            f"{folder}: expected a directory with only reports, got one that cannot be removed "
+            f"({error.strerror}). Move other files out of it, or name another directory."
+        ) from None

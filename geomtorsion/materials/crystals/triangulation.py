@@ -244,13 +244,13 @@ def triangulated(
         points, numbers, images, inner = points[used], numbers[used], images[used], inner[used]
     if len(points) < 5:
         raise CrystalError(
-            f"positions: atoms that fill space were needed, but {len(places)} came. Give more."
+            f"positions: expected atoms that fill space, got only {len(places)}. Give more."
         )
     try:
         simplices = scipy.spatial.Delaunay(points).simplices
     except scipy.spatial.QhullError:
         raise CrystalError(
-            "positions: atoms that fill space were needed, but they lie in a plane. Give more."
+            "positions: expected atoms that fill space, got atoms in one plane. Give more."
         ) from None
     simplices = simplices[inner[simplices].any(axis=1)].astype(np.int64)
     # Corners are in the order of atoms, and of images where one atom occurs twice.

@@ -81,8 +81,8 @@ def xyz_frame(name: str, line: int, rows: list[str], where: str) -> AtomData:
     for k, repeats in enumerate(periodic):
         if repeats and not edges[k].any():
             raise FileFormatError(
-                f"{where}: it is said to repeat along edge {k + 1} of its cell, but the file gives "
-                "no such edge. Give the cell (Lattice in extended XYZ), or pbc F there."
+                f"{where}: expected edge {k + 1} of the cell, along which the atoms are periodic, "
+                "got none. Give it (Lattice in extended XYZ), or write pbc F for this edge."
             )
     species = None if kind is None else tuple(row[kind] for row in words)
     return AtomData(positions, completed(edges), periodic, species, where)
@@ -104,14 +104,14 @@ def _columns(
     if len(parts) % 3 or not all(x.isdecimal() and len(x) <= 18 for x in counts):
         raise FileFormatError(
             f"{where}: Properties: expected name:kind:columns, one after another, got "
-            f"{shown(said)}. Write such as species:S:1:pos:R:3."
+            f"{shown(said)}. Write, for example, species:S:1:pos:R:3."
         )
     sizes = [int(x) for x in counts]
     most = max((len(row.split()) for row in rows[2:]), default=0)
     if sum(sizes) > most:
         raise FileFormatError(
-            f"{where}: expected Properties of at most {most:,} columns, as many as the rows have "
-            f"words, got {sum(sizes):,}. Correct the line, or export the file again."
+            f"{where}: Properties: expected at most {most:,} columns, as many as the rows have, "
+            f"got {sum(sizes):,}. Correct the line, or export the file again."
         )
     first = dict(zip(reversed(names), np.cumsum([0, *sizes])[-2::-1].tolist(), strict=True))
     if "pos" not in first or sizes[names.index("pos")] != 3:
@@ -130,7 +130,7 @@ def _periodic(where: str, said: str | None, default: bool) -> tuple[bool, bool, 
     flags = re.split(r"[\s,]+", said.strip(" []").lower())
     if len(flags) != 3 or not all(x in (*_TRUE, *_FALSE) for x in flags):
         raise FileFormatError(
-            f'{where}: pbc: expected three of T and F, such as "T T F", got {shown(said)}. '
-            "Correct it."
+            f'{where}: pbc: expected T or F for each of three edges, such as "T T F", got '
+            f"{shown(said)}. Correct it."
         )
     return flags[0] in _TRUE, flags[1] in _TRUE, flags[2] in _TRUE

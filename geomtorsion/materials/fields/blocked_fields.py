@@ -95,8 +95,8 @@ def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
     """
     if frame.displacement is not None:
         raise GridError(
-            f"blocks: expected a coframe or a distortion, got a displacement in {name}, whose "
-            "circuits are sums of its jumps. Leave out --blocks."
+            f"blocks: expected a coframe or a distortion in {name}, got a displacement, whose "
+            "circuits are sums of its jumps. Omit --blocks."
         )
     noise = np.zeros((frame.rows, frame.dimension))
     if frame.sigma is not None:
@@ -105,13 +105,13 @@ def frame_in_blocks(frame: SampledFrame, name: str) -> BlockedField:
         low, noise = known.min(axis=-1), known.max(axis=-1)
         if (low < noise).any():
             raise GridError(
-                "sigma: expected the same noise everywhere for a map in blocks, got "
+                "sigma: expected the same noise at all nodes for a map in blocks, got "
                 f"{low.min():.3g} to {noise.max():.3g} in {name}. Give one number."
             )
     if frame.covariance is not None:
         raise GridError(
             "covariance: expected independent noise for a map in blocks, got a covariance in the "
-            "file. Give --sigma, or leave out --blocks."
+            "file. Give --sigma, or omit --blocks."
         )
     # Blocks are in the order of increasing coordinates, which is also the direction of circuits.
     starts = tuple(float(min(axis[0], axis[-1])) for axis in frame.axes)

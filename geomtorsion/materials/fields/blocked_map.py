@@ -31,6 +31,7 @@ from geomtorsion.materials.fields.grid import (
     check_order,
     other_order,
     periodic_axes,
+    two_axes,
 )
 from geomtorsion.materials.fields.large_arrays import (
     LargeArray,
@@ -252,8 +253,8 @@ class BlockMap:
         """
         if len(self.done) < len(self.numbers):
             raise CheckpointError(
-                f"{self.path}: expected {len(self.numbers):,} blocks, got "
-                f"{len(self.done):,}. Call blocked_map again: it computes those that are missing."
+                f"{self.path}: expected {len(self.numbers):,} finished blocks, got "
+                f"{len(self.done):,}. Call blocked_map again to compute the missing blocks."
             )
         for number in self.numbers:
             yield number, Parts.of(self.part(self._region(number)))
@@ -359,14 +360,12 @@ def blocked_map(
         checks.positive(step, f"steps[{k}]", GridError)
     names = tuple("xyzuvw"[:d])
     wraps = periodic_axes(periodic, names)
-    pair = checks.entries(plane, "plane", GridError)
-    if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(d)):
-        raise GridError(
-            f"plane: two different axes from 0 to {d - 1} were needed, but {plane!r} came."
-        )
+    pair = two_axes(plane, d)
     sides = _several(size, 2, "size", 0)
     if 0 in sides and sides != (0, 0):
-        raise GridError(f"size: 0 for both axes (torsion) or for none was needed, not {size}.")
+        raise GridError(
+            f"size: expected 0 for both axes (torsion) or for neither, got {checks.shown(size)}."
+        )
     for k, side in zip(pair, sides, strict=True):
         checks.count(side, "size", GridError, 0, grid[k] - 1)
     blocks = _several(block, d, "block", 1)
@@ -381,14 +380,14 @@ def blocked_map(
     noise = checks.array(sigma, "sigma", GridError)
     if noise.shape not in ((), components) or (noise < 0).any():
         raise GridError(
-            f"sigma: 0 or more was needed, as one number or in shape {components}, but "
-            f"{checks.shown(sigma)} came."
+            f"sigma: expected 0 or more, as one number or in shape {components}, got "
+            f"{checks.shown(sigma)}."
         )
     # One reference for all blocks: the integral of a constant part is exactly zero, unrounded.
     reference = np.nan_to_num(found.read((0,) * d, (1,) * d).reshape(*found.shape[:2]))[:, :d]
     made = BlockMap(
         found, str(place), tuple(map(float, spacing)), blocks, (sides[0], sides[1]),
-        (pair[0], pair[1]), order, wraps, np.broadcast_to(noise, components), reference,
+        pair, order, wraps, np.broadcast_to(noise, components), reference,
         _several(stride, d, "stride", 1),
     )  # fmt: skip
     _open(made, overwrite)
@@ -423,8 +422,8 @@ def _open(made: BlockMap, overwrite: bool) -> None:
         array = opened(made.path, again=True)
         if differ or (array.shape, array.chunks) != (made.shape, made.chunks):
             raise CheckpointError(
-                f"{path}: expected the map of this run, got one of another run: "
-                f"{', '.join(differ) or 'its shape'} differ. Name another path, give the same "
+                f"{path}: expected the map of this run, got the map of another run, which "
+                f"differs in {', '.join(differ) or 'shape'}. Name another path, give the same "
                 "arguments, or overwrite the map."
             )
         # A killed process leaves a partial chunk.
@@ -432,15 +431,15 @@ def _open(made: BlockMap, overwrite: bool) -> None:
             part.unlink()
     elif path.exists() and not (path.is_dir() and not any(path.iterdir())):
         raise CheckpointError(
-            f"{path}: expected a map in blocks or nothing, got something else. Name another path."
+            f"{path}: expected a map in blocks or a new path, got other files. Name another path."
         )
     with written(path.parent, is_folder=True):
         free = disk_usage(path.parent).free
     needed = 8 * prod(made.chunks) * (len(made.numbers) - len(made.done))
     if needed > free:
         raise LimitError(
-            f"{path}: expected {needed:,} free bytes for the blocks of the map, got {free:,}. Make "
-            "room, name another disk, or give a part of the field."
+            f"{path}: expected {needed:,} free bytes for the blocks of the map, got {free:,}. Free "
+            "some space, name another disk, or give a part of the field."
         )
     if there is None:
         with _writing(path):
@@ -460,8 +459,8 @@ def _writing(path: Path) -> Iterator[None]:
         if isinstance(error, FileFormatError):
             raise
         raise FileFormatError(
-            f"{path}: it cannot be written: {error.strerror or error}. Make room, or name another "
-            "disk."
+            f"{path}: the map cannot be written: {error.strerror or error}. Check the folder and "
+            "its free space, or name another disk."
         ) from None
 
 
@@ -482,9 +481,9 @@ def _run(made: BlockMap, left: Sequence[tuple[int, ...]]) -> None:
                 dask.compute(*[task(given, number) for number in left])
         except BrokenProcessPool:
             raise LimitError(
-                "a process ended before its work was done. Mostly memory ran out: take fewer "
-                "workers or smaller blocks; the same call resumes the run. A script that uses "
-                'processes needs `if __name__ == "__main__":` around its calls.'
+                "a worker process ended before its work was done, probably because memory ran out. "
+                "Use fewer workers or smaller blocks; the same call resumes the run. A script that "
+                'uses processes needs `if __name__ == "__main__":` around its calls.'
             ) from None
 
 
@@ -493,7 +492,5 @@ def _several(given: Any, count: int, name: str, least: int) -> tuple[int, ...]:
     entries = checks.rows(given)
     rows = list(entries) if isinstance(entries, list | tuple) else [given] * count
     if len(rows) != count:
-        raise GridError(
-            f"{name}: one number or {count} were needed, but {checks.shown(given)} came."
-        )
+        raise GridError(f"{name}: expected one number or {count}, got {checks.shown(given)}.")
     return tuple(checks.count(n, name, GridError, least) for n in rows)

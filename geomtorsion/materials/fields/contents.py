@@ -46,7 +46,8 @@ def key_of(path: Path, arrays: Iterable[str]) -> str:
     if len(found) != 1:
         present = cut(", ".join(sorted(map(str, arrays)))) or "nothing"
         raise FileFormatError(
-            f"{path}: exactly one of coframe and distortion was needed, but the file has {present}."
+            f"{path}: expected exactly one of coframe and distortion, got {present}. Save the "
+            "file again with one of them."
         )
     return found[0]
 
@@ -63,8 +64,8 @@ def guarded(path: Path, load: Callable[[], Any]) -> Any:
         if isinstance(error, FileFormatError | LimitError):
             raise
         raise FileFormatError(
-            f"{path}: it cannot be read, it is truncated or no file of this kind "
-            f"({type(error).__name__}: {cut(str(error))})."
+            f"{path}: the file cannot be read: it is truncated or has another format "
+            f"({type(error).__name__}: {cut(str(error))}). Write it again."
         ) from None
 
 
@@ -77,7 +78,7 @@ def module(name: str, path: Path) -> Any:
         extra = "cluster" if in_parts else "files"
         others = "" if in_parts else ", or use .npz, .nc or .csv"
         raise MissingExtraError(
-            f"{path}: this needs {name}, which is not installed. "
+            f"{path}: this requires {name}, which is not installed. "
             f"Run `pip install 'geomtorsion[{extra}]'`{others}."
         ) from None
 
@@ -89,8 +90,8 @@ def check_room(path: Path, shapes: Mapping[str, Iterable[int]], size: int = 8) -
         total += size * prod(map(int, shape))
         if total > LARGEST_ARRAYS:
             raise LimitError(
-                f"{path}: {what} would take {total:,} bytes, with what is before it, more than "
-                f"{LARGEST_ARRAYS:,}. Give a part."
+                f"{path}: expected at most {LARGEST_ARRAYS:,} bytes of arrays, got {total:,} for "
+                f"the arrays up to {what}. Give a part of the field."
             )
 
 
@@ -100,7 +101,7 @@ def check_distinct(path: Path, names: Sequence[str]) -> None:
     if twice is not None:
         raise FileFormatError(
             f"{path}: names: expected a different name for each axis, got {cut(twice, 60)!r} "
-            f"{names.count(twice):,} times. Write the file again."
+            f"{names.count(twice):,} times. Rename the axes."
         )
 
 

@@ -116,8 +116,8 @@ def displacement_of(
     if branch is None and len(jumps.vectors):
         seen = _listed(jumps.vectors[:1], [x[:1] for x in times])
         source = (
-            f"a displacement; jumps: none declared. Steps of {seen} stand out: if they are jumps, "
-            "declare them as branch"
+            f"a displacement; jumps: none declared. Steps of {seen} are unusually large: if they "
+            "are jumps, declare them as branch"
         )
         jumps, inverse = Jumps.declared(np.zeros((0, rows))), np.zeros((0, rows))
         times = [x[:0] for x in times]
@@ -218,8 +218,8 @@ def lattice_vectors(branch: object, rows: int) -> np.ndarray:
     fits = found.ndim == 2 and found.shape[1] == rows and 0 < len(found) <= rows
     if not fits or not np.isfinite(found).all() or np.linalg.matrix_rank(found) < len(found):
         raise GridError(
-            f"branch: a length, or up to {rows} independent vectors of {rows} components, were "
-            f"needed, but {found.tolist()} came. Give the lattice vectors by which u jumps."
+            f"branch: expected a length, or up to {rows} independent vectors of {rows} components, "
+            f"got {found.tolist()}. Give the lattice vectors by which u jumps."
         )
     return found
 

@@ -75,7 +75,7 @@ def read_displacement(path: Path) -> Contents:
     if header is None:
         first = next((line for line in lines if line.strip()), "")
         raise FileFormatError(
-            f"{path}: expected a row of names such as x, y, u, v, or a text of DaVis, got "
+            f"{path}: expected a row of names such as x, y, u, v, or a text file of DaVis, got "
             f"{shown(cut(first.strip(), 80))}. Name the columns, or save arrays as .npz."
         )
     kept = [
@@ -83,7 +83,9 @@ def read_displacement(path: Path) -> Contents:
         if lines[k].strip() and not lines[k].lstrip()[:1].isalpha() and lines[k].lstrip()[0] != "#"
     ]  # fmt: skip
     if not kept:
-        raise FileFormatError(f"{path}: there are no nodes below the header. Is it complete?")
+        raise FileFormatError(
+            f"{path}: expected nodes below the header, got none. Is the file complete?"
+        )
     rows = [lines[k] for k in kept]
     if header.split != ",":
         # Some locales write a decimal comma.
@@ -109,8 +111,8 @@ def read_displacement(path: Path) -> Contents:
 def refuse_writing(path: Path, contents: Contents) -> NoReturn:
     """Raise an error: these files can only be read."""
     raise GridError(
-        f"{path}: expected the name of a format that is written, got {path.suffix!r}, which is "
-        "read only. Save it as .npz or .csv."
+        f"{path}: expected a format that can be written, got {path.suffix!r}, which is read-only. "
+        "Save the data as .npz or .csv."
     )
 
 

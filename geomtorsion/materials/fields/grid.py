@@ -20,14 +20,13 @@ ORDERS = (2, 4, 6, 8)
 
 def numbers(values: object, where: str) -> np.ndarray:
     """An array of real numbers."""
-    message = "{subject}: an array of real numbers was needed, but {value} came."
-    return checks.array(values, where, GridError, message=message, infinite=None)
+    return checks.array(values, where, GridError, infinite=None)
 
 
 def check_order(order: object) -> None:
     """Refuse an order without rules."""
     if order not in ORDERS:
-        raise GridError(f"order: one of {ORDERS} was needed, but {checks.shown(order)} came.")
+        raise GridError(f"order: expected one of {ORDERS}, got {checks.shown(order)}.")
 
 
 def other_order(order: int) -> int:
@@ -41,8 +40,8 @@ def check_length(names: Sequence[str], shape: Sequence[int], order: int) -> None
     for name, count in zip(names, shape, strict=True):
         if count < needed:
             raise GridError(
-                f"axis {name}: {needed} points or more are needed for order {order} with its "
-                f"error estimate, but there are {count}. Choose a lower order."
+                f"axis {name}: expected {needed} points or more, for order {order} with its error "
+                f"estimate, got {count}. Choose a lower order."
             )
 
 
@@ -50,18 +49,17 @@ def regular_axis(values: object, name: str) -> np.ndarray:
     """Coordinates of a regular axis, checked."""
     axis = numbers(values, f"axis {name}")
     if axis.ndim != 1 or len(axis) < 2:
-        raise GridError(f"axis {name}: a list of coordinates was needed, shape {axis.shape} came.")
+        raise GridError(f"axis {name}: expected a list of coordinates, got shape {axis.shape}.")
     if not np.isfinite(axis).all():
-        raise GridError(
-            f"axis {name}: finite numbers were needed; entry "
-            f"{int(np.flatnonzero(~np.isfinite(axis))[0])} is none."
-        )
+        bad = int(np.flatnonzero(~np.isfinite(axis))[0])
+        raise GridError(f"axis {name}: expected finite numbers, got {axis[bad]} at entry {bad}.")
     step = (axis[-1] - axis[0]) / (len(axis) - 1)
     worst = int(np.abs(np.diff(axis) - step).argmax())
     if step == 0 or abs(axis[worst + 1] - axis[worst] - step) > REGULAR * abs(step):
         raise GridError(
-            f"axis {name}: equal steps were needed, but step {worst} is "
-            f"{axis[worst + 1] - axis[worst]:.6g} where the mean is {step:.6g}. Resample the data."
+            f"axis {name}: expected equal steps other than 0, got "
+            f"{axis[worst + 1] - axis[worst]:.6g} at step {worst} and {step:.6g} on average. "
+            "Resample the data."
         )
     return axis
 
@@ -70,9 +68,21 @@ def check_names(axes: Sequence[object], names: Sequence[str]) -> None:
     """Refuse a grid with fewer than two axes, or without a name for each axis."""
     if len(names) != len(axes) or len(axes) < 2:
         raise GridError(
-            f"a grid needs two axes or more, and a name for each, but {len(axes)} axes "
-            f"and {len(names)} names came."
+            f"axes: expected two axes or more with a name for each, got {len(axes)} axes and "
+            f"{len(names)} names."
         )
+
+
+def two_axes(plane: object, dimension: int) -> tuple[int, int]:
+    """The axes of a plane: two different ones of the grid."""
+    pair = tuple(checks.rows(plane)) if checks.is_list(plane) else ()
+    known = [x for x in pair if isinstance(x, int) and x in range(dimension)]
+    if len(pair) != 2 or len(set(known)) != 2:
+        raise GridError(
+            f"plane: expected two different axes from 0 to {dimension - 1}, got "
+            f"{checks.shown(plane)}. Give them like (0, 1)."
+        )
+    return pair[0], pair[1]
 
 
 def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
@@ -90,8 +100,8 @@ def periodic_axes(given: object, names: Sequence[str]) -> tuple[bool, ...]:
         return tuple(name in found for name in names)
     if len(found) != len(names) or not all(isinstance(x, bool | np.bool_) for x in found):
         raise GridError(
-            f"periodic: True or False for each of {len(names)} axes, or names of axes, were "
-            f"needed, but {checks.shown(given)} came."
+            f"periodic: expected True or False for each of {len(names)} axes, or names of axes, "
+            f"got {checks.shown(given)}."
         )
     return tuple(bool(entry) for entry in found)
 
@@ -106,8 +116,8 @@ def mask_of(given: object, shape: tuple[int, ...]) -> np.ndarray:
         found = np.array(None)
     if found.dtype.kind != "b" or found.shape != shape:
         raise GridError(
-            f"mask: truth values of shape {shape} were needed, True where nothing is known, but "
-            f"{found.dtype} of shape {found.shape} came."
+            f"mask: expected truth values of shape {shape}, True at unknown nodes, got "
+            f"{found.dtype} of shape {found.shape}."
         )
     return found
 
@@ -191,8 +201,8 @@ class Grid:
             low, high = sorted((float(self.axes[axis][0]), float(self.axes[axis][-1])))
             raise GridError(
                 f"the {what} leaves the grid at {shown(points[:, k])}: axis {self.names[axis]} "
-                f"runs from {low:.6g} to {high:.6g}. Choose a smaller {what}; nothing is "
-                "extrapolated."
+                f"runs from {low:.6g} to {high:.6g}. Stay inside the grid, because values are "
+                "not extrapolated."
             )
         return np.where(free, places, np.clip(places, 0, last))
 
@@ -223,8 +233,9 @@ class Grid:
             for axis, step, place in zip(self.axes, self.steps, places[:, bad[0]], strict=True)
         ]
         raise GridError(
-            f"the {what} touches a hole at {shown(point)}: nothing is known at node "
-            f"{self.pixels(nodes)}. Lead it round: .loop_around(hole) does, .holes lists them."
+            f"the {what} touches a hole at {shown(point)}, where values are missing at node "
+            f"{self.pixels(nodes)}. Avoid the hole: .holes lists all holes, and "
+            ".loop_around(hole) makes a loop around one."
         )
 
 
@@ -234,8 +245,8 @@ def check_shape(values: np.ndarray, shape: tuple[int, ...]) -> None:
     columns = (d, 3) if d == 2 else (d,)
     if values.shape[2:] != shape or not len(values) or values.shape[1] not in columns:
         raise GridError(
-            f"coframe: shape (rows, {d}, {', '.join(map(str, shape))}) was needed "
-            f"(frame index, coordinate index, grid), but {values.shape} came."
+            f"coframe: expected shape (rows, {d}, {', '.join(map(str, shape))}) (frame index, "
+            f"coordinate index, grid), got {values.shape}."
         )
 
 
@@ -245,12 +256,12 @@ def check_values(values: np.ndarray, grid: Grid) -> None:
     if len(bad):
         i, mu, *place = bad[0].tolist()
         raise GridError(
-            f"coframe[{i}, {mu}] is not finite at {grid.place_of(place)} (and at {len(bad) - 1} "
-            "more entries). Mask those nodes (NaN is a hole) or fill them; a singular line must "
-            "lie between nodes."
+            f"coframe[{i}, {mu}]: expected finite values, got infinity at {grid.place_of(place)} "
+            f"(and at {len(bad) - 1} more entries). Mask those nodes (NaN is a hole) or fill them; "
+            "a singular line must be between nodes."
         )
     if grid.holes.all():
         raise GridError(
-            "coframe: nothing is known: every node is masked or has a NaN in it. Is the mask "
-            "the wrong way round? True means that nothing is known."
+            "coframe: expected values at some nodes, got none: every node is masked or has a NaN. "
+            "Is the mask inverted? True marks an unknown node."
         )

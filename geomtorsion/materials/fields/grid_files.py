@@ -90,7 +90,7 @@ def read_grid(path: Path) -> Contents:
     kind = ending(path)
     if kind not in FORMATS:
         raise FileFormatError(
-            f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
+            f"{path}: expected a name ending in .npz or .nc (or {', '.join(OTHERS)}), got "
             f"{path.suffix!r}. For arrays in memory use SampledFrame(axes, coframe)."
         )
     return FORMATS[kind].read(path)
@@ -109,8 +109,8 @@ def save_grid(path: Path, contents: Contents) -> None:
     kind = path.suffix.lower() or ".npz"
     if kind not in FORMATS:
         raise GridError(
-            f"{path}: .npz or .nc (or {', '.join(OTHERS)}) was needed, but the name ends in "
-            f"{path.suffix!r}."
+            f"{path}: expected a name ending in .npz or .nc (or {', '.join(OTHERS)}), got "
+            f"{path.suffix!r}. Rename the file."
         )
     FORMATS[kind].write(path, contents)
 
@@ -122,7 +122,10 @@ def holds_covariance(path: Path) -> bool:
 
 def _npz(path: Path) -> Contents:
     """Read an NPZ file."""
-    message = "{path}: it cannot be read, it is truncated or no file of this kind ({reason})."
+    message = (
+        "{path}: the file cannot be read: it is truncated or has another format ({reason}). Write "
+        "it again."
+    )
     arrays = read_npz(path, FORMS, message=message)
     key = "displacement" if "displacement" in arrays else key_of(path, arrays)
     if "names" in arrays:
@@ -134,13 +137,14 @@ def _npz(path: Path) -> Contents:
     for name in names:
         if f"axis_{name}" not in arrays:
             raise FileFormatError(
-                f"{path}: the array axis_{cut(name)} is missing; names lists {shown(names)}."
+                f"{path}: expected an array axis_{cut(name)}, because names lists {shown(names)}, "
+                "got none. Write the file again."
             )
         axes.append(arrays[f"axis_{name}"])
     if not axes:
         raise FileFormatError(
-            f"{path}: no axes; arrays axis_x, axis_y, ... were needed, but the file has "
-            f"{cut(', '.join(sorted(arrays)))}."
+            f"{path}: expected arrays axis_x, axis_y, ..., got "
+            f"{cut(', '.join(sorted(arrays)))}. Add the coordinates of each axis."
         )
     options: dict[str, Any] = {k: text_of(arrays[k]) for k in TEXTS if k in arrays}
     options |= {k: arrays[k] for k in ("periodic",) if k in arrays} | _known(path, arrays)
@@ -196,14 +200,17 @@ def _axes(path: Path, dimensions: Mapping[str, Sequence[Any]]) -> tuple[str, tup
     names = tuple(str(name) for name in dimensions[key][2:])
     for name in names:
         if name not in dimensions:
-            raise FileFormatError(f"{path}: dimension {name} of {key} has no coordinate variable.")
+            raise FileFormatError(
+                f"{path}: expected a coordinate variable for dimension {name} of {key}, got none. "
+                "Write the file with coordinates."
+            )
     for name in (key, *NOISE, MASK):
         came = [str(each) for each in dimensions.get(name, ())]
         along = [each for each in came if each in names]
         if came[:2] == ["column", "row"] or along != [each for each in names if each in along]:
             raise FileFormatError(
-                f"{path}: dimensions of {name} in the order row, column, {', '.join(names)} were "
-                f"needed, but {', '.join(came)} came. Transpose it."
+                f"{path}: expected dimensions of {name} in the order row, column, "
+                f"{', '.join(names)}, got {', '.join(came)}. Transpose the variable."
             )
     return key, names
 
@@ -224,8 +231,8 @@ def _classic(path: Path) -> Contents:
     """Read a classic file by scipy."""
     if _is_hdf5(path):
         raise MissingExtraError(
-            f"{path}: this is NetCDF 4, which needs xarray with a backend. "
-            "Install them: pip install 'geomtorsion[files]'."
+            f"{path}: NetCDF 4 requires xarray with a backend, which is not installed. "
+            "Run `pip install 'geomtorsion[files]'`."
         )
 
     def load() -> tuple[dict[str, np.ndarray], dict[str, tuple[str, ...]], dict[str, Any]]:
@@ -233,10 +240,11 @@ def _classic(path: Path) -> Contents:
         with scipy.io.netcdf_file(path, mmap=False, maskandscale=True) as data:
             for name, variable in data.variables.items():
                 # scipy supports only one missing value.
-                if np.size(getattr(variable, "missing_value", 0)) != 1:
+                if (count := np.size(getattr(variable, "missing_value", 0))) != 1:
                     raise FileFormatError(
-                        f"{path}: missing_value of {name}: one number was needed. Mark what is "
-                        "missing by one, or install xarray: pip install 'geomtorsion[files]'."
+                        f"{path}: missing_value of {name}: expected one number, got {count}. Mark "
+                        "missing values by one number, or install xarray: "
+                        "pip install 'geomtorsion[files]'."
                     )
             arrays = {
                 name: unmasked(variable[...]).copy() for name, variable in data.variables.items()
@@ -268,8 +276,8 @@ def _known(path: Path, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray
     if MASK in arrays:
         if not np.isin(arrays[MASK], (0, 1)).all():
             raise FileFormatError(
-                f"{path}: {MASK}: 1 where nothing is known and 0 elsewhere were needed, but other "
-                "numbers came."
+                f"{path}: {MASK}: expected 1 at unknown nodes and 0 elsewhere, got other numbers. "
+                "Correct the mask."
             )
         found[MASK] = arrays[MASK] == 1
     return found
@@ -324,13 +332,16 @@ def read_hdf5(path: Path) -> Contents:
             elif axes != list("xyz")[: len(axes)]:
                 # HDF5 lists data sets alphabetically, not in the order of the axes.
                 raise FileFormatError(
-                    f"{path}: names: the axes {', '.join(axes)} stand in no order. Say it in an "
-                    f"attribute of the file, such as names = {' '.join(axes)!r}."
+                    f"{path}: names: expected the order of the axes {', '.join(axes)}, got none. "
+                    f"Add it as an attribute of the file, such as names = {' '.join(axes)!r}."
                 )
             check_distinct(path, axes)
             for name in axes:
                 if f"axis_{name}" not in names:
-                    raise FileFormatError(f"{path}: the data set axis_{cut(name)} is missing.")
+                    raise FileFormatError(
+                        f"{path}: expected a data set axis_{cut(name)}, got none. Write the file "
+                        "again."
+                    )
             wanted = (key, *NOISE, MASK, *(f"axis_{name}" for name in axes))
             sets = {name: _data_set(h5py, file, name, path) for name in wanted if name in names}
             check_room(path, {name: found.shape for name, found in sets.items()})
@@ -354,11 +365,14 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
     """A data set of numbers, without links, missing parts or packed values."""
     link = file.get(name, getlink=True)
     if not isinstance(link, h5py.HardLink) or not isinstance(file[name], h5py.Dataset):
-        raise FileFormatError(f"{path}: {name} is no data set of this file, but a link or a group.")
+        raise FileFormatError(
+            f"{path}: {name}: expected a data set of this file, got a link or a group. Copy the "
+            "data set into the file."
+        )
     found = file[name]
     if found.shape is None or found.dtype.kind not in "fiub":
         raise FileFormatError(
-            f"{path}: {name}: real numbers were needed, but it holds "
+            f"{path}: {name}: expected real numbers, got "
             f"{'nothing' if found.shape is None else found.dtype}."
         )
     # Parts that were never written would be read as zeros.
@@ -366,14 +380,14 @@ def _data_set(h5py: Any, file: Any, name: str, path: Path) -> Any:
     written = found.id.get_num_chunks() if found.chunks else bool(found.id.get_storage_size())
     if written < parts and found.size:
         raise FileFormatError(
-            f"{path}: {name}: only {int(written):,} of {parts:,} parts of it were written. Write "
-            "the file again."
+            f"{path}: {name}: expected {parts:,} written parts, got {int(written):,}. Write the "
+            "file again."
         )
     packed = [key for key in PACKED if key in found.attrs and not np.isnan(found.attrs[key]).all()]
     if packed:
         raise FileFormatError(
-            f"{path}: {name}: it has {', '.join(packed)}, which means something in NetCDF alone. "
-            "Write its numbers as they are, with nan for what is missing, or save it as .nc."
+            f"{path}: {name}: expected plain numbers, got {', '.join(packed)}, which only NetCDF "
+            "files define. Write the numbers unpacked with nan for missing ones, or save as .nc."
         )
     return found
 

@@ -87,8 +87,8 @@ def chosen_hole(holes: Sequence[Hole], wanted: object) -> Hole:
     if wanted is None:
         if len(holes) > 1:
             raise GridError(
-                f"hole: which of {len(holes)} holes is meant? Give its number, from 0 to "
-                f"{len(holes) - 1}, or one of .holes."
+                f"hole: expected the number of one of {len(holes)} holes, got none. Give a number "
+                f"from 0 to {len(holes) - 1}, or one of .holes."
             )
         return holes[0]
     return holes[checks.count(wanted, "hole", GridError, 0, len(holes) - 1)]
@@ -104,14 +104,14 @@ def loop_around(
         points = grid.shape[axis]
         if not grid.periodic[axis] and (low[axis] < 0 or high[axis] >= points):
             raise GridError(
-                f"{hole!r} reaches the edge of the grid: along {grid.names[axis]} a circuit would "
-                f"run from node {low[axis]} to {high[axis]}, but there are 0 to {points - 1}. "
-                "No closed circuit surrounds it; give one round more, or a smaller margin."
+                f"{hole!r} reaches the edge of the grid: along {grid.names[axis]} a circuit around "
+                f"it would need nodes {low[axis]} to {high[axis]}, but the axis has 0 to "
+                f"{points - 1}. Give a smaller margin or another hole."
             )
         if high[axis] - low[axis] >= points:
             raise GridError(
-                f"{hole!r} goes all the way round the periodic axis {grid.names[axis]}: no closed "
-                "circuit surrounds it. Give a loop of your own."
+                f"{hole!r} extends along the whole periodic axis {grid.names[axis]}: no closed "
+                "circuit surrounds it. Give your own loop to .burgers."
             )
     a, b = plane
     rim = []
@@ -124,8 +124,8 @@ def loop_around(
     touched = nodes[grid.holes[tuple(nodes.T)]]
     if len(touched):
         raise GridError(
-            f"a circuit {margin} nodes round {hole!r} touches another hole at node "
-            f"{grid.pixels(touched)}. Give another margin, or a loop round both."
+            f"a circuit {margin} nodes around {hole!r} touches another hole at node "
+            f"{grid.pixels(touched)}. Give another margin, or a loop around both holes."
         )
     ends = [
         [
@@ -136,4 +136,4 @@ def loop_around(
     ]
     corner = [min(x, y) if k in plane else x for k, (x, y) in enumerate(zip(*ends, strict=True))]
     sides = [abs(ends[1][k] - ends[0][k]) for k in plane]
-    return Loop.plaquette(corner, sides, plane, f"round {hole!r}")
+    return Loop.plaquette(corner, sides, plane, f"around {hole!r}")

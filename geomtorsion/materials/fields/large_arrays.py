@@ -140,7 +140,7 @@ def opened(given: Any, *, again: bool = False) -> Any:
             raise FileFormatError(f"{path}: there is no such file.")
         found = guarded(path, lambda: _npy(path) if path.is_file() else _zarr(path, again))
     if np.dtype(found.dtype).kind not in "fiu":
-        raise GridError(f"source: real numbers were needed, but {found.dtype} came.")
+        raise GridError(f"source: expected real numbers, got {found.dtype}.")
     return found
 
 
@@ -169,7 +169,10 @@ def _zarr(path: Path, again: bool) -> Any:
                         size = prod(array.chunks) * array.dtype.itemsize
                         check_packed(inner, said, size, prod(shard) // prod(array.chunks))
                     return array
-    raise FileFormatError(f"{path}: neither an .npy file nor a Zarr array, nor one called {INNER}.")
+    raise FileFormatError(
+        f"{path}: expected an .npy file, a Zarr array, or a folder with a Zarr array {INNER}, got "
+        "none of them. Name another path."
+    )
 
 
 def _check_packing(path: Path, said: dict[str, Any]) -> None:
@@ -182,7 +185,10 @@ def _check_packing(path: Path, said: dict[str, Any]) -> None:
         known = one if isinstance(one, dict) else {}
         name = known.get("id") or known.get("name")
         if name not in HARMLESS:
-            raise FileFormatError(f"{path}: packed by {checks.shown(name)}, which is not read.")
+            raise FileFormatError(
+                f"{path}: expected a supported codec such as zstd or gzip, got "
+                f"{checks.shown(name)}. Write the array again with one of them."
+            )
         inner = known.get("configuration") or {}
         listed += [*(inner.get("codecs") or []), *(inner.get("index_codecs") or [])]
 
@@ -214,9 +220,9 @@ def _check_chunks(path: Path, array: Any) -> None:
     there = sum(_is_chunk(one.relative_to(path).as_posix(), counts) for one in path.rglob("*"))
     if there < needed:
         raise FileFormatError(
-            f"{path}: expected {needed:,} chunks, got {there:,}; the others would be read "
-            f"as {fill}. Copy the whole array, or write it again with the fill value NaN (which "
-            "is a hole), or with write_empty_chunks=True."
+            f"{path}: expected {needed:,} chunks, got {there:,}; missing chunks would be read as "
+            f"{fill}. Copy the whole array, or write it again with the fill value NaN (which is a "
+            "hole), or with write_empty_chunks=True."
         )
 
 
@@ -268,6 +274,6 @@ def check_finite(values: np.ndarray, low: Sequence[int]) -> None:
     if np.isinf(values).any():
         place = np.argwhere(np.isinf(values))[0, 2:] + low
         raise GridError(
-            f"source: finite values were needed, but one is infinite at node "
-            f"{tuple(place.tolist())}. Write NaN where nothing is known."
+            "source: expected finite values, got infinity at node "
+            f"{tuple(place.tolist())}. Write NaN at unknown nodes."
         )

@@ -118,15 +118,15 @@ def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarr
     shapes |= {(*wide, *grid.shape): grid.shape, (*wide, *inner): inner}
     if found.shape not in shapes:
         raise GridError(
-            f"covariance: shape {wide} or {(n, n)}, with or without the nodes {grid.shape} behind "
-            f"it, was needed, but {found.shape} came."
+            f"covariance: expected shape {wide} or {(n, n)}, optionally followed by the nodes "
+            f"{grid.shape}, got {found.shape}."
         )
     places = shapes[found.shape]
     table = np.moveaxis(found.reshape(n, n, -1), -1, 0)
     if places == grid.shape:
         table = np.where(grid.holes.ravel()[:, None, None], 0.0, table)
     if not np.isfinite(table).all():
-        raise GridError("covariance: finite numbers were needed. Mask what is not known.")
+        raise GridError("covariance: expected finite numbers, got others. Mask unknown nodes.")
     size = np.abs(table).max(axis=(1, 2), initial=0.0)
     # Tolerance for the rounding of tables.
     away = np.abs(table - table.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0)
@@ -135,10 +135,12 @@ def covariance_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarr
     if bad.any():
         k = int(np.argmax(bad))
         where = f" at node {tuple(map(int, np.unravel_index(k, places)))}" if len(bad) > 1 else ""
+        fault = f"the eigenvalue {least[k]:.6g}"
+        if away[k] > REGULAR * size[k]:
+            fault = f"entries that differ from their transpose by {away[k]:.6g}"
         raise GridError(
-            "covariance: symmetric matrices without negative eigenvalues were needed, but"
-            f"{where} the least one is {least[k]:.6g}. Are these standard deviations? They are "
-            "given as sigma."
+            "covariance: expected symmetric matrices without negative eigenvalues, got "
+            f"{fault}{where}. If these are standard deviations, give them as sigma."
         )
     return np.moveaxis(table, 0, -1).reshape(*wide, *places)
 
@@ -177,7 +179,10 @@ def noise_of(
     table = [noise.at_nodes(i, k, grid.shape) for i, k in np.ndindex(*shape[:2])]
     found = np.sqrt(np.array(table)).reshape(shape)
     if sigma is not None and not np.array_equal(np.asarray(sigma, dtype=object), found):
-        raise GridError("sigma and covariance were given: one of them says it all.")
+        raise GridError(
+            "sigma: expected either sigma or covariance, got both. Omit sigma: the covariance "
+            "includes it."
+        )
     return found, kept, noise, said
 
 
@@ -195,8 +200,8 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
     shapes.setdefault((1, 1, *grid.shape), (1, 1, *grid.shape))
     if found.shape not in shapes:
         raise GridError(
-            f"sigma: a number, or shape {grid.shape} (nodes), {shape[:2]} (components) or {shape} "
-            f"(both) was needed, but {found.shape} came."
+            f"sigma: expected a number, or shape {grid.shape} (nodes), {shape[:2]} (components) or "
+            f"{shape} (both), got {found.shape}."
         )
     found = found.reshape(shapes[found.shape])
     bad = ~(found >= 0) | np.isinf(found)
@@ -208,8 +213,8 @@ def sigma_of(given: object, shape: tuple[int, ...], grid: Grid) -> np.ndarray:
         place = tuple(np.argwhere(bad)[0].tolist())
         where = f" at node {place[2:]}" if found.shape[2:] == grid.shape else ""
         raise GridError(
-            f"sigma: standard deviations of 0 or more were needed, but {found[place]:.6g} came"
-            f"{where}. Mask what is not known."
+            f"sigma: expected standard deviations of 0 or more, got {found[place]:.6g}{where}. "
+            "Mask unknown nodes."
         )
     return found
 
@@ -285,8 +290,8 @@ def _check_estimate(found: np.ndarray) -> None:
     """Refuse an estimate without any differences."""
     if not np.isfinite(found).all():
         raise GridError(
-            "sigma: rows of seven known nodes (or of a whole axis) are needed to estimate noise, "
-            "but there are none. Give sigma as a number or an array."
+            "sigma: expected rows of seven known nodes (or of a whole axis), from which to "
+            "estimate noise, got none. Give sigma as a number or an array."
         )
 
 

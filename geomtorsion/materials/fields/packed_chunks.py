@@ -48,8 +48,8 @@ def check_packed(path: Path, said: Mapping[str, Any], size: int, inner: int) -> 
     packings = [name for name in named if name in _COUNTED or name in _WRITTEN]
     if len(packings) > 1 or "sharding_indexed" in named:
         raise FileFormatError(
-            f"{path}: expected chunks that are packed once, got {', '.join(named)}. "
-            "Write the array again with one compressor."
+            f"{path}: expected chunks compressed once, got {', '.join(named)}. Write the array "
+            "again with one compressor."
         )
     if not packings:
         return
@@ -80,8 +80,8 @@ def _check_index(path: Path, configuration: Mapping[str, Any]) -> None:
     order = (codecs[0].get("configuration") or {}).get("endian", "little") if codecs else ""
     if names not in (["bytes"], ["bytes", "crc32c"]) or order != "little":
         raise FileFormatError(
-            f"{path}: expected an index of shards by bytes and crc32c, got {', '.join(names)}. "
-            "Write the array again, or without shards."
+            f"{path}: expected an index of shards with the codecs bytes and crc32c, got "
+            f"{', '.join(names)}. Write the array again, or without shards."
         )
 
 

@@ -25,6 +25,7 @@ from geomtorsion.materials.fields.displaced import (
     displaced_edges,
     displaced_torsion,
 )
+from geomtorsion.materials.fields.grid import two_axes
 from geomtorsion.materials.fields.holes import Hole
 from geomtorsion.materials.fields.samples import Samples
 from geomtorsion.materials.source import Backdrop
@@ -111,7 +112,7 @@ class SampledFrame(Samples):
             There is no such hole, or the rectangle leaves the grid or touches a hole; the message
             names the nodes.
         """
-        pair = self._plane(plane)
+        pair = two_axes(plane, self.dimension)
         found = holes.chosen_hole(self.holes, hole)
         checks.count(margin, "margin", GridError, 1)
         if at is None:
@@ -124,7 +125,7 @@ class SampledFrame(Samples):
     @property
     def description(self) -> tuple[str, ...]:
         """Lines of text about the size, the noise and the source of the frame."""
-        noise = self.sigma_source or "not known: errors are those of the grid alone"
+        noise = self.sigma_source or "not known; the errors include only the grid error"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
 
@@ -166,11 +167,11 @@ class SampledFrame(Samples):
         >>> found.vectors.shape, found.vectors.round(12).max(), found.density.round(12).max()
         ((1, 3, 3), np.float64(9.0), np.float64(1.0))
         """
-        pair = self._plane(plane)
+        pair = two_axes(plane, self.dimension)
         given = checks.rows(size)
         sides = list(given) if isinstance(given, list | tuple) else [given] * 2
         if len(sides) != 2:
-            raise GridError(f"size: one number or two were needed, but {checks.shown(size)} came.")
+            raise GridError(f"size: expected one number or two, got {checks.shown(size)}.")
         for k, side in zip(pair, sides, strict=True):
             checks.count(side, "size", GridError, 1, len(self.axes[k]) - 1)
         whole = int(sides[0]), int(sides[1])
@@ -216,7 +217,7 @@ class SampledFrame(Samples):
         the difference from another order with the noise if sigma is known. Nodes without three
         known nodes in a row have NaN.
         """
-        curl, difference, sigmas = self._torsion(self._plane(plane))
+        curl, difference, sigmas = self._torsion(two_axes(plane, self.dimension))
         return curl, np.hypot(difference, sigmas) if self.sigma is not None else difference
 
     @cached_property
@@ -249,8 +250,8 @@ class SampledFrame(Samples):
             return ((0, 1),)
         if self.dimension != 3:
             raise GridError(
-                f"the Nye tensor belongs to two or three dimensions, the grid has {self.dimension}."
-                " Use .torsion(plane)."
+                f"nye: expected a grid of two or three dimensions, got {self.dimension}. Use "
+                ".torsion(plane)."
             )
         return ((1, 2), (2, 0), (0, 1))
 
@@ -295,7 +296,7 @@ class SampledFrame(Samples):
         """
         if self._grid.has_holes:
             raise GridError(
-                "cochain: a value on every edge is needed, but the grid has holes. Use "
+                "cochain: expected a value on every edge, got a grid with holes. Use "
                 ".plaquettes() or .burgers(loop)."
             )
         if self.displacement is not None:
@@ -328,8 +329,8 @@ class SampledFrame(Samples):
         checks.instance(loop, Loop, "loop")
         if loop.dimension != self.dimension:
             raise GridError(
-                f"the loop has {loop.dimension} coordinates, the grid {self.dimension} axes: give "
-                "a loop in the coordinates of the grid."
+                f"loop: expected {self.dimension} coordinates, one for each axis of the grid, got "
+                f"{loop.dimension}. Give a loop in the coordinates of the grid."
             )
         if self.displacement is not None:
             found = displaced_burgers(self._grid, self.displacement, loop)
@@ -351,13 +352,3 @@ class SampledFrame(Samples):
             section=section,
             length_unit=self.unit,
         )
-
-    def _plane(self, plane: Sequence[int]) -> tuple[int, int]:
-        """Two different axes, checked."""
-        pair = tuple(plane) if checks.is_list(plane) else ()
-        if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(range(self.dimension)):
-            raise GridError(
-                f"plane: two different axes from 0 to {self.dimension - 1} were needed, but "
-                f"{plane!r} came."
-            )
-        return pair[0], pair[1]

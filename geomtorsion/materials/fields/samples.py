@@ -87,8 +87,8 @@ class Samples:
             known = ~unknown
             if not np.array_equal(values[..., known], self.displacement.coframe[..., known]):
                 raise GridError(
-                    "coframe: expected that of the displacement, got another. Make the frame anew "
-                    "by from_displacement, or by SampledFrame(axes, coframe)."
+                    "coframe: expected the coframe of the displacement, got another. Make a new "
+                    "frame by from_displacement, or by SampledFrame(axes, coframe)."
                 )
         given = noise_of(self.sigma, self.covariance, inner, grid)
         unit = self.vector_unit or self.unit
@@ -118,7 +118,7 @@ class Samples:
         values = numbers(distortion, "distortion")
         if values.ndim < 3:
             raise GridError(
-                f"distortion: shape (rows, columns, grid...) was needed, but {values.shape} came."
+                f"distortion: expected shape (rows, columns, grid...), got {values.shape}."
             )
         unit = np.eye(*values.shape[:2]).reshape(*values.shape[:2], *(1,) * (values.ndim - 2))
         return cls(axes, values + unit, order, names, **options)
@@ -145,8 +145,8 @@ class Samples:
         lines = [numbers(axis, "axis") for axis in axes]
         if len(lines) != frame.dimension:
             raise GridError(
-                f"one axis for each of {frame.dimension} coordinates was needed, but "
-                f"{len(lines)} came."
+                f"axes: expected one axis for each of {frame.dimension} coordinates, got "
+                f"{len(lines)}."
             )
         number = math.prod(line.size for line in lines)
         remedy = "Give shorter axes, or sample the region in parts."
@@ -214,8 +214,8 @@ class Samples:
         shape = tuple(line.size for line in lines)
         if values.shape[1:] != shape or not len(values):
             raise GridError(
-                f"displacement: shape (rows, {', '.join(map(str, shape))}) was needed, but "
-                f"{values.shape} came."
+                f"displacement: expected shape (rows, {', '.join(map(str, shape))}), got "
+                f"{values.shape}."
             )
         check_order(order)
         mask = mask_of(options.pop("mask", None), shape) | np.isnan(values).any(axis=0)
@@ -408,7 +408,7 @@ def strain_and_rotation(strain: object, rotation: object) -> np.ndarray:
     e = numbers(strain, "strain")
     if e.ndim < 3 or e.shape[0] != e.shape[1] or e.shape[0] not in (2, 3):
         raise GridError(
-            f"strain: shape (2, 2, grid...) or (3, 3, grid...) was needed, but {e.shape} came."
+            f"strain: expected shape (2, 2, grid...) or (3, 3, grid...), got {e.shape}."
         )
     _check_turned(e, 1, "strain", "symmetric")
     return e + skew(rotation, len(e), e.shape[2:])
@@ -433,7 +433,7 @@ def skew(rotation: object, n: int, shape: tuple[int, ...]) -> np.ndarray:
         return found
     other = f"{shape} (angle)" if n == 2 else f"{(3, *shape)} (vector)"
     raise GridError(
-        f"rotation: shape {(n, n, *shape)} (matrix) or {other} was needed, but {w.shape} came."
+        f"rotation: expected shape {(n, n, *shape)} (matrix) or {other}, got {w.shape}."
     )
 
 
@@ -446,7 +446,7 @@ def _check_turned(values: np.ndarray, sign: int, name: str, word: str) -> None:
     if len(bad):
         i, j, *node = bad[0].tolist()
         raise GridError(
-            f"{name}: {word} matrices were needed, but at node {tuple(node)} [{i}, {j}] is "
-            f"{values[(i, j, *node)]:.6g} and [{j}, {i}] is {values[(j, i, *node)]:.6g}. "
-            "For a distortion use from_distortion."
+            f"{name}: expected {word} matrices, got [{i}, {j}] = {values[(i, j, *node)]:.6g} and "
+            f"[{j}, {i}] = {values[(j, i, *node)]:.6g} at node {tuple(node)}. For a distortion use "
+            "from_distortion."
         )

@@ -19,7 +19,7 @@ from geomtorsion.materials.burgers import PLANE, Burgers, Section
 from geomtorsion.materials.fields.circuits import unexplained
 from geomtorsion.materials.fields.displacement import lattice_vectors
 from geomtorsion.materials.fields.edge_noise import EdgeNoise, JumpNoise, NodeNoise, chances_of
-from geomtorsion.materials.fields.grid import numbers
+from geomtorsion.materials.fields.grid import numbers, two_axes
 from geomtorsion.materials.fields.noise import noise_of
 from geomtorsion.materials.fields.samples import strain_and_rotation
 from geomtorsion.materials.fields.scattered_values import (
@@ -121,11 +121,11 @@ class ScatteredFrame:
         columns = (d, 3) if d == 2 else (d,)
         if values.ndim != 3 or values.shape[1] not in columns or values.shape[2] != count:
             raise GridError(
-                f"coframe: shape (rows, {d}, {count}) was needed (frame index, coordinate index, "
-                f"point), but {values.shape} came."
+                f"coframe: expected shape (rows, {d}, {count}) (frame index, coordinate index, "
+                f"point), got {values.shape}."
             )
         if order not in (2, 4):
-            raise GridError(f"order: 2 or 4 was needed, but {checks.shown(order)} came.")
+            raise GridError(f"order: expected 2 or 4, got {checks.shown(order)}.")
         values = values[:, :d]
         mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=(0, 1))), options)
         check_finite(values, "coframe", mesh)
@@ -160,7 +160,7 @@ class ScatteredFrame:
         values = numbers(distortion, "distortion")
         if values.ndim != 3:
             raise GridError(
-                f"distortion: shape (rows, columns, points) was needed, but {values.shape} came."
+                f"distortion: expected shape (rows, columns, points), got {values.shape}."
             )
         return cls.from_coframe(points, values + np.eye(*values.shape[:2])[..., None], **options)
 
@@ -213,7 +213,7 @@ class ScatteredFrame:
         places, values = checked_points(points), numbers(displacement, "displacement")
         if values.ndim != 2 or values.shape[1] != len(places):
             raise GridError(
-                f"displacement: shape (rows, {len(places)}) was needed, but {values.shape} came."
+                f"displacement: expected shape (rows, {len(places)}), got {values.shape}."
             )
         mesh, texts = mesh_of(places, np.asarray(np.isnan(values).any(axis=0)), options)
         check_finite(values[:, None], "displacement", mesh)
@@ -265,7 +265,7 @@ class ScatteredFrame:
     @property
     def description(self) -> tuple[str, ...]:
         """Lines of text about the size, the noise and the source of the frame."""
-        noise = self.sigma_source or "not known: errors are those of the interpolation alone"
+        noise = self.sigma_source or "not known; the errors include only the interpolation error"
         source = (f"source: {self.source}",) if self.source else ()
         return (repr(self), f"noise: {noise}", *source)
 
@@ -302,10 +302,11 @@ class ScatteredFrame:
         self._plane("a hole")
         rims, count = self.mesh.rims, len(self.mesh.rims)
         if not rims:
-            raise GridError("there are no holes. Use .burgers(loop) with any loop.")
+            raise GridError("the points have no holes. Use .burgers(loop) with any loop.")
         if hole is None and count > 1:
             raise GridError(
-                f"hole: which of {count} holes is meant? Give its number, from 0 to {count - 1}."
+                f"hole: expected the number of one of {count} holes, got none. Give a number from "
+                f"0 to {count - 1}."
             )
         number = 0 if hole is None else checks.count(hole, "hole", GridError, 0, count - 1)
         chain = self.mesh.around(rims[number], checks.count(margin, "margin", GridError, 1))
@@ -330,7 +331,10 @@ class ScatteredFrame:
         if isinstance(circuit, Mapping):
             table = self._chains(circuit)
             if np.any(table @ self.mesh.complex.boundary(0)):
-                raise GridError("circuit: the edges do not close. Give a closed chain of them.")
+                raise GridError(
+                    "circuit: expected a closed chain of edges, got an open one. Add the missing "
+                    "edges."
+                )
         else:
             nodes = circuit
             if isinstance(circuit, Loop):
@@ -338,7 +342,7 @@ class ScatteredFrame:
             found = checks.entries(nodes, "circuit", GridError)
             at = np.array([self.mesh.complex.number(node) for node in found], dtype=np.int64)
             if len(at) < 3:
-                raise GridError(f"circuit: three points or more were needed, but {found} came.")
+                raise GridError(f"circuit: expected three points or more, got {found}.")
             ends = np.roll(at, -1)
             edges, senses = self.mesh.complex.steps(at[at != ends], ends[at != ends])
             table = np.zeros((1, len(self.difference)), dtype=np.int64)
@@ -395,12 +399,7 @@ class ScatteredFrame:
         >>> found, found.density.round(9).max()
         (Survey(300 circuits of 2 rings of triangles), np.float64(1.0))
         """
-        axes = set(range(self.mesh.dimension))
-        if len(set(plane)) != 2 or not set(plane) <= axes:
-            raise GridError(
-                f"plane: expected two different axes from 0 to {len(axes) - 1}, got {plane!r}. "
-                "Leave the option out for the first two."
-            )
+        two_axes(plane, self.mesh.dimension)
         faces = self.mesh.complex.boundary(1)
         if checks.count(rings, "rings", GridError) == 0:
             chains, places = faces, self.points[self.mesh.corners].mean(axis=1)
@@ -470,8 +469,8 @@ class ScatteredFrame:
         """Refuse points in space."""
         if self.mesh.dimension != 2:
             raise GridError(
-                f"{what} has one circuit round it among points of a plane only, but these are in "
-                "space. Give .burgers a loop, or numbers of points."
+                f"{what}: expected points in a plane, got points in space, where no single circuit "
+                "surrounds it. Give .burgers a loop, or numbers of points."
             )
 
     def __repr__(self) -> str:

@@ -19,8 +19,8 @@ def checked_points(given: object) -> np.ndarray:
     found = checks.array(given, "points", GridError, shape=(None, None))
     if found.shape[1] not in (2, 3) or len(found) <= found.shape[1]:
         raise GridError(
-            f"points: shape (N, 2) or (N, 3), one point in each row, was needed, but {found.shape} "
-            "came."
+            "points: expected shape (N, 2) with N > 2 or (N, 3) with N > 3, one point in each row, "
+            f"got {found.shape}."
         )
     return found
 
@@ -40,7 +40,10 @@ def mesh_of(
         longest = checks.positive(longest, "longest", GridError)
     boundary = checked_polygons(options.get("boundary"))
     if boundary and places.shape[1] != 2:
-        raise GridError("boundary: polygons bound points of a plane, but these are in space.")
+        raise GridError(
+            "boundary: expected points in a plane, got points in space, which polygons do not "
+            "bound. Omit the boundary."
+        )
     mask = mask_of(options.get("mask"), (len(places),)) | unknown
     return Triangulation.of(places, mask, longest, boundary), texts
 
@@ -50,8 +53,8 @@ def check_finite(values: np.ndarray, name: str, mesh: Triangulation) -> None:
     bad = np.argwhere(np.isinf(values[..., mesh.inner]))
     if len(bad):
         raise GridError(
-            f"{name}: finite values were needed, but one is infinite at point "
-            f"{mesh.inner[bad[0, -1]]}. Mask it (NaN is a hole)."
+            f"{name}: expected finite values, got infinity at point {mesh.inner[bad[0, -1]]}. Mask "
+            "it (NaN is a hole)."
         )
 
 
@@ -83,7 +86,7 @@ def estimated_noise(
     table, inside = mesh.departures
     flat = np.where(np.isnan(values), 0.0, values).reshape(-1, values.shape[-1])
     rows = list((table @ flat.T).T)
-    said = f"the median of departures from planes through the neighbours of {len(inside)} points"
+    said = f"the median of deviations from planes through the neighbours of {len(inside)} points"
     if covariance is None:
         return np.array([spread(row) for row in rows]).reshape(values.shape[:2]), None, said
     return sigma, robust_covariance(rows), said

@@ -49,18 +49,22 @@ def read_csv(path: Path) -> Contents:
             said[found[1]] = found[2].strip()
         first += 1
     if first >= len(lines):
-        raise FileFormatError(f"{path}: a header such as x,y,e_0_0,e_0_1 was needed; it is empty.")
+        raise FileFormatError(
+            f"{path}: expected a header such as x,y,e_0_0,e_0_1, got none. Write the file again."
+        )
     header = [name.strip() for name in lines[first].split(",")]
     axes, values = _header(path, header, first + 1)
     kept = [k for k in range(first + 1, len(lines)) if lines[k].strip()]
     for k in kept:
         if lines[k].count(",") != len(header) - 1:
             raise FileFormatError(
-                f"{path}: line {k + 1}: {len(header)} numbers were needed, as the header has "
-                f"columns, but {lines[k].count(',') + 1} came. Is the file complete?"
+                f"{path}: line {k + 1}: expected {len(header)} numbers, one for each column of the "
+                f"header, got {lines[k].count(',') + 1}. Is the file complete?"
             )
     if not kept:
-        raise FileFormatError(f"{path}: there are no nodes below the header.")
+        raise FileFormatError(
+            f"{path}: expected nodes below the header, got none. Is the file complete?"
+        )
     body = "\n".join(lines[k] for k in kept)
     try:
         table = np.loadtxt(io.StringIO(_EMPTY.sub("nan", body)), delimiter=",", ndmin=2)
@@ -69,7 +73,8 @@ def read_csv(path: Path) -> Contents:
         number = int(row[1] or row[2]) if row else 0
         line = kept[min(number, len(kept) - 1)] + 1
         raise FileFormatError(
-            f"{path}: line {line}: numbers were needed, but {cut(lines[line - 1], 80)!r} came."
+            f"{path}: line {line}: expected numbers, got {cut(lines[line - 1], 80)!r}. Correct the "
+            "row, or leave the field empty."
         ) from None
     columns = dict(zip(header, table.T, strict=True))
     options: dict[str, Any] = {key: said[key] for key in TEXTS if key in said}
@@ -85,9 +90,9 @@ def _header(path: Path, header: Sequence[str], line: int) -> tuple[list[str], st
     axes = [name for name in header if not _COLUMN.fullmatch(name)]
     if len(set(header)) != len(header) or len(kinds & {"e", "beta"}) != 1 or len(axes) < 2:
         raise FileFormatError(
-            f"{path}: line {line}: a header of different names was needed, at first the axes, then "
-            f"e_0_0, e_0_1, ... or beta_0_0, ... (or x, y, u, v of a displacement); but "
-            f"{cut(', '.join(header))} came."
+            f"{path}: line {line}: expected different names of columns, first the axes, then "
+            "e_0_0, e_0_1, ... or beta_0_0, ... (or x, y, u, v of a displacement), got "
+            f"{cut(', '.join(header))}. Rename the columns."
         )
     return axes, "e" if "e" in kinds else "beta"
 
@@ -124,14 +129,17 @@ def nodes_of(
     for name, column in places.items():
         bad = np.flatnonzero(~np.isfinite(column))
         if len(bad):
-            raise FileFormatError(f"{path}: {where[bad[0]]}: a coordinate {name} was needed.")
+            raise FileFormatError(
+                f"{path}: {where[bad[0]]}: expected a finite coordinate {name}, got "
+                f"{column[bad[0]]}. Correct the row."
+            )
         axis, inverse = np.unique(column, return_inverse=True)
         try:
             axes.append(regular_axis(axis, name))
         except GridError as error:
             raise FileFormatError(
-                f"{path}: the nodes make no regular grid: {error} Scattered points must be "
-                "resampled first."
+                f"{path}: the nodes are not on a regular grid: {error} For scattered points use "
+                "ScatteredFrame."
             ) from None
         index.append(inverse)
     shape = tuple(len(axis) for axis in axes)
@@ -141,7 +149,8 @@ def nodes_of(
     if len(twice):
         one, two = order[twice[0] : twice[0] + 2].tolist()
         raise FileFormatError(
-            f"{path}: {where[one]} and {where[two]} are of the same node. Keep one of them."
+            f"{path}: expected each node once, got the same node in {where[one]} and {where[two]}. "
+            "Keep one of them."
         )
     return axes, flat
 
@@ -152,7 +161,7 @@ def check_filled(path: Path, rows: int, shape: Sequence[int]) -> None:
     if size > most:
         raise LimitError(
             f"{path}: expected a grid of at most {most:,} bytes, for a file of this length, got "
-            f"{' x '.join(map(str, shape))} nodes, most of them missing, of {size:,} bytes. Give "
+            f"{size:,} bytes for {' x '.join(map(str, shape))} nodes, most of them missing. Give "
             "the part in which values are known, or save it as .npz."
         )
 
@@ -174,7 +183,9 @@ def _array(
     missing = [key for key in product(range(rows), range(width)) if key not in keys]
     if missing:
         i, mu = missing[0]
-        raise FileFormatError(f"{path}: the column {kind}_{i}_{mu} is missing.")
+        raise FileFormatError(
+            f"{path}: expected a column {kind}_{i}_{mu}, got none. Add the missing column."
+        )
     check_filled(path, rows * width, shape)
     found = np.full((rows, width, int(np.prod(shape))), np.nan)
     for (i, mu), name in keys.items():
@@ -264,7 +275,7 @@ def write_vtk(path: Path, contents: Contents) -> None:
     meshio = module("meshio", path)
     d, shape = len(contents.axes), contents.values.shape[2:]
     if d not in (2, 3):
-        raise GridError(f"{path}: VTK holds two or three axes, but the grid has {d}. Use .npz.")
+        raise GridError(f"{path}: expected a grid of two or three axes for VTK, got {d}. Use .npz.")
     columns = _columns(contents)
     points = np.zeros((int(np.prod(shape)), 3))
     for k, name in enumerate(contents.names):
@@ -318,8 +329,8 @@ def _check_dimensions(path: Path) -> None:
         points = math.prod(sizes)
         if points > len(content):
             raise LimitError(
-                f"{path}: expected DIMENSIONS of at most {len(content):,} points, as many as the "
-                f"file has bytes, got {cut(found[1].decode())}. Is the file complete?"
+                f"{path}: expected DIMENSIONS of at most {len(content):,} points, the number of "
+                f"bytes in the file, got {cut(found[1].decode())}. Is the file complete?"
             )
 
 

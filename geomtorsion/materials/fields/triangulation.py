@@ -50,13 +50,15 @@ class Triangulation:
             made = scipy.spatial.Delaunay(points)
         except scipy.spatial.QhullError:
             raise GridError(
-                f"points: {points.shape[1] + 1} or more that do not lie on one "
-                f"{'line' if points.shape[1] == 2 else 'plane'} were needed to be joined."
+                f"points: expected {points.shape[1] + 1} or more that are not all "
+                f"{'on one line' if points.shape[1] == 2 else 'in one plane'}, got {len(points)} "
+                "points without triangles. Add points."
             ) from None
         if len(made.coplanar):
             k, _, twin = made.coplanar[0].tolist()
             raise GridError(
-                f"points {k} and {twin} lie at one place, {shown(points[k])}: keep one of them."
+                f"points: expected different points, got points {k} and {twin} at "
+                f"{shown(points[k])}. Keep one of them."
             )
         corners = made.simplices.astype(np.int64)
         place = points[corners]
@@ -73,8 +75,9 @@ class Triangulation:
             kept &= inside % 2 == 1
         if not kept.any():
             raise GridError(
-                "points: no triangle is left: every one touches an unknown point, is longer than "
-                "`longest`, or lies outside of the boundary."
+                "points: expected at least one triangle, got none: each touches an unknown point, "
+                "is longer than `longest`, or is outside the boundary. Give a larger `longest` or "
+                "boundary."
             )
         return cls(made, corners, kept)
 
@@ -191,11 +194,14 @@ class Triangulation:
         """
         if loop.dimension != self.dimension:
             raise GridError(
-                f"the loop has {loop.dimension} coordinates, the points {self.dimension}: give a "
-                "loop in the coordinates of the points."
+                f"loop: expected {self.dimension} coordinates, as the points have, got "
+                f"{loop.dimension}. Give a loop in the coordinates of the points."
             )
         if np.abs(loop.gap).max() > 0:
-            raise GridError("the loop closes modulo a period only, but the points have none.")
+            raise GridError(
+                f"loop: expected a loop that closes, got one whose ends are "
+                f"{shown(loop.gap)} apart. Points have no periods."
+            )
         lengths = np.sqrt((self.steps**2).sum(axis=1))
         # If two points for each edge are not enough, the path between them is bisected.
         way = loop.points(max(400, round(2 * loop.length / float(np.median(lengths))))).T
@@ -203,7 +209,7 @@ class Triangulation:
         if outside.any():
             raise GridError(
                 f"{loop!r} leaves the points at {shown(way[np.argmax(outside)])}. Choose a smaller "
-                "loop, or another place."
+                "loop, or move it."
             )
         tree = scipy.spatial.cKDTree(self.points)
         near = tree.query(way)[1]
@@ -212,7 +218,10 @@ class Triangulation:
             self._step(nodes, int(near[k + 1]), way[k], way[k + 1], tree)
         found = np.array(nodes)
         if len(found) > 1 and found[0] != found[-1]:
-            raise GridError("the loop does not close.")
+            raise GridError(
+                f"loop: expected a loop that closes, got one from point {found[0]} to point "
+                f"{found[-1]}. Close the loop."
+            )
         if len(set(nodes)) < 3:
             raise GridError(
                 f"{loop!r} surrounds no triangle: it stays near point {nodes[0]}. Choose a larger "
@@ -245,8 +254,8 @@ class Triangulation:
         shared = np.intersect1d(self._beside(nodes[-1]), self._beside(end))
         if not len(shared):
             raise GridError(
-                f"the loop leads from point {nodes[-1]} to point {end} at {shown(one)}, which no "
-                "edges join. Move it a little."
+                f"the loop goes from point {nodes[-1]} to point {end} at {shown(one)}, but no "
+                "edges join them. Move the loop a little."
             )
         nodes += [int(shared[0]), end]
 
@@ -263,8 +272,8 @@ class Triangulation:
             a, b = nodes[k : k + 2].tolist()
             raise GridError(
                 f"{loop!r} touches a hole between point {a} at "
-                f"{shown(self.points[a])} and point {b} at {shown(self.points[b])}: nothing is "
-                "known there. Lead it round: .loop_around(hole) does."
+                f"{shown(self.points[a])} and point {b} at {shown(self.points[b])}. Choose a loop "
+                "around it: .loop_around(hole) makes one."
             )
 
     # -- values -----------------------------------------------------------------------------------
@@ -313,8 +322,8 @@ class Triangulation:
         inside = np.flatnonzero(enough & (np.abs(total - 1) < CALCULATED**0.5))
         if not len(inside):
             raise GridError(
-                f"sigma: points with more than {wide.shape[1]} neighbours are needed to estimate "
-                "noise, but there are none. Give sigma as a number or an array."
+                f"sigma: expected points with more than {wide.shape[1]} neighbours, from which to "
+                "estimate noise, got none. Give sigma as a number or an array."
             )
         rest = (scipy.sparse.eye_array(count, format="csr") - table)[inside].tocsr()
         size = np.sqrt(np.asarray(rest.power(2).sum(axis=1)).ravel())
@@ -332,11 +341,13 @@ def checked_polygons(given: object) -> list[np.ndarray]:
     listed = [given] if plain else checks.entries(given, "boundary", GridError)
     found = [numbers(one, "boundary") for one in listed]
     for one in found:
-        if one.ndim != 2 or one.shape[1] != 2 or len(one) < 3 or not np.isfinite(one).all():
+        if one.ndim != 2 or one.shape[1] != 2 or len(one) < 3:
             raise GridError(
-                f"boundary: polygons of three corners or more, shape (k, 2), were needed, but "
-                f"shape {one.shape} came."
+                f"boundary: expected polygons of three corners or more, shape (k, 2), got shape "
+                f"{one.shape}."
             )
+        if not np.isfinite(one).all():
+            raise GridError("boundary: expected polygons with finite corners, got infinity or NaN.")
     return found
 
 

@@ -73,7 +73,8 @@ def _parsed(path: Path, content: bytes) -> tuple[ET.Element, bytes | str]:
             root = ET.fromstring(content[: found.end()] + b"</AppendedData></VTKFile>")
         except (ET.ParseError, ValueError):
             raise FileFormatError(
-                f"{path}: it cannot be read, it is truncated or no VTU file. Export it again."
+                f"{path}: expected a VTU file, got one that is truncated or has another format. "
+                "Export it again."
             ) from None
         return root, content[found.end() :].partition(b"_")[2]
     text = next((part.text or "" for part in root.iter("AppendedData")), "")

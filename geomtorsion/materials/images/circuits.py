@@ -84,24 +84,28 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
     checks.instance(loop, Loop, "loop")
     if loop.dimension != 2:
         raise LoopError(
-            f"the loop has {loop.dimension} coordinates, an image 2: give a loop in x and y."
+            f"loop: expected two coordinates, x and y of the image, got {loop.dimension}. Give "
+            "another loop."
         )
     if loop.gap.any():
-        raise LoopError("the loop does not close in the image, which has no periods.")
+        raise LoopError(
+            "loop: expected a loop that closes, got one whose ends are "
+            f"{checks.shown(loop.gap.tolist())} apart. An image has no periods."
+        )
     # A loop longer than a hundred times all borders is a mistake in units.
     longest = 100 * 4 * sum(shape)
     length = loop.length / step
     if length > longest:
         raise ImageError(
-            f"the loop is {length:.3g} pixels long, more than {longest:,}: give one that lies in "
-            "the image and turns fewer times."
+            f"loop: expected a length of at most {longest:,} pixels, got {length:.3g}. Give a loop "
+            "inside the image with fewer turns."
         )
     corners = loop.points(max(8, int(4 * length))).T / step
     outside = (corners < -0.5) | (corners > np.array(shape) - 0.5)
     if outside.any():
         x, y = (step * corners[int(outside.any(axis=1).argmax())]).tolist()
         raise ImageError(
-            f"the circuit leaves the image at ({x:.6g}, {y:.6g}) {unit}; it has 0 to "
+            f"the circuit leaves the image at ({x:.6g}, {y:.6g}) {unit}. Stay within 0 to "
             f"{step * (shape[0] - 1):.6g} in x and 0 to {step * (shape[1] - 1):.6g} in y."
         )
     # Polygons have long sides: add points, so that steps are shorter than a pixel.
@@ -117,7 +121,7 @@ def pixel_path(loop: Loop, step: float, shape: tuple[int, ...], unit: str) -> np
     path = path[np.concatenate([[True], (np.diff(path, axis=0) != 0).any(axis=1)])]
     if np.ptp(path, axis=0).min() < 2:
         raise ImageError(
-            "the circuit runs within a few pixels, and encloses none: give a larger one, in units "
-            f"of {unit} ({step:.6g} for a pixel)."
+            "loop: expected a circuit that encloses pixels, got one that is too narrow. Give a "
+            f"larger loop; lengths are in {unit}, and a pixel is {step:.6g}."
         )
     return path

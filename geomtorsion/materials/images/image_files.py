@@ -59,8 +59,8 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
         is_microscope = name.startswith("rsciio")
         package = "rosettasciio" if is_microscope else name.partition(".")[0]
         raise MissingExtraError(
-            f"{path}: reading it needs {package}, which is not installed. Run `pip install "
-            f"'geomtorsion[{'files' if is_microscope else 'images'}]'`; arrays need nothing."
+            f"{path}: this format requires {package}, which is not installed. Run `pip install "
+            f"'geomtorsion[{'files' if is_microscope else 'images'}]'`, or give an array."
         ) from None
     load = {"tifffile": _tiff, "PIL.Image": _png, "numpy": _npy}.get(name, _microscope)
     try:
@@ -68,14 +68,12 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
     except (FileFormatError, LimitError):
         raise
     except MemoryError:
-        raise LimitError(
-            f"{path}: the image takes more memory than there is. Cut it into parts."
-        ) from None
+        raise LimitError(f"{path}: the image does not fit in memory. Cut it into parts.") from None
     # Decoders raise errors of many types for wrong bytes, some of their own types.
     except Exception as reason:  # noqa: BLE001
         raise FileFormatError(
-            f"{path}: it cannot be read, it is truncated or no file of this kind "
-            f"({type(reason).__name__}: {checks.cut(str(reason))})."
+            f"{path}: the file cannot be read: it is truncated or has another format "
+            f"({type(reason).__name__}: {checks.cut(str(reason))}). Export it again."
         ) from None
     return _grey(found, path)
 
@@ -83,13 +81,7 @@ def read_pixels(path: Path, page: int = 0, most: int | None = None) -> np.ndarra
 def _tiff(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """One page of a TIFF file."""
     with library.TiffFile(path) as file:
-        count = len(file.pages)
-        if not count:
-            raise FileFormatError(f"{path}: it holds no image; it is truncated. Export it again.")
-        if page >= count:
-            raise FileFormatError(
-                f"{path}: page {page} was asked for, but the file has {count}, counted from 0."
-            )
+        _check_page(path, page, len(file.pages))
         found = file.pages[page]
         _check_shape(path, found.shape, found.dtype)
         check_size(path, found.shape, most)
@@ -118,15 +110,14 @@ def _check_segments(path: Path, stream: Any, page: Any, most: int | None) -> Non
         stream.seek(offset)
         if unpacked_size(open_one(), stream.read(count), size) > size:
             raise LimitError(
-                f"{path}: expected strips or tiles of at most {size:,} bytes, as the header says, "
-                f"got more from number {number + 1}. Export the image again."
+                f"{path}: expected strips or tiles of at most {size:,} bytes, as stated in the "
+                f"header, got a larger one (number {number + 1}). Export the image again."
             )
 
 
 def _png(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     """A PNG file, of any depth."""
-    if page:
-        raise FileFormatError(f"{path}: page {page} was asked for, but a PNG file has one, page 0.")
+    _check_page(path, page, 1)
     with library.open(path, formats=("PNG",)) as file:
         check_size(path, file.size, most)
         tag = import_module("PIL.ExifTags").Base.Orientation
@@ -139,9 +130,22 @@ def _check_turn(path: Path, orientation: int) -> None:
     """Refuse an image whose orientation tag requires it to be turned or mirrored."""
     if orientation != 1:
         raise FileFormatError(
-            f"{path}: the file says that it is to be turned or mirrored (orientation "
-            f"{orientation}), and in a mirror b has another sign. Save it as it is meant to be "
-            "seen, with orientation 1, or give an array."
+            f"{path}: expected orientation 1, got {orientation}: viewers turn or mirror this "
+            "image, and a mirror changes the sign of b. Save the image as it should be seen, with "
+            "orientation 1, or give an array."
+        )
+
+
+def _check_page(path: Path, page: int, count: int) -> None:
+    """Refuse a page that is not in the file."""
+    if not count:
+        raise FileFormatError(
+            f"{path}: the file is truncated: it contains no image. Export it again."
+        )
+    if page >= count:
+        raise FileFormatError(
+            f"{path}: page: expected a number below {count:,}, the number of pages in the file, "
+            f"got {page:,}. The first page is 0."
         )
 
 
@@ -150,10 +154,7 @@ def _npy(library: Any, path: Path, page: int, most: int | None) -> np.ndarray:
     # A memory map gives the size before memory is allocated.
     found = library.load(path, mmap_mode="r", allow_pickle=False)
     stack = found if found.ndim == 3 and found.shape[2] > 4 else found[None]
-    if page >= len(stack):
-        raise FileFormatError(
-            f"{path}: page {page} was asked for, but the file has {len(stack)}, counted from 0."
-        )
+    _check_page(path, page, len(stack))
     check_size(path, stack[page].shape, most)
     return np.asarray(stack[page])
 
@@ -170,7 +171,7 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
     declared = {".mrc": _pixels_of_mrc, ".ser": _pixels_of_ser}.get(end, lambda _: 0)(path)
     if declared > length:
         raise LimitError(
-            f"{path}: expected at most {length:,} pixels, as many as the file has bytes, got "
+            f"{path}: expected at most {length:,} pixels, the number of bytes in the file, got "
             f"{declared:,} in its header. Is the file complete?"
         )
     stacks = []
@@ -181,26 +182,19 @@ def _microscope(library: Any, path: Path, page: int, most: int | None) -> np.nda
             continue
         if data.nbytes > length and end not in _HDF5:
             raise LimitError(
-                f"{path}: expected at most {length:,} bytes of pixels, as many as the file has, "
-                f"got {cut(str(data.shape))} of {data.dtype}. Is the file complete?"
+                f"{path}: expected at most {length:,} bytes of pixels, the size of the file, got "
+                f"{cut(str(data.shape))} of {data.dtype}. Is the file complete?"
             )
         names = [str(axis.get("name", "")).lower() for axis in signal["axes"]]
         if names[-2:] == ["x", "y"]:
             # The data are stored by columns; reading them as rows would mirror the image.
             data = data.swapaxes(-1, -2)
         stacks.append(data.reshape(-1, *data.shape[-2:]))
-    count = sum(len(stack) for stack in stacks)
-    if page >= count:
-        raise FileFormatError(
-            f"{path}: expected an image number {page}, counted from 0, got a file of {count}. "
-            "Choose another page."
-        )
-    for stack in stacks:
-        if page < len(stack):
-            check_size(path, stack.shape[1:], most)
-            return np.asarray(stack[page])
-        page -= len(stack)
-    raise FileFormatError(f"{path}: it holds no image.")
+    _check_page(path, page, sum(len(stack) for stack in stacks))
+    while page >= len(stacks[0]):
+        page -= len(stacks.pop(0))
+    check_size(path, stacks[0].shape[1:], most)
+    return np.asarray(stacks[0][page])
 
 
 def _check_room(path: Path, h5py: Any) -> None:
@@ -212,7 +206,7 @@ def _check_room(path: Path, h5py: Any) -> None:
     if sum(sizes) > checks.LARGEST_ARRAYS:
         raise LimitError(
             f"{path}: expected at most {checks.LARGEST_ARRAYS:,} bytes of data, got "
-            f"{sum(sizes):,}. Export the image alone, as .tif or .npy."
+            f"{sum(sizes):,}. Export only the image, as .tif or .npy."
         )
 
 
@@ -247,7 +241,7 @@ def check_size(subject: object, shape: tuple[int, ...], most: int | None = None)
     count = math.prod(map(int, shape[:2]))
     if most is not None and count > most:
         raise LimitError(
-            f"{subject}: the image has {count:,} pixels; up to {most:,} are taken. Cut it into "
+            f"{subject}: expected at most {most:,} pixels, got an image of {count:,}. Cut it into "
             "parts."
         )
     # Memory for two complex waves, their spectrum, and the image itself.
@@ -262,8 +256,8 @@ def _check_shape(path: Path, shape: tuple[int, ...], dtype: Any) -> None:
         colours = shape[2] if len(shape) == 3 else 1
     if colours not in (1, 2, 3, 4):
         raise FileFormatError(
-            f"{path}: grey values of shape (rows, columns) were needed, but {dtype} of shape "
-            f"{checks.cut(str(shape))} came. Choose a page, or give an array."
+            f"{path}: expected grey values of shape (rows, columns), got {dtype} of shape "
+            f"{checks.cut(str(shape))}. Choose a page, or give an array."
         )
 
 
@@ -294,26 +288,25 @@ def pixels_of_signal(signal: Any) -> tuple[np.ndarray, float, str]:
         data = signal.data
     except (AttributeError, TypeError):
         raise ImageError(
-            f"signal: a hyperspy signal was needed, but {checks.shown(signal)} came. Give arrays "
-            "to LatticeImage(array)."
+            f"signal: expected a hyperspy signal, got {checks.shown(signal)}. Give arrays to "
+            "LatticeImage(array)."
         ) from None
     if len(axes) != 2 or checks.count(frames, "navigation_size", ImageError) > 1:
         raise ImageError(
-            f"signal: one image was needed, but {checks.shown(signal)} came. Choose one: "
-            "signal.inav[0]."
+            f"signal: expected one image, got {checks.shown(signal)}. Choose one: signal.inav[0]."
         )
     steps = [checks.number(scale, "scale", ImageError) for scale, _ in given]
     if min(steps) < 0:
         raise ImageError(
-            f"signal: axes that increase from pixel to pixel were needed, but the scales are "
-            f"{steps[0]:.6g} and {steps[1]:.6g}. What is seen in a mirror has b of another sign: "
-            "turn the data round, and give scales above 0."
+            "signal: expected scales above 0, for axes that increase from pixel to pixel, got "
+            f"{steps[0]:.6g} and {steps[1]:.6g}. Flip the data along an axis with a negative "
+            "scale: a mirrored image changes the sign of b."
         )
     units = [unit if isinstance(unit, str) else "px" for _, unit in given]
     if abs(steps[0] - steps[1]) > 1e-3 * steps[0] or units[0] != units[1]:
         raise ImageError(
-            f"signal: square pixels were needed, but they are {steps[0]:.6g} {units[0]} by "
-            f"{steps[1]:.6g} {units[1]}. Resample it: signal.rebin(...)."
+            f"signal: expected square pixels, got {steps[0]:.6g} {units[0]} by {steps[1]:.6g} "
+            f"{units[1]}. Resample it: signal.rebin(...)."
         )
     values = checks.array(data, "signal.data", ImageError)
     return values.reshape(values.shape[-2:]), steps[0], units[0]

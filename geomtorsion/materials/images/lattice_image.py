@@ -58,25 +58,25 @@ class LatticeImage:
         """Check the array."""
         if np.ma.is_masked(self.values):
             raise ImageError(
-                "image: values at all pixels were needed, but some are masked. Fill them with the "
-                "mean, .filled(array.mean()): a place without lattice is a hole."
+                "image: expected a value at each pixel, got masked pixels. Fill them with the "
+                "mean, .filled(array.mean()): a region without lattice counts as a hole."
             )
         values = checks.array(
             self.values, "image", ImageError, shape=(None, None),
-            message="{subject}: an array of grey values was needed, but {value} came. Give one "
-            "channel: colour[..., 0], or its mean.",
+            message="{subject}: expected an array of grey values, got {value}. Give one channel, "
+            "colour[..., 0], or the mean of the channels.",
         )  # fmt: skip
         if min(values.shape) < self.least:
             raise ImageError(
-                f"image: {self.least} rows and columns or more were needed, but {values.shape} "
-                "came. Give a larger part."
+                f"image: expected {self.least} rows and columns or more, got {values.shape}. Give "
+                "a larger part."
             )
         check_size("image", values.shape)
         # Products of four values have to be finite and nonzero.
         most = float(np.abs(values).max())
         if most and not 1e-70 < most < 1e70:
             raise ImageError(
-                f"image: grey values of ordinary size were needed, but {most:.3g} came. Give them "
+                f"image: expected grey values between 1e-70 and 1e70, got {most:.3g}. Give them "
                 "in other units."
             )
         # The mean of equal floats differs from them by rounding, which must not count as a lattice.
@@ -88,7 +88,7 @@ class LatticeImage:
         step = checks.positive(self.step, "step", ImageError)
         if not 1e-70 < step < 1e70:
             raise ImageError(
-                f"step: a length of ordinary size was needed, but {step:.3g} came. Give it in "
+                f"step: expected a length between 1e-70 and 1e70, got {step:.3g}. Give it in "
                 "other units."
             )
         object.__setattr__(self, "step", step)
@@ -204,20 +204,22 @@ class LatticeImage:
         pair = self.step * checks.array(spots, "spots", ImageError, shape=(2, 2))
         if np.abs(pair).max() > 0.5:
             raise ImageError(
-                f"spots: frequencies of at most {0.5 / self.step:.6g} per {self.unit} were needed, "
-                f"half a cycle per pixel, but {np.abs(pair).max() / self.step:.6g} came."
+                f"spots: expected frequencies of at most {0.5 / self.step:.6g} per {self.unit} "
+                f"(half a cycle per pixel), got {np.abs(pair).max() / self.step:.6g}. Give cycles "
+                f"per {self.unit}."
             )
         lengths = np.hypot(*pair.T)
         periods = lengths.min() * min(self.values.shape)
         if periods < Spectrum.periods:
             raise ImageError(
-                f"spots: {Spectrum.periods} periods across the image or more were needed, but a "
-                f"spot has {periods:.3g}: it lies at the origin. Give cycles per unit, or a larger "
-                "part."
+                f"spots: expected {Spectrum.periods} periods across the image or more, got "
+                f"{periods:.3g}: the spot is too close to the origin. Give cycles per {self.unit}, "
+                "or a larger part of the image."
             )
         if abs(np.linalg.det(pair)) < 1e-6 * lengths.prod():
             raise ImageError(
-                "spots: two in different directions were needed, but both lie on one line."
+                "spots: expected two spots in different directions, got both in one direction. "
+                "Give another spot."
             )
         return measured(Spectrum.of(self.field), pair)
 
@@ -226,9 +228,9 @@ class LatticeImage:
         blur = checks.positive(value, "resolution", ImageError) / self.step
         if not 0.5 <= blur <= min(self.values.shape) / 4:
             raise ImageError(
-                f"resolution: between half a pixel and a quarter of the image was needed, "
-                f"{0.5 * self.step:.6g} to {min(self.values.shape) / 4 * self.step:.6g} "
-                f"{self.unit}, but {blur * self.step:.6g} came."
+                f"resolution: expected {0.5 * self.step:.6g} to "
+                f"{min(self.values.shape) / 4 * self.step:.6g} {self.unit} (half a pixel to a "
+                f"quarter of the image), got {blur * self.step:.6g}."
             )
         return blur
 

@@ -101,8 +101,8 @@ class LatticePhases:
         chosen &= ~self.holes
         if not chosen.any():
             raise ImageError(
-                "reference: expected a region in which the lattice is seen, got only holes. Choose "
-                "another."
+                "reference: expected a region with a visible lattice, got only holes. Choose "
+                "another region."
             )
         return replace(self, reference=self.coframe[:, :, chosen].mean(axis=2))
 
@@ -236,8 +236,9 @@ class LatticePhases:
         sizes = self.waves.shape[1:]
         if 2 * self.margin + order >= min(sizes):
             raise GridError(
-                f"the margins of {self.margin} pixels on both sides leave nothing of {sizes[0]} x "
-                f"{sizes[1]}. Choose a finer resolution than {self.resolution:.3g} {self.unit}."
+                f"image: expected more than {2 * self.margin + order} pixels along each axis, "
+                f"because its margins are {self.margin} pixels wide, got {sizes[0]} x {sizes[1]}. "
+                f"Choose a finer resolution than {self.resolution:.3g} {self.unit}."
             )
         keep = slice(self.margin, -self.margin)
         values = np.eye(2)[:, :, None, None] - self.distortion if lengths else self.coframe
@@ -279,7 +280,8 @@ class LatticePhases:
         if len(crossed):
             raise ImageError(
                 f"the circuit crosses a hole at {self._place(path[crossed[0]])}, where the lattice "
-                f"cannot be seen ({len(crossed)} of {len(path)} pixels). Lead it round."
+                f"is not visible ({len(crossed)} of {len(path)} pixels). Choose a circuit around "
+                "the hole."
             )
         whole, steps = wound(self.phase[:, x, y])
         ratio = self.ratio[:, x, y]
@@ -287,10 +289,10 @@ class LatticePhases:
         weakest = path[int(ratio.min(axis=0).argmin())]
         if chance > limit:
             raise ImageError(
-                f"the noise is too strong for this circuit: the chance of a wrong whole number is "
-                f"{chance:.2g}, more than the risk of {limit:.2g}; the lattice is weakest at "
-                f"{self._place(weakest)}. Lead the circuit elsewhere, make it shorter, or give a "
-                f"larger resolution than {self.resolution:.3g}."
+                "the noise is too strong for this circuit: the probability of a wrong whole number "
+                f"is {chance:.2g}, above the accepted risk of {limit:.2g}. Avoid the "
+                f"weakest part of the lattice at {self._place(weakest)}, shorten the circuit, or "
+                f"give a larger resolution than {self.resolution:.3g}."
             )
         error = float(np.abs(whole) @ np.hypot(*self.lattice.T) * self.doubt)
         low = (self.step * weakest).tolist()
@@ -326,8 +328,11 @@ class LatticePhases:
         ImageError
             The size is below 2 or larger than the image, or the plane is not x and y.
         """
-        if tuple(plane) != (0, 1):
-            raise ImageError("plane: an image has one plane, x and y. Leave the option out.")
+        if not checks.is_list(plane) or tuple(plane) != (0, 1):
+            raise ImageError(
+                f"plane: expected (0, 1), the only plane of an image, got {checks.shown(plane)}. "
+                "Omit the option."
+            )
         n = checks.count(size, "size", ImageError, 2, min(self.waves.shape[1:]) - 1)
         limit = checks.positive(risk, "risk", ImageError)
         whole, clear, chances = squares_of(self.phase, self.ratio, self.holes, self.blur, n)
@@ -445,7 +450,8 @@ def lattice_phases(
         wave[:] = found[: field.shape[0], : field.shape[1]] * np.multiply.outer(*ramps)
     if not np.abs(waves).max(axis=(1, 2)).all():
         raise ImageError(
-            "the image has no power at a spot that was given. Give the spots of its lattice."
+            "spots: expected spots of the lattice, got one without power in the image. Choose "
+            "other spots, or omit them."
         )
     return LatticePhases(step, unit, spots, blur, waves, (borders[0], borders[1]), field)
 

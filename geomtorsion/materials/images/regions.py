@@ -28,8 +28,8 @@ def pixels_of(
     if isinstance(given, np.ndarray) and given.dtype == bool:
         if given.shape != sizes:
             raise ImageError(
-                f"reference: expected truth values of shape {sizes}, [x, y], got {given.shape}. An "
-                "array of rows becomes one of x and y by [::-1].T."
+                f"reference: expected truth values of shape {sizes}, [x, y], got {given.shape}. "
+                "Convert an array of rows by [::-1].T."
             )
         return given.copy()
     ends = checks.array(given, "reference", ImageError, shape=(2, 2))

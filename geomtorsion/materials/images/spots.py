@@ -94,23 +94,23 @@ def find_spots(field: np.ndarray, false_alarm: float = 1e-4) -> Spots:
     places, strengths = _significant(spectrum, false_alarm)
     if not len(places):
         raise ImageError(
-            "the image has no lattice that can be seen: no spot of its Fourier transform stands "
-            "out of what lies round it. Give a larger part of the image, or spots=[[x, y], [x, y]]."
+            "the image has no visible lattice: no spot of its Fourier transform rises above the "
+            "background. Give a larger part of the image, or spots=[[x, y], [x, y]]."
         )
     places = np.array([refined(spectrum, place) for place in places])
     covering = np.array([_covers(field, place) for place in places])
     places, strengths = places[covering], strengths[covering]
     if not len(places):
         raise ImageError(
-            "the image has no lattice that can be seen: its strongest spots come from edges or "
-            "blots, not from something that repeats. Cut out the part with the lattice."
+            "the image has no visible lattice: its strongest spots come from edges or blots, not "
+            "from a periodic pattern. Cut out the part with the lattice."
         )
     pair = _basis(places, strengths, spectrum.pixel)
     if pair is None:
         k = places[0]
         raise ImageError(
-            f"the image has fringes of one direction only, of {1 / np.hypot(*k):.3g} pixels each: "
-            "two spots in different directions were needed. Tilt to a zone axis, or give "
+            "image: expected a lattice with spots in two directions, got fringes in one direction, "
+            f"{1 / np.hypot(*k):.3g} pixels apart. Tilt the specimen to a zone axis, or give "
             "spots=[[x, y], [x, y]]."
         )
     return measured(spectrum, ordered(places[list(pair)]))
@@ -278,8 +278,8 @@ def _basis(
         return None
     if max(spanned) < belonging:
         raise ImageError(
-            "the image has no lattice that can be seen: the spots of its Fourier transform do not "
-            "belong together. Cut out a part with one lattice, or give spots=[[x, y], [x, y]]."
+            "the image has no visible lattice: the spots of its Fourier transform do not belong to "
+            "one lattice. Cut out a part with one lattice, or give spots=[[x, y], [x, y]]."
         )
     # Ignore weak spots off the lattice, which come from defects.
     best = [p for p, share in zip(pairs, spanned, strict=True) if share > 0.98 * max(spanned)]

@@ -43,7 +43,8 @@ class Box:
         flags = checks.entries(checks.rows(self.periodic), "periodic", NetworkError)
         if len(flags) != 3 or any(flag not in (0, 1) for flag in flags):
             raise NetworkError(
-                f"periodic: three truth values were needed, but {checks.shown(flags)} came."
+                f"periodic: expected three truth values, got {checks.shown(flags)}. Give one for "
+                "each edge of the box."
             )
         with np.errstate(over="ignore", invalid="ignore"):
             volume = _volume(vectors)
@@ -51,8 +52,8 @@ class Box:
         # Edges that span less than rounding error are in one plane.
         if not (np.isfinite(sizes) and volume > 8 * np.finfo(float).eps * sizes):
             raise NetworkError(
-                f"vectors of the box: three edges that span a finite volume were needed, but "
-                f"{checks.shown(vectors.tolist())} came."
+                f"vectors of the box: expected three edges that span a finite volume, got "
+                f"{checks.shown(vectors.tolist())}. Give independent edges as rows."
             )
         object.__setattr__(self, "vectors", vectors)
         object.__setattr__(self, "origin", origin)
@@ -70,8 +71,8 @@ class Box:
         end = checks.array(high, "high", NetworkError, shape=(3,))
         if not (end > start).all():
             raise NetworkError(
-                f"a box needs a highest corner above its lowest, but {checks.shown(end.tolist())} "
-                f"and {checks.shown(start.tolist())} came."
+                "box: expected a highest corner above the lowest, got "
+                f"{checks.shown(end.tolist())} and {checks.shown(start.tolist())}. Correct them."
             )
         flags = [periodic] * 3 if isinstance(periodic, bool) else periodic
         return cls(np.diag(end - start), start, flags)
@@ -102,8 +103,8 @@ class Box:
             shares = np.where(self.periodic, np.rint(given @ self.inverse), 0.0)
         if not (np.abs(shares) <= 2.0**31).all():
             raise NetworkError(
-                "two nodes of a line lie more than 2**31 periods apart. Are positions and box in "
-                "the same units?"
+                "expected the nodes of a line at most 2**31 periods apart, got a larger distance. "
+                "Are positions and box in the same units?"
             )
         return -shares.astype(np.int64)
 

@@ -72,13 +72,20 @@ def crossings(lines: LineArrays, loop: Loop) -> Iterator[tuple[Crossing, ...]]:
     """
     if loop.dimension != 3:
         raise LoopError(
-            f"a loop in three dimensions was needed round lines, but {loop.dimension} came."
+            f"loop: expected three coordinates, got {loop.dimension}. Give a loop in the space of "
+            "the lines."
         )
     if loop.gap.any():
-        raise LoopError("the loop closes modulo periods only: no surface spans it.")
+        raise LoopError(
+            "loop: expected a loop that closes in space, got one that closes only modulo periods, "
+            "which spans no surface. Lead it back to its start."
+        )
     if loop.symbols:
         names = ", ".join(sorted(symbol.name for symbol in loop.symbols))
-        raise LoopError(f"the loop has symbols: {names}. Give them numbers: loop.at({{...}}).")
+        raise LoopError(
+            f"loop: expected a loop without symbols, got {names}. Give them numbers: "
+            "loop.at({...})."
+        )
     surfaces = [_surfaces(lines, part) for part in loop.parts]
     for each in zip(*surfaces, strict=False):
         total: dict[tuple[int, tuple[int, ...]], int] = {}
@@ -108,8 +115,8 @@ def _surfaces(lines: LineArrays, part: Part) -> Iterator[Counts]:
         if found is not None:
             yield found
     raise NetworkError(
-        f"the loop at {shown(part.centre)} cannot be told from lines that lie within rounding of "
-        "it. Move it a little."
+        f"expected a loop that keeps a distance from all lines, got one at {shown(part.centre)} "
+        "that touches lines within rounding errors. Move it a little."
     )
 
 
@@ -177,8 +184,8 @@ def _polygon(lines: LineArrays, part: Part, near: _Stretches) -> np.ndarray:
                 a, b = (lines.labels[n] for n in lines.pairs[some.numbers[hit]])
                 place = np.array(part.centre) + (starts[k] + stops[k]) / 2
                 raise SingularPointError(
-                    f"the loop meets the line {a!r} -> {b!r} near {shown(place)}: it has no "
-                    "Burgers vector there. Lead it past the line."
+                    f"the loop meets the line {a!r} -> {b!r} near {shown(place)}, where its "
+                    "Burgers vector is not defined. Lead it past the line."
                 )
             split[k] = True
         middle = ends[split].mean(axis=1, keepdims=True)
@@ -244,7 +251,7 @@ def _stretches(
     total = counts.prod(axis=1)
     checks.check_room(
         12 * int(min(total.sum(), 2.0**62)),
-        f"a loop about {total.sum():.3g} images of lines",
+        f"a loop near {total.sum():.3g} images of lines",
         "Give a smaller loop.",
     )
     sizes = total.astype(np.int64)
@@ -330,16 +337,19 @@ def circuit_burgers(
     """
     checks.instance(loop, Loop, "loop")
     if not vectors:
-        raise NetworkError("a circuit needs lines to go round, but the network has none.")
+        raise NetworkError(
+            "expected a network with lines that a circuit can surround, got one without lines. Add "
+            "lines."
+        )
     first, second = islice(crossings(lines, loop), 2)
     one, two = (_sum(vectors, found) for found in (first, second))
     missing = tuple(a - b for a, b in zip(one, two, strict=True))
     share = tolerance * (1 + len(first) + len(second))
     if not vanishes(missing, max(map(size, vectors)), share):
         raise NetworkError(
-            "the circuit has no Burgers vector: lines end between two surfaces that it spans, "
-            f"which give {written(one)} and {written(two)}. Mend the nodes that .node_rule() "
-            "names, or lead the circuit elsewhere."
+            "expected one Burgers vector for all surfaces that the circuit spans, got "
+            f"{written(one)} and {written(two)} for two of them, because lines end in between. "
+            "Correct the nodes that .node_rule() names, or choose another circuit."
         )
     vector, name = np.array([float(x) for x in one]), loop.name
     if lattice is None:

@@ -51,7 +51,9 @@ class Cluster:
         checks.choice(self.lattice, NAMES, "lattice", NetworkError)
         matrix = checks.array(self.matrix, "matrix", NetworkError, shape=(3, 3))
         if np.linalg.matrix_rank(matrix) < 3:
-            raise NetworkError("matrix: its columns lie in one plane. Give three independent ones.")
+            raise NetworkError(
+                "matrix: expected three independent columns, got columns in one plane. Correct it."
+            )
         object.__setattr__(self, "matrix", matrix)
 
     @cached_property
@@ -114,13 +116,13 @@ def crystal_analysis_text(
     """
     if lines.box is None:
         raise NetworkError(
-            "a Crystal Analysis file needs the cell of the simulation, but the network has no "
-            "box. Give one: DislocationNetwork(graph, box=Box(vectors))."
+            "expected a network with a box for a Crystal Analysis file, got one without. Give the "
+            "cell of the simulation: DislocationNetwork(graph, box=Box(vectors))."
         )
     if lines.burgers.shape[1] != 3:
         raise NetworkError(
-            f"a Crystal Analysis file needs three components of b, but {lines.burgers.shape[1]} "
-            "came."
+            f"expected three components of b for a Crystal Analysis file, got "
+            f"{lines.burgers.shape[1]}. Save the network as .json."
         )
     clusters = clusters or (Cluster(),)
     lattices = list(dict.fromkeys(cluster.lattice for cluster in clusters))
@@ -202,7 +204,7 @@ class _Rows:
     def next(self, what: str) -> list[str]:
         """The words of the next row."""
         if self.line >= len(self.rows):
-            self.fail(f"{what} was needed, but the file ends. Is the file complete?")
+            self.fail(f"expected {what}, got the end of the file. Is the file complete?")
         self.line += 1
         return self.rows[self.line - 1].split()
 
@@ -213,10 +215,12 @@ class _Rows:
     def numbers(self, words: Sequence[str], count: int, what: str) -> list[float]:
         """Finite numbers of a given count; OVITO may write the size of the core after a point."""
         if len(words) < count:
-            self.fail(f"{what}: {count} numbers were needed, but {len(words)} came.")
+            self.fail(f"{what}: expected {count} numbers, got {len(words)}. Is the row complete?")
         found = [x for x in map(finite_number, words[:count]) if x is not None]
         if len(found) < count:
-            self.fail(f"{what}: finite numbers were needed, but {shown(' '.join(words))} came.")
+            self.fail(
+                f"{what}: expected finite numbers, got {shown(' '.join(words))}. Correct them."
+            )
         return found
 
     def whole(self, words: Sequence[str], what: str, most: int) -> int:
@@ -224,8 +228,8 @@ class _Rows:
         word = words[-1] if words else ""
         if not re.fullmatch("[0-9]{1,18}", word) or int(word) >= most:
             self.fail(
-                f"{what}: a whole number below {most:,} was needed, but {shown(word)} came. "
-                "Is the file complete?"
+                f"{what}: expected a whole number below {most:,}, got {shown(word)}. Is the file "
+                "complete?"
             )
         return int(word)
 
@@ -249,10 +253,14 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
     rows = _Rows(Path(path).name, text.splitlines())
     first = rows.next("CA_FILE_VERSION")
     if first[:1] != ["CA_FILE_VERSION"]:
-        rows.fail(f"CA_FILE_VERSION was needed, but {shown(' '.join(first))} came.")
+        rows.fail(
+            f"expected CA_FILE_VERSION, got {shown(' '.join(first))}. Is it a Crystal Analysis "
+            "file?"
+        )
     if rows.whole(first, "the version of the format", 7) < 5:
         rows.fail(
-            f"version 5 or 6 was needed, but {shown(first[-1])} came. Write it anew by OVITO."
+            f"expected version 5 or 6 of the format, got {shown(first[-1])}. Write the file again "
+            "with OVITO."
         )
     made = _Contents()
     while rows.line < len(rows.rows):
@@ -261,7 +269,7 @@ def read_crystal_analysis(path: str | PathLike[str]) -> LineArrays:
             made.parts[words[0]](rows, words)
     for key, found in (("DISLOCATIONS", made.listed), ("DISLOCATION_JUNCTIONS", made.joined)):
         if not found:
-            rows.fail(f"{key} was needed, but the file ends. Is the file complete?")
+            rows.fail(f"expected {key}, got the end of the file. Is the file complete?")
     try:
         return made.lines()
     except GeomtorsionError as error:
@@ -310,7 +318,10 @@ class _Contents:
 
     def _flags(self, rows: _Rows, words: list[str]) -> None:
         if len(words) != 4 or not {"0", "1"}.issuperset(words[1:]):
-            rows.fail(f"{words[0]}: 0 or 1 for each edge was needed, but {shown(words[1:])} came.")
+            rows.fail(
+                f"{words[0]}: expected 0 or 1 for each of three edges, got {shown(words[1:])}. "
+                "Write 1 for an edge along which the cell repeats."
+            )
         self.periodic = [word == "1" for word in words[1:]]
 
     def _structure(self, rows: _Rows, words: list[str]) -> None:
@@ -339,15 +350,19 @@ class _Contents:
     def _dislocations(self, rows: _Rows, words: list[str]) -> None:
         for k in range(rows.whole(words, words[0], len(rows.rows))):
             what = f"dislocation {k}"
-            if rows.whole(rows.next(what), what, 10**18) != k:
-                rows.fail(f"{what} was needed. Is a row missing, or one too many?")
+            number = rows.whole(rows.next(what), what, 10**18)
+            if number != k:
+                rows.fail(f"expected {what}, got number {number}. Is a row missing or repeated?")
             local = rows.numbers(rows.next(what), 3, f"b of {what}")
             cluster = rows.whole(rows.next(what), f"cluster of {what}", 10**18)
             if cluster not in self.matrices:
-                rows.fail(f"{what} lies in cluster {cluster}, which the file does not have.")
+                rows.fail(
+                    f"cluster of {what}: expected a cluster of the file, got {cluster}. Is the "
+                    "file complete?"
+                )
             count = rows.whole(rows.next(what), f"points of {what}", len(rows.rows))
             if count < 2:
-                rows.fail(f"{what}: two points or more were needed, but {count} came.")
+                rows.fail(f"points of {what}: expected two or more, got {count}. Correct it.")
             points = [rows.numbers(rows.next(what), 3, f"a point of {what}") for _ in range(count)]
             self.curves.append(np.array(points))
             self.burgers.append(self.matrices[cluster] @ local)
@@ -356,8 +371,8 @@ class _Contents:
         if rest and finite_number(rest[0]) is not None:
             rows.next("a keyword")
             rows.fail(
-                f"a keyword was needed behind {len(self.curves)} dislocations, but "
-                f"{shown(' '.join(rest))} came. Is a row of them one too many?"
+                f"expected a keyword after {len(self.curves)} dislocations, got "
+                f"{shown(' '.join(rest))}. Do the dislocations have a row too many?"
             )
         self.listed = True
 
@@ -366,17 +381,24 @@ class _Contents:
             what = f"junction of dislocation {k // 2}"
             pair = rows.next(what)
             if len(pair) != 2 or pair[0] not in ("0", "1"):
-                rows.fail(f"{what}: 0 or 1 and a dislocation were needed, but {shown(pair)} came.")
+                rows.fail(
+                    f"{what}: expected 0 or 1 and the number of a dislocation, got {shown(pair)}. "
+                    "Is the file complete?"
+                )
             self.rings.append((rows.whole(pair, what, len(self.curves)), int(pair[0])))
         self.joined = True
 
     def lines(self) -> LineArrays:
         """All lines: ends that belong to one ring are one node."""
         if self.vectors is None:
-            raise FileFormatError("SIMULATION_CELL_MATRIX is missing. Is the file complete?")
+            raise FileFormatError(
+                "expected SIMULATION_CELL_MATRIX, got a file without it. Is the file complete?"
+            )
         if not self.periodic:
-            advice = "Write PBC_FLAGS and 1 (it repeats) or 0 for each edge below the cell."
-            raise FileFormatError(f"PBC_FLAGS is missing: does the cell repeat? {advice}")
+            raise FileFormatError(
+                "expected PBC_FLAGS, got a file without it. Write it below the cell, with 1 for "
+                "each edge along which the cell repeats, or else 0."
+            )
         box = Box(self.vectors, self.origin, self.periodic)
         places: list[np.ndarray] = []
         pairs: list[tuple[int, int]] = []
@@ -449,6 +471,7 @@ class _Contents:
                 arm = after[arm]
             if found[arm] != ring:
                 raise FileFormatError(
-                    f"the junctions of dislocation {arm[0]} form no ring. Is the file complete?"
+                    f"expected a closed ring of junctions at dislocation {arm[0]}, got an open "
+                    "chain. Is the file complete?"
                 )
         return found, sizes

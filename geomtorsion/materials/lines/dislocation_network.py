@@ -77,20 +77,20 @@ class DislocationNetwork:
             checks.instance(self.box, Box, "box", NetworkError)
         if not isinstance(self.graph, nx.MultiDiGraph):
             raise NetworkError(
-                f"a networkx.MultiDiGraph was needed, but {type(self.graph).__name__} came: lines "
+                f"graph: expected a networkx.MultiDiGraph, got {type(self.graph).__name__}. Lines "
                 "have a sense, and several may join the same nodes."
             )
         # A frozen graph was made here, or does not change.
         copy = self.graph if nx.is_frozen(self.graph) else self.graph.copy()
         length, largest = None, 0.0
         for start, end, key, data in copy.edges(keys=True, data=True):
-            where = f"line {start!r} -> {end!r}"
+            where = f"line {start!r} -> {end!r} (key {key!r})"
             if "burgers" not in data:
-                raise NetworkError(f"{where} has no attribute 'burgers'. Every line needs its b.")
+                raise NetworkError(f"{where}: expected an attribute 'burgers', got none. Give b.")
             data["burgers"] = exact_vector(data["burgers"], where, length)
             length, strength = len(data["burgers"]), size(data["burgers"])
             if not strength:
-                raise NetworkError(f"{where} (key {key!r}) has b = 0: it is no dislocation.")
+                raise NetworkError(f"{where}: expected non-zero b, got b = 0. Remove the line.")
             largest = max(largest, strength)
         object.__setattr__(self, "graph", nx.freeze(copy))
         object.__setattr__(self, "_scale", largest or 1.0)
@@ -112,13 +112,13 @@ class DislocationNetwork:
                 graph.add_edge(*ends, burgers=line[2])
             except (TypeError, ValueError, IndexError):
                 raise NetworkError(
-                    f"lines[{k}]: start, end and b were needed, but {checks.shown(line)} came."
+                    f"lines[{k}]: expected (start, end, b), got {checks.shown(line)}."
                 ) from None
         named = surface if not isinstance(surface, str | set | frozenset) else list(surface)
         outside = checks.entries(named, "surface", NetworkError)
         for node in outside:
             if not isinstance(node, Hashable) or node not in graph:
-                raise NetworkError(f"surface: node {checks.shown(node)} belongs to no line.")
+                raise NetworkError(f"surface: expected nodes of lines, got {checks.shown(node)}.")
         nx.set_node_attributes(graph, {node: node in outside for node in graph}, "surface")
         if positions is not None:
             places = checks.table(positions, "positions", NetworkError)
@@ -303,7 +303,7 @@ class DislocationNetwork:
             The node is not in the network, or no line touches it.
         """
         if node not in self.graph or not self.graph.degree[node]:
-            raise NetworkError(f"no line of the network touches node {node!r}.")
+            raise NetworkError(f"node: expected a node of a line, got {checks.shown(node)}.")
         out = [b for _, _, b in self.graph.out_edges(node, data="burgers")]
         into = [tuple(-x for x in b) for _, _, b in self.graph.in_edges(node, data="burgers")]
         return total([*out, *into])
@@ -344,10 +344,10 @@ class DislocationNetwork:
         """
         violations = self.node_rule()
         if violations:
-            shown = "; ".join(map(str, violations[:5]))
+            shown, count = "; ".join(map(str, violations[:5])), len(violations)
             raise NetworkError(
-                f"b is not conserved at {len(violations)} nodes: {shown}. Check the sense of the "
-                "lines, or mark nodes where lines leave the crystal with surface=True."
+                f"b is not conserved at {count} node{'s' * (count != 1)}: {shown}. Check the sense "
+                "of the lines, or mark nodes where lines leave the crystal with surface=True."
             )
         return self
 
@@ -419,14 +419,14 @@ class DislocationNetwork:
         """Values over the volume of the box, which must exist."""
         if self.box is None:
             raise NetworkError(
-                "a density needs a volume, but the network has no box. Give one: "
-                "DislocationNetwork(graph, box=Box.of_bounds(low, high))."
+                "a density needs the volume of the box: expected a network with a box, got one "
+                "without. Give DislocationNetwork(graph, box=Box.of_bounds(low, high))."
             )
         with np.errstate(over="ignore", invalid="ignore"):
             found = values / self.box.volume
         if not np.isfinite(found).all():
             raise NetworkError(
-                "a density leaves the range of floats. Give positions and box in other units."
+                "density: expected a float, got a larger number. Give positions in other units."
             )
         return found
 
@@ -475,11 +475,11 @@ class DislocationNetwork:
         one, two = self._burgers(first), self._burgers(second)
         if first == second or first[0] != second[0]:
             raise NetworkError(
-                f"lines {first[:2]} and {second[:2]}: two lines that leave the same node were "
-                "needed. Use .reversed to turn one round."
+                f"expected two lines that leave the same node, got {first[:2]} and {second[:2]}. "
+                "Use .reversed to reverse one of them."
             )
         if junction in self.graph:
-            raise NetworkError(f"node {junction!r} exists already; name a new junction.")
+            raise NetworkError(f"junction: expected a new name, got node {checks.shown(junction)}.")
         joint = total([one, two])
         graph = self.to_networkx()
         for start, end, key in (first, second):
@@ -496,4 +496,4 @@ class DislocationNetwork:
         with suppress(KeyError, TypeError, ValueError):
             if isinstance(line, tuple):
                 return self.graph.edges[line]["burgers"]
-        raise NetworkError(f"there is no line {checks.shown(line)}; a line is (start, end, key).")
+        raise NetworkError(f"expected the (start, end, key) of a line, got {checks.shown(line)}.")

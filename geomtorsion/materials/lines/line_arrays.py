@@ -77,8 +77,8 @@ class LineArrays:
         put("burgers", checks.array(burgers, "burgers", NetworkError, shape=(None, None)))
         if len(self.burgers) != len(self.pairs):
             raise NetworkError(
-                f"burgers: one row for each of {len(self.pairs)} lines was needed, but "
-                f"{len(self.burgers)} came."
+                f"burgers: expected one row for each of {len(self.pairs)} lines, got "
+                f"{len(self.burgers)}. Give as many rows as pairs."
             )
         put("box", None if box is None else checks.instance(box, Box, "box", NetworkError))
         put("labels", listed(labels, "labels") or range(count))
@@ -87,8 +87,8 @@ class LineArrays:
         put("constraints", whole(column, "constraints", 1).ravel())
         if len(self.constraints) != count:
             raise NetworkError(
-                f"constraints: one for each of {count} nodes was needed, but "
-                f"{len(self.constraints)} came."
+                f"constraints: expected one for each of {count} nodes, got "
+                f"{len(self.constraints)}. Give as many as positions."
             )
         put("planes", None)
         if planes is not None:
@@ -97,8 +97,8 @@ class LineArrays:
         put("grains", checks.entries(grains, "grains", NetworkError))
         if len(self.grains) not in (0, len(self.pairs)):
             raise NetworkError(
-                f"grains: one for each of {len(self.pairs)} lines was needed, but "
-                f"{len(self.grains)} came."
+                f"grains: expected one for each of {len(self.pairs)} lines, got "
+                f"{len(self.grains)}. Give as many as pairs, or none."
             )
         put("known", dict(known or {}))
         Complex(count, self.pairs, np.zeros((len(self.pairs), 0), np.int64), labels=self.labels)
@@ -107,20 +107,23 @@ class LineArrays:
             extent = float(self.lengths.sum()) * float(np.abs(self.burgers).max(initial=0.0))
         if not extent < np.inf:
             raise NetworkError(
-                "lengths of lines leave the range of floats. Give positions in other units."
+                "positions: expected lengths of lines within the range of floats, got larger ones. "
+                "Give positions in other units."
             )
 
     def _found_images(self, given: ArrayLike | None) -> np.ndarray:
         """The given images, or the nearest ones."""
         if self.box is None:
             if given is not None and np.size(given):
-                raise NetworkError("images: lines have periodic images, but no box came. Give it.")
+                raise NetworkError(
+                    "images: expected a box for the periodic images of lines, got none. Give box."
+                )
             return np.zeros((len(self.pairs), 0), dtype=np.int64)
         if given is not None:
             found = whole(given, "images", 3)
             if found[:, ~np.asarray(self.box.periodic)].any():
                 raise NetworkError(
-                    "images: a line leaves the box along an edge that is not periodic. "
+                    "images: expected 0 along edges that are not periodic, got another number. "
                     "Give 0 there."
                 )
             return found
@@ -239,8 +242,8 @@ class DislocationLine(tuple[Hashable, Hashable, Hashable, Vector]):
         ends = [node.get("position") for node in self.ends]
         if None in ends:
             raise NetworkError(
-                f"line {self[0]!r} -> {self[1]!r}: its nodes have no positions. Give all of them: "
-                "of_lines(..., positions={node: (x, y, z)})."
+                f"line {self[0]!r} -> {self[1]!r}: expected positions of its nodes, got none. Give "
+                "all of them: of_lines(..., positions={node: (x, y, z)})."
             )
         found = checks.array(ends, "positions", NetworkError, shape=(2, None))
         if self.box is not None:
@@ -291,15 +294,18 @@ def line_arrays(graph: nx.MultiDiGraph[Hashable], box: Box | None) -> tuple[Line
     for node, data in nodes:
         if data.get("position") is None:
             raise NetworkError(
-                f"node {checks.shown(node)} has no position. Give all of them: "
-                "of_lines(..., positions={node: (x, y, z)})."
+                f"node {checks.shown(node)}: expected a position, got none. Give one for each "
+                "node: of_lines(..., positions={node: (x, y, z)})."
             )
     numbers = {node: k for k, node in enumerate(graph)}
     edges = list(graph.edges(data=True))
     known = ["image" in data for *_, data in edges]
     if any(known) and not all(known):
         a, b, _ = edges[known.index(False)]
-        raise NetworkError(f"line {a!r} -> {b!r} has no image. Give all lines one, or none.")
+        raise NetworkError(
+            f"line {a!r} -> {b!r}: expected an image as for other lines, got none. Give each line "
+            "an image, or none of them."
+        )
     positions: list[Any] = [data["position"] for _, data in nodes]
     pairs, owner, images = [], [], []
     for k, (a, b, data) in enumerate(edges):

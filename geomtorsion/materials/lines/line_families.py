@@ -141,8 +141,8 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
         gram = np.einsum("kij,kil->kjl", given, given)
         if not np.allclose(gram, np.eye(dimension), atol=1e-6):
             raise NetworkError(
-                "symmetry: rotations and reflections were needed, but a matrix is not orthogonal. "
-                "Give them in the axes in which b is given."
+                "symmetry: expected rotations and reflections, got a matrix that is not "
+                "orthogonal. Give them in the axes of b."
             )
         return np.concatenate([given, -given, [np.eye(dimension), -np.eye(dimension)]])
     checks.choice(symmetry, SYMMETRIES, "symmetry", NetworkError)
@@ -151,8 +151,8 @@ def _operations(symmetry: Symmetry, dimension: int) -> np.ndarray:
     if symmetry == "hexagonal":
         if dimension != 3:
             raise NetworkError(
-                f"symmetry: hexagonal means three components of b, but {dimension} came. Give "
-                "matrices."
+                f"symmetry: expected three components of b for 'hexagonal', got {dimension}. Give "
+                "the symmetry as matrices."
             )
         angles = np.pi / 3 * np.arange(6)
         turns = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in angles])
@@ -194,7 +194,9 @@ def lattice_vectors(lattice: Lattice, dimension: int) -> np.ndarray:
         lattice = LATTICES[lattice]
     rows = checks.array(lattice, "lattice", NetworkError, shape=(dimension, dimension))
     if np.linalg.matrix_rank(rows) < dimension:
-        raise NetworkError("lattice: its vectors lie in one plane. Give independent ones, as rows.")
+        raise NetworkError(
+            "lattice: expected independent vectors as rows, got dependent ones. Correct them."
+        )
     return rows
 
 
@@ -227,7 +229,8 @@ def lattice_coordinates(vectors: np.ndarray, lattice: Lattice, tolerance: float)
     if (gaps > tolerance * scale).any() or (np.abs(whole) > 2.0**31).any():
         worst = int(gaps.argmax())
         raise NetworkError(
-            f"lattice: b = {checks.shown(vectors[worst].tolist())} is no vector of it, the nearest "
-            f"is {gaps[worst]:.3g} away. Give the lattice in the units of b."
+            f"lattice: expected a lattice that contains each b, got one whose vector nearest to "
+            f"b = {checks.shown(vectors[worst].tolist())} is {gaps[worst]:.3g} away. Give the "
+            "lattice in the units of b."
         )
     return whole.astype(np.int64)

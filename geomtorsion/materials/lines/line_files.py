@@ -51,8 +51,8 @@ def read_lines(
     kind = ending(path)
     if kind == ".vtk":
         raise FileFormatError(
-            f"{Path(path).name}: a network with its box was needed, but VTK files of lines hold "
-            "none. Save the network as .json, .ca or .data, and read that."
+            f"{Path(path).name}: expected a file that holds a network with its box, got a VTK "
+            "file, which holds no box. Save the network as .json, .ca or .data, and read that file."
         )
     if kind == ".json":
         return read_json_lines(path)
@@ -86,7 +86,7 @@ def lines_text(
     if kind != file_name(path).suffix.lower():
         raise NetworkError(
             f"{file_name(path).name}: expected the name of a plain file, such as lines.data, got "
-            "one of a packed file. Save it without the last ending, then pack it by gzip."
+            "the name of a packed file. Save it without the last ending, then pack it with gzip."
         )
     if kind == ".vtk":
         return vtk_text(curves)
@@ -109,7 +109,8 @@ def vtk_text(curves: Sequence[Polyline]) -> str:
     for curve in curves:
         if len(curve.burgers) != 3:
             raise NetworkError(
-                f"a VTK file needs three components of b, but {len(curve.burgers)} came."
+                f"expected three components of b for a VTK file, got {len(curve.burgers)}. Save "
+                "the network as .json."
             )
     places = [place for curve in curves for place in curve.points.tolist()]
     cells, numbers, vectors, first = [], [], [], 0
@@ -193,8 +194,8 @@ def _name(label: Hashable) -> int | str | list[int]:
     if isinstance(plain, tuple) and all(type(x) is int for x in plain):
         return list(plain)
     raise NetworkError(
-        f"node {checks.shown(label)}: a whole number, a text or a tuple of whole numbers was "
-        "needed as its name in a JSON file. Rename it: networkx.relabel_nodes."
+        f"name of a node: expected a whole number, a text or a tuple of whole numbers for a JSON "
+        f"file, got {checks.shown(label)}. Rename the node: networkx.relabel_nodes."
     )
 
 
@@ -205,8 +206,8 @@ def _written(value: object) -> float | int | str:
     found = checks.fraction(value)
     if found is None:
         raise NetworkError(
-            f"b: a rational number or a float was needed for a JSON file, but "
-            f"{checks.shown(value)} came. Give it as a float."
+            f"b: expected a rational number or a float for a JSON file, got {checks.shown(value)}. "
+            "Give it as a float."
         )
     return found.numerator if found.denominator == 1 else f"{found.numerator}/{found.denominator}"
 
@@ -226,7 +227,7 @@ def read_json_lines(
     came = {key: data[key] for key in FORMAT}
     if came != FORMAT:
         raise FileFormatError(
-            f"{name}: {FORMAT} was needed, but {checks.shown(came)} came. Give a file that "
+            f"{name}: expected {FORMAT}, got {checks.shown(came)}. Give a file that "
             "DislocationNetwork.save has written."
         )
     box, rows = data["box"], data["lines"]
@@ -247,8 +248,8 @@ def read_json_lines(
         raise FileFormatError(f"{name}: {error}") from None
     except (ValueError, OverflowError):
         raise FileFormatError(
-            f"{name}: lists of equal lengths and whole numbers of 64 bits were needed, but a "
-            "position, a pair or a b has another length or size. Is the file complete?"
+            f"{name}: expected lists of equal lengths and whole numbers of 64 bits, got a "
+            "position, a pair or a b of another length or size. Is the file complete?"
         ) from None
     return made, vectors
 
@@ -260,7 +261,10 @@ def _column(rows: Sequence[Mapping[str, Any]], key: str, name: str) -> list[Any]
         return found or None
     if all(x is None for x in found):
         return None
-    raise FileFormatError(f"{name}: lines[{found.index(None)}] has no {key}, but others have one.")
+    raise FileFormatError(
+        f"{name}: lines[{found.index(None)}]: expected {key} as in other lines, got none. Give it "
+        "in each line, or in none."
+    )
 
 
 def _exact(value: float | int | str, name: str) -> float | int | Fraction:
@@ -270,7 +274,7 @@ def _exact(value: float | int | str, name: str) -> float | int | Fraction:
     found = _FRACTION.fullmatch(value)
     if found is None:
         raise FileFormatError(
-            f'{name}: b: a number or a fraction such as "1/2" was needed, but '
-            f"{checks.shown(value)} came."
+            f'{name}: b: expected a number or a fraction such as "1/2", got '
+            f"{checks.shown(value)}. Correct it."
         )
     return Fraction(int(found[1]), int(found[2]))

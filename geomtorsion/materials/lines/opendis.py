@@ -45,8 +45,8 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
         missing = [key for key in keys if not isinstance(part, Mapping) or part.get(key) is None]
         if missing or part is None:
             raise NetworkError(
-                f"{name}: {', '.join(missing)} is missing. Give what export_data() of OpenDiS "
-                "gives: tables cell, nodes and segs."
+                f"{name}: expected {', '.join(missing)}, got a table without. Give the tables "
+                "cell, nodes and segs of export_data() of OpenDiS."
             )
         tables[name] = part
     cell, nodes, segs = tables["cell"], tables["nodes"], tables["segs"]
@@ -61,7 +61,9 @@ def arrays_of_opendis(data: Mapping[str, Any]) -> LineArrays:
     if tags is not None:
         labels = [tuple(row) for row in whole(tags, "tags", 2).tolist()]
         if len(set(labels)) < len(labels):
-            raise NetworkError("tags: two nodes have the same tag. Give each its own.")
+            raise NetworkError(
+                "tags: expected a different tag for each node, got one tag twice. Rename a node."
+            )
     if pinned is not None:
         # A column, as exported, or a row.
         pinned = checks.entries(checks.rows(pinned), "constraints", NetworkError)
@@ -81,7 +83,10 @@ def opendis_of_arrays(lines: LineArrays) -> dict[str, dict[str, np.ndarray]]:
         There is no box.
     """
     if lines.box is None:
-        raise NetworkError("OpenDiS needs a box. Give one: DislocationNetwork(graph, box=...).")
+        raise NetworkError(
+            "expected a network with a box for OpenDiS, got one without. Give one: "
+            "DislocationNetwork(graph, box=...)."
+        )
     tags = np.array([[0, k] for k in range(len(lines.positions))], dtype=np.int64).reshape(-1, 2)
     named = [x for x in lines.labels if isinstance(x, tuple) and len(x) == 2]
     if len(named) == len(lines.labels) and all(type(k) is int for x in named for k in x):

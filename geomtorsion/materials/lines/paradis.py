@@ -45,7 +45,7 @@ class _Reader:
         """The words of the next row."""
         found = next(self.rows, None)
         if found is None:
-            self.fail(f"{what} was needed, but the file ends. Is the file complete?")
+            self.fail(f"expected {what}, got the end of the file. Is the file complete?")
         self.line, words = found
         return words
 
@@ -58,12 +58,12 @@ class _Reader:
         value = finite_number(word)
         if value is not None:
             return value
-        self.fail(f"{what}: a finite number was needed, but {shown(word)} came.")
+        self.fail(f"{what}: expected a finite number, got {shown(word)}. Correct it.")
 
     def whole(self, word: str, what: str) -> int:
         """A whole number."""
         if not _WHOLE.fullmatch(word):
-            self.fail(f"{what}: a whole number was needed, but {shown(word)} came.")
+            self.fail(f"{what}: expected a whole number, got {shown(word)}. Correct it.")
         return int(word)
 
     def tag(self, word: str) -> Tag:
@@ -71,7 +71,7 @@ class _Reader:
         found = _TAG.fullmatch(word)
         if found is None:
             self.fail(
-                f"a node such as 0,12 was needed, but {shown(word)} came. Is a row missing, or "
+                f"expected a node such as 0,12, got {shown(word)}. Is a row missing, or is there "
                 "one too many?"
             )
         return int(found[1]), int(found[2])
@@ -98,7 +98,10 @@ def read_paradis(path: str | PathLike[str], periodic: bool = True) -> LineArrays
     reader = _Reader(Path(path).name, text)
     header = _header(reader)
     if "numFileSegments" in header and (parts := _single(reader, header, "numFileSegments")) != 1:
-        reader.fail(f"the network stands in {parts} files. Write it into one, then read that.")
+        reader.fail(
+            f"numFileSegments: expected a network in 1 file, got one in {parts}. Write it into one "
+            "file, and read that."
+        )
     count = _single(reader, header, "nodeCount", least=0)
     low, high = (_corner(reader, header, key) for key in ("minCoordinates", "maxCoordinates"))
     found = _all_at_once(text, count) if count else None
@@ -216,12 +219,14 @@ def _values(reader: _Reader, header: Mapping[str, Row], key: str, count: int) ->
     """The words of a key, of a given count."""
     if key not in header:
         raise FileFormatError(
-            f"{reader.name}: {key} is missing. A ParaDiS file of dislocations gives it in front "
-            "of nodalData."
+            f"{reader.name}: expected {key} above nodalData, got a file without it. Is it a "
+            "ParaDiS file of dislocations?"
         )
     reader.line, words = header[key]
     if len(words) != count:
-        reader.fail(f"{key}: {count} numbers were needed, but {len(words)} came.")
+        reader.fail(
+            f"{key}: expected {count} number{'s' * (count != 1)}, got {len(words)}. Correct it."
+        )
     return words
 
 
@@ -254,17 +259,17 @@ def _nodes(
         words = reader.next(f"node {k + 1} of {count}")
         if len(words) < 6:
             reader.fail(
-                f"a node (tag, x, y, z, number of arms, constraint) was needed, but {len(words)} "
-                "words came."
+                "expected a node (tag, x, y, z, number of arms, constraint), got "
+                f"{len(words)} word{'s' * (len(words) != 1)}. Is a row missing?"
             )
         tag = reader.tag(words[0])
         if tag in tags:
-            reader.fail(f"node {words[0]} stands in the file twice.")
+            reader.fail(f"expected each node once, got node {words[0]} again. Remove one.")
         tags[tag] = k
         positions.append([reader.number(word, "a position") for word in words[1:4]])
         count_arms = reader.whole(words[4], "number of arms")
         if count_arms < 0:
-            reader.fail(f"number of arms: zero or more was needed, but {count_arms} came.")
+            reader.fail(f"number of arms: expected zero or more, got {count_arms}. Correct it.")
         constraints.append(reader.whole(words[5], "constraint"))
         for _ in range(count_arms):
             words = reader.next(f"an arm of node {tag[0]},{tag[1]}")
@@ -273,17 +278,29 @@ def _nodes(
             if len(numbers) == 3:
                 numbers = numbers + reader.next("the normal of a glide plane")
             if len(numbers) != 6:
-                reader.fail(f"an arm has b and a normal, six numbers, but {len(numbers)} came.")
+                reader.fail(
+                    f"expected b and a normal of an arm, six numbers, got {len(numbers)}. Is a row "
+                    "missing?"
+                )
             values = [reader.number(word, "an arm") for word in numbers]
             reader.line = line
             if other == tag:
-                reader.fail(f"the arm joins node {tag[0]},{tag[1]} to itself.")
+                reader.fail(
+                    f"expected an arm to another node, got one from node {tag[0]},{tag[1]} to "
+                    "itself. Remove it."
+                )
             if not any(values[:3]):
-                reader.fail("the arm has b = 0: it is no dislocation.")
+                reader.fail(
+                    "expected b different from zero, got an arm with b = 0, which is not a "
+                    "dislocation. Remove it."
+                )
             arms.setdefault((tag, other), []).append((line, values))
     if (more := next(reader.rows, None)) is not None:
         reader.line, words = more
-        reader.fail(f"nodeCount says {count} nodes, but more follows: {shown(' '.join(words))}.")
+        reader.fail(
+            f"expected the end of the file after {count} nodes (nodeCount), got "
+            f"{shown(' '.join(words))}. Correct nodeCount, or remove the rest."
+        )
     return tags, positions, constraints, arms
 
 
@@ -303,15 +320,15 @@ def _joined(
             )
         if two not in tags:
             raise FileFormatError(
-                f"{name}: line {line}: an arm leads to node {two[0]},{two[1]}, which is not in the "
-                "file. Is the file complete?"
+                f"{name}: line {line}: expected an arm to a node of the file, got one to "
+                f"{two[0]},{two[1]}. Is the file complete?"
             )
         there = list(arms.get((two, one), []))
         if len(here) != len(there):
             raise FileFormatError(
-                f"{name}: line {line}: node {one[0]},{one[1]} has {len(here)} arms to "
-                f"{two[0]},{two[1]}, which has {len(there)} back. Each line is given from both "
-                "its nodes."
+                f"{name}: line {line}: expected as many arms from node {one[0]},{one[1]} to "
+                f"{two[0]},{two[1]} as back, got {len(here)} and {len(there)} back. Give each line "
+                "at both its nodes."
             )
         if tags[one] > tags[two]:
             continue
@@ -321,9 +338,9 @@ def _joined(
             # Files carry eleven digits; only both rows having the same b is checked.
             if gaps[best] > 1e-6 * max(map(abs, row[:3])):
                 raise FileFormatError(
-                    f"{name}: line {line}: b from node {one[0]},{one[1]} is {row[:3]}, but from "
-                    f"{two[0]},{two[1]} (line {there[best][0]}) {there[best][1][:3]}: the second "
-                    "should be minus the first."
+                    f"{name}: line {line}: expected opposite b at both nodes of a line, got "
+                    f"{row[:3]} from node {one[0]},{one[1]} and {there[best][1][:3]} from "
+                    f"{two[0]},{two[1]} (line {there[best][0]}). Correct one of them."
                 )
             del there[best]
             pairs.append((tags[one], tags[two]))
@@ -376,11 +393,13 @@ def paradis_text(lines: LineArrays) -> str:
     box = lines.box
     if box is None or np.count_nonzero(box.vectors - np.diag(np.diag(box.vectors))):
         raise NetworkError(
-            "a ParaDiS file needs a box along the coordinates. Give Box.of_bounds(low, high)."
+            "expected a box along the coordinates for a ParaDiS file, got an oblique one or none. "
+            "Give Box.of_bounds(low, high)."
         )
     if lines.burgers.shape[1] != 3:
         raise NetworkError(
-            f"a ParaDiS file needs three components of b, but {lines.burgers.shape[1]} came."
+            f"expected three components of b for a ParaDiS file, got {lines.burgers.shape[1]}. "
+            "Save the network as .json."
         )
     first, second = lines.pairs.T
     nearest = box.images(lines.positions[second] - lines.positions[first])
@@ -388,8 +407,8 @@ def paradis_text(lines: LineArrays) -> str:
     if len(far):
         a, b = (lines.labels[n] for n in lines.pairs[far[0]])
         raise NetworkError(
-            f"the line {a!r} -> {b!r} is longer than half a period, and a ParaDiS file keeps no "
-            "images. Put a node into it."
+            f"expected lines of at most half a period, since a ParaDiS file holds no images, got "
+            f"the longer line {a!r} -> {b!r}. Put a node into it."
         )
     named = [_tag_of(label) for label in lines.labels]
     tags = [tag for tag in named if tag is not None]

@@ -27,14 +27,15 @@ def exact_vector(values: Sequence[Number], where: str, dimension: int | None = N
     NetworkError
         It is not a vector of finite numbers, or not of the dimension.
     """
-    message = "{subject}: a Burgers vector was needed, but {value} came."
+    message = "{subject}: expected a Burgers vector, got {value}. Give a list of numbers."
     given = checks.entries(values, where, NetworkError, message=message)
     # All of a hundred thousand lines of a simulation may have plain floats.
     plain = all(type(value) is float and math.isfinite(value) for value in given)
     result = tuple(given) if plain else tuple(_number(value, where) for value in given)
     if dimension is not None and len(result) != dimension:
         raise NetworkError(
-            f"{where}: a Burgers vector of {dimension} numbers was needed, but {values!r} came."
+            f"{where}: expected a Burgers vector of {dimension} numbers, got "
+            f"{checks.shown(values)}. Give the same number of components everywhere."
         )
     return result
 
@@ -43,7 +44,7 @@ def _number(value: Number, where: str) -> Entry:
     """An exact number or expression, or a finite float."""
     if type(value) is int:
         return Fraction(value)
-    message = "{subject}: finite numbers were needed, but {value} came."
+    message = "{subject}: expected finite numbers, got {value}."
     if isinstance(value, sp.Expr) and not isinstance(value, sp.Rational | sp.Float):
         # Roots stay exact; a symbol has no length.
         checks.number(value, where, NetworkError, message=message, infinite=message)
@@ -113,9 +114,10 @@ class Reaction:
     def __post_init__(self) -> None:
         """Refuse a reaction that does not conserve b."""
         for name in ("before", "after"):
-            object.__setattr__(self, name, checks.entries(getattr(self, name), name, NetworkError))
-        if not self.before or not self.after:
-            raise NetworkError("a reaction needs a dislocation before and after.")
+            vectors = checks.entries(getattr(self, name), name, NetworkError)
+            if not vectors:
+                raise NetworkError(f"{name}: expected at least one dislocation, got none.")
+            object.__setattr__(self, name, vectors)
         first = exact_vector(self.before[0], "before[0]")
         sides, every = [], []
         for name, vectors in (("before", self.before), ("after", self.after)):
@@ -126,9 +128,9 @@ class Reaction:
         missing = tuple(a - b for a, b in zip(sides[1], sides[0], strict=True))
         if not vanishes(missing, max(map(size, every)), self.tolerance):
             raise NetworkError(
-                f"the reaction does not conserve b: {written(sides[0])} before, "
-                f"{written(sides[1])} after, the difference is {written(missing)}. Turn all lines "
-                "to the same sense (reversing a line turns b round), or add what is missing."
+                f"expected a reaction that conserves b, got {written(sides[0])} before and "
+                f"{written(sides[1])} after: the difference is {written(missing)}. Give all lines "
+                "the same sense (reversing a line reverses b), or add the missing dislocation."
             )
 
     @property
@@ -168,5 +170,5 @@ class NodeViolation:
         return tuple(-x if x else x for x in self.excess)
 
     def __str__(self) -> str:
-        pinned = " (it is pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
+        pinned = " (pinned)" if CONSTRAINTS.get(self.constraint) == "pinned" else ""
         return f"node {self.node!r}{pinned}: b out minus b in = {written(self.excess)}"

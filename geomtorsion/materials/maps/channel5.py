@@ -61,8 +61,8 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
     size = numbers.stat().st_size
     if size != count * kind.itemsize:
         raise FileFormatError(
-            f"{numbers.name}: expected {count:,} points of {kind.itemsize} bytes, as {text.name} "
-            f"says, got {size:,} bytes. Copy both files of the map again."
+            f"{numbers.name}: expected {count:,} points of {kind.itemsize} bytes, as declared in "
+            f"{text.name}, got {size:,} bytes. Copy both files of the map again."
         )
     table = np.fromfile(numbers, dtype=kind)
     euler = np.stack([table[name].astype(float) for name in _ANGLES], axis=1)
@@ -93,7 +93,7 @@ def read_channel5(path: Path, given: Mapping[int, str] | None = None) -> MapFile
     else:
         raise FileFormatError(
             f"{text.name}: expected a map on a grid (xCells, yCells in [Job]), got {count:,} "
-            "points, no grid. Circuits need neighbouring pixels: export the map of a grid."
+            "points without a grid. Circuits need neighbouring pixels: export a map on a grid."
         )
     return gridded(
         MapPoints(
@@ -110,7 +110,8 @@ def _partner(path: Path, end: str) -> Path:
     if not there:
         raise FileFormatError(
             f"{path.name}: expected two files, {found[0].with_suffix('.cpr').name} and "
-            f"{found[0].with_suffix('.crc').name}, got no {found[0].name}. Put it beside the other."
+            f"{found[0].with_suffix('.crc').name}, got no {found[0].name}. Put it into the same "
+            "folder."
         )
     return there[0]
 

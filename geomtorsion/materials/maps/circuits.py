@@ -45,21 +45,26 @@ class Circuit:
             found = checks.array(getattr(self, key), key, OrientationError, shape=(None, 2))
             if (found != np.rint(found)).any() or (found < 0).any():
                 raise OrientationError(
-                    f"{key}: rows and columns of pixels, 0 or more, were needed."
+                    f"{key}: expected rows and columns of pixels from 0 on, got fractions or "
+                    "negative numbers. Count pixels from 0."
                 )
             object.__setattr__(self, key, found.astype(np.int64))
         times = checks.array(self.times, "times", OrientationError, shape=(len(self.starts),))
         object.__setattr__(self, "times", np.rint(times).astype(np.int64))
-        if (times != self.times).any() or len(self.ends) != len(self.starts):
+        if (times != self.times).any():
+            raise OrientationError("times: expected whole numbers, got fractions. Correct them.")
+        if len(self.ends) != len(self.starts):
             raise OrientationError(
-                "times, ends: a whole number and a pixel for each start were needed."
+                f"ends: expected a pixel for each of {len(self.starts)} starts, got "
+                f"{len(self.ends)}. Correct them."
             )
         far = np.abs(self.ends - self.starts).sum(axis=1) != 1
         if far.any() or not len(far):
             k = int(np.argmax(far)) if len(far) else 0
             came = f"{self.starts[k].tolist()} to {self.ends[k].tolist()}" if len(far) else "none"
             raise OrientationError(
-                f"steps between neighbouring pixels were needed, but {came} came."
+                f"expected steps between neighbouring pixels, got {came}. Lead the circuit along "
+                "rows and columns."
             )
         nodes, where = np.unique(
             np.concatenate([self.starts, self.ends]), axis=0, return_inverse=True
@@ -68,7 +73,8 @@ class Circuit:
         if flow.any():
             open_end = tuple(nodes[np.argmax(flow != 0)].tolist())
             raise OrientationError(
-                f"{self.name}: it does not close at pixel {open_end}. Lead it back to its start."
+                f"{self.name}: expected a closed circuit, got one that is open at pixel "
+                f"{open_end}. Lead it back to its start."
             )
 
     def __repr__(self) -> str:
@@ -126,8 +132,8 @@ class Circuit:
         """
         row, column = _pixel(corner)
         needed = (
-            "{subject}: whole numbers or truth values of shape (rows, columns), not all zero, were "
-            "needed, but {value} came."
+            "{subject}: expected whole numbers or truth values of shape (rows, columns), not all "
+            "zero, got {value}."
         )
         found = checks.array(
             _counted(cells), "cells", OrientationError, shape=(None, None), message=needed,
@@ -168,21 +174,21 @@ class Circuit:
         """
         corners = np.array([_pixel(pixel) for pixel in checks.entries(pixels, "pixels")])
         if len(corners) < 3:
-            raise OrientationError(f"pixels: three or more were needed, but {len(corners)} came.")
+            raise OrientationError(f"pixels: expected three or more, got {len(corners)}.")
         starts, ends = [], []
         for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             way = other - one
             if way.all():
                 raise OrientationError(
-                    f"pixels: {tuple(one.tolist())} and {tuple(other.tolist())} share neither row "
-                    "nor column. Put a pixel between them."
+                    f"pixels: expected each pixel in the row or column of the one before, got "
+                    f"{tuple(one.tolist())} and {tuple(other.tolist())}. Put a pixel between them."
                 )
             points = one + np.arange(abs(way).max() + 1)[:, None] * np.sign(way)
             starts.append(points[:-1])
             ends.append(points[1:])
         start, end = np.concatenate(starts), np.concatenate(ends)
         if not len(start):
-            raise OrientationError("pixels: a circuit was needed, but all pixels are the same.")
+            raise OrientationError("pixels: expected a circuit, got the same pixel each time.")
         return cls(start, end, np.ones(len(start), dtype=np.int64))
 
     @property
@@ -204,7 +210,9 @@ def _pixel(pixel: object) -> tuple[int, int]:
     """Row and column of a pixel, checked."""
     numbers = checks.entries(pixel, "pixel", OrientationError)
     if len(numbers) != 2:
-        raise OrientationError(f"pixel: a row and a column were needed, but {pixel!r} came.")
+        raise OrientationError(
+            f"pixel: expected a row and a column, got {checks.shown(pixel)}. Write (row, column)."
+        )
     row, column = (checks.count(x, "pixel", OrientationError) for x in numbers)
     return row, column
 
@@ -220,7 +228,7 @@ def circuit_of(
     checks.instance(loop, Loop, "loop")
     if loop.dimension != 2:
         raise OrientationError(
-            f"loop: two coordinates were needed, x and y of the map, but {loop.dimension} came."
+            f"loop: expected two coordinates, x and y of the map, got {loop.dimension}."
         )
     rows, columns = shape
     begin = np.array([steps[0] * min(shift, 0.0), 0.0])
@@ -232,16 +240,16 @@ def circuit_of(
     off = np.maximum(begin - points.T, points.T - end)
     if (off > SLACK * end).any():
         raise OrientationError(
-            f"{loop!r} leaves the map, which runs from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
-            f"{end[1]:.6g}) {unit}. Choose a smaller loop, or another place."
+            f"{loop!r} leaves the map, which extends from ({begin[0]:.6g}, 0) to ({end[0]:.6g}, "
+            f"{end[1]:.6g}) {unit}. Choose a smaller loop, or another position."
         )
     xs = steps[0] * (np.arange(columns - 1) + (1 + shift) / 2)
     ys = steps[1] * (np.arange(rows - 1) + 0.5)
     cells = windings(points, xs, ys)
     if not cells.any():
         raise OrientationError(
-            f"{loop!r} surrounds the middle of no cell; steps are {steps[0]:g} and "
-            f"{steps[1]:g} {unit}. Choose a larger loop."
+            f"expected a loop around the middle of a cell (steps are {steps[0]:g} and "
+            f"{steps[1]:g} {unit}), got {loop!r}. Choose a larger loop."
         )
     return Circuit.of_cells(cells, name=loop.name or "loop")
 

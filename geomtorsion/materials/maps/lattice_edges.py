@@ -117,8 +117,8 @@ def given_covariance(sigma: object) -> np.ndarray:
         sizes = [float(x) for x in checks.numbers(sigma, 3, "sigma", OrientationError)]
     if min(sizes) < 0:
         raise OrientationError(
-            f"sigma: standard deviations of 0 or more were needed, but {min(sizes):g} came. Give "
-            "degrees, or None to have it estimated."
+            f"sigma: expected standard deviations of 0 or more, got {min(sizes):g}. Give degrees, "
+            "or None to have sigma estimated."
         )
     return np.diag(np.radians(sizes) ** 2)
 
@@ -141,8 +141,8 @@ def estimated_covariance(grains: GrainMap, chosen: np.ndarray) -> np.ndarray:
     )
     if not len(differences):
         raise OrientationError(
-            f"sigma: {SMOOTH + 1} pixels in a row within a grain are needed to estimate noise, but "
-            "there are none. Give sigma in degrees."
+            f"sigma: expected {SMOOTH + 1} adjacent pixels within a grain to estimate noise, got "
+            "fewer everywhere. Give sigma in degrees."
         )
     return robust_covariance(list(differences.T))
 

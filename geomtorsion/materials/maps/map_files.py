@@ -12,7 +12,7 @@ from typing import NoReturn
 import numpy as np
 
 from geomtorsion import checks
-from geomtorsion.checks import LARGEST_ARRAYS
+from geomtorsion.checks import LARGEST_ARRAYS, cut, shown
 from geomtorsion.errors import FileFormatError
 from geomtorsion.files import BOUNDS, ending, finite_number, read_text
 from geomtorsion.materials.maps.map_phases import (
@@ -66,7 +66,7 @@ class _Source:
         """The finite number in a field of a line."""
         found = finite_number(text.strip().replace(",", "."))
         if found is None:
-            self.fail(line, f"{what}: a number was needed, but {text.strip()[:60]!r} came.")
+            self.fail(line, f"{what}: expected a number, got {text.strip()[:60]!r}. Correct it.")
         return found
 
     def whole(self, line: int, text: str, what: str) -> int:
@@ -77,8 +77,8 @@ class _Source:
         if found != int(found) or not 1 <= found <= most:
             self.fail(
                 line,
-                f"{what}: a whole number from 1 to {most:,} (lines of the file) was needed, but "
-                f"{text.strip()[:60]} came. Is the file truncated? Export it again.",
+                f"{what}: expected a whole number from 1 to {most:,} (lines of the file), got "
+                f"{text.strip()[:60]}. Is the file truncated? Export it again.",
             )
         return int(found)
 
@@ -87,7 +87,8 @@ class _Source:
     def ctf(self) -> MapPoints:
         """Points of a .ctf file (Oxford Instruments); angles in degrees."""
         if not self.lines or not self.lines[0].startswith(CTF):
-            self.fail(0, "'Channel Text File' was needed. Is this a .ctf file?")
+            first = shown(cut(self.lines[0].strip(), 60)) if self.lines else "an empty file"
+            self.fail(0, f"expected 'Channel Text File', got {first}. Is this a .ctf file?")
         header: dict[str, tuple[int, str]] = {}
         start = None
         for k, row in enumerate(self.lines[:200]):
@@ -99,16 +100,16 @@ class _Source:
         if start is None:
             self.fail(
                 len(self.lines) - 1,
-                "the row of column names (Phase, X, Y, ...) is missing. The file is truncated: "
-                "export it again.",
+                "expected a row of column names (Phase, X, Y, ...), got none. Is the file "
+                "truncated? Export it again.",
             )
 
         if header.get("JobMode", (0, ""))[1].strip().lower() == "interactive":
             count = sum(bool(row.strip()) for row in self.lines[start + 1 :])
             self.fail(
                 header["JobMode"][0],
-                f"expected a map on a grid (JobMode Grid), got {count:,} points, no grid (JobMode "
-                "Interactive). Circuits need neighbouring pixels: export the map of a grid.",
+                f"expected a map on a grid (JobMode Grid), got {count:,} points without a grid "
+                "(JobMode Interactive). Circuits need neighbouring pixels: export a map on a grid.",
             )
         declared = None
         if all(key in header for key in (*SIZES, "XStep", "YStep")):
@@ -122,13 +123,21 @@ class _Source:
             k = first + number
             parts = self.lines[k].split("\t") if k < start else []
             if len(parts) < 4:
-                self.fail(min(k, start), f"phase {number} of {count} is missing. Export it again.")
+                self.fail(
+                    min(k, start),
+                    f"expected phase {number} of {count}, got no description of it. Export the map "
+                    "again.",
+                )
             lattice = [
                 [self.number(k, x, f"lattice of phase {number}") for x in part.split(";")]
                 for part in parts[:2]
             ]
             if [len(part) for part in lattice] != [3, 3]:
-                self.fail(k, f"phase {number}: three lengths and three angles were needed.")
+                self.fail(
+                    k,
+                    f"phase {number}: expected three lengths and three angles, got "
+                    f"{' and '.join(str(len(part)) for part in lattice)}. Export the map again.",
+                )
             # Numbers that are not listed or not whole give an unknown group, None.
             laue = LAUE_NUMBERS.get(self.number(k, parts[3], f"Laue group of phase {number}"))
             phases[number] = described(
@@ -139,7 +148,7 @@ class _Source:
         wanted = ("Phase", "X", "Y", "Euler1", "Euler2", "Euler3")
         for name in wanted:
             if name not in names:
-                self.fail(start, f"column {name} is missing. Export it with the map.")
+                self.fail(start, f"expected a column {name}, got none. Export it with the map.")
         table = self.table(start + 1, len(names))
         phase, x, y, *angles = (table[:, names.index(name)] for name in wanted)
         self.check_angles(start + 1, np.stack(angles, axis=1), 720, "degrees")
@@ -159,7 +168,9 @@ class _Source:
         start = next((k for k, row in enumerate(self.lines) if not row.startswith("#")), None)
         if start is None or start == 0:
             self.fail(
-                0, "a header of lines with # and rows of numbers was needed. Export it again."
+                0,
+                "expected a header of lines with # and rows of numbers below it, got no "
+                f"{'rows' if start is None else 'header'}. Export the map again.",
             )
         header: dict[str, tuple[int, str]] = {}
         phases: dict[int, Phase] = {}
@@ -178,13 +189,15 @@ class _Source:
                 number, phase = self.ang_phase(about, len(phases) + 1)
                 phases[number] = phase
         if not phases:
-            self.fail(start, "no phase is described above it. Export the map with its full header.")
+            self.fail(
+                start, "expected a phase in the header, got none. Export the map with full header."
+            )
         declared = self.ang_grid(header)
         width = len(self.lines[start].split())
         if width < 5:
             self.fail(
                 start,
-                f"expected three angles, x and y in five columns or more, got {width} columns. "
+                f"expected five or more columns (three angles, x, y), got {width}. "
                 "Export it again.",
             )
         table = self.table(start, width)
@@ -229,8 +242,8 @@ class _Source:
             if len(phases) > 1:
                 self.fail(
                     start,
-                    f"expected the phase of each point, of {len(phases)} in the header, as column "
-                    f"8, got {table.shape[1]} columns without it. Export it with the map.",
+                    f"expected the phase of each point in column 8, since the header has "
+                    f"{len(phases)} phases, got {table.shape[1]} columns. Export it with the map.",
                 )
             return np.full(len(table), next(iter(phases)))
         if list(phases) == [1] and not (found == 1).any():
@@ -245,11 +258,15 @@ class _Source:
         """A phase from the lines that describe it; without a number it gets `following`."""
         line, text = about["LatticeConstants"]
         if "Symmetry" not in about:
-            self.fail(line, "Symmetry is missing above it. Export the map with its full header.")
+            self.fail(
+                line, "expected Symmetry above, got none. Export the map with its full header."
+            )
         number = self.whole(*about["Phase"], "Phase") if "Phase" in about else following
         numbers = [self.number(line, x, "lattice constant") for x in text.split()]
         if len(numbers) != 6:
-            self.fail(line, f"three lengths and three angles were needed, but {text!r} came.")
+            self.fail(
+                line, f"expected three lengths and three angles, got {shown(text)}. Correct them."
+            )
         name = about.get("MaterialName", (line, f"phase {number}"))[1]
         laue = ANG_LAUE.get(about["Symmetry"][1])
         lattice = (numbers[:3], numbers[3:])
@@ -267,7 +284,7 @@ class _Source:
         # Some locales write a decimal comma, except perhaps at points without an orientation.
         text = text.replace(",", ".")
         if not rows:
-            self.fail(start - 1, "the file ends before the first point. Is it complete?")
+            self.fail(start - 1, "expected points, got the end of the file. Is the file complete?")
         try:
             found = np.loadtxt(io.StringIO(text), ndmin=2, comments=None)
             if found.shape == (len(rows), width) and np.isfinite(found).all():
@@ -294,6 +311,6 @@ class _Source:
             came = ", ".join(f"{angle:g}" for angle in angles[k])
             self.fail(
                 start + k,
-                f"Euler angles in {unit} were needed, but {came} came. Convert them, or export the "
-                "map again.",
+                f"expected Euler angles in {unit}, got {came}. Convert them, or export the map "
+                "again.",
             )

@@ -72,7 +72,7 @@ def read_map_file(path: str | Path, laue: Mapping[int, str] | None = None) -> Ma
     suffix = ending(path)
     if suffix not in FORMATS:
         raise FileFormatError(
-            f"{path.name}: expected a map ending in {' or '.join(FORMATS)}, got "
+            f"{path.name}: expected the name of a map to end in one of {', '.join(FORMATS)}, got "
             f"{suffix or 'no ending'!r}. Export the map as .ctf or .ang."
         )
     return FORMATS[suffix].read(path, laue)

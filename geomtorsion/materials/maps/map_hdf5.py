@@ -129,9 +129,9 @@ def _check_places(name: str, found: Any, steps: tuple[float, float]) -> None:
         if off.any():
             k = int(np.argmax(off))
             raise FileFormatError(
-                f"{name}: point {k + 1}: {axis} = {values[k]:g}, where steps of {step:g} make "
-                f"{values[0] + step * place[k]:g} of it. Sort the points by rows, or export the "
-                "map as .ctf or .ang."
+                f"{name}: point {k + 1}: expected {axis} = {values[0] + step * place[k]:g} from "
+                f"steps of {step:g}, got {values[k]:g}. Sort the points by rows, or export the map "
+                "as .ctf or .ang."
             )
 
 
@@ -173,14 +173,16 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         # orix has readers of several formats, which raise different errors.
         reason = cut(str(error)) or type(error).__name__
         raise FileFormatError(
-            f"{path.name}: orix cannot read a map of rows and columns from it ({reason}); it "
-            f"begins with {cut(', '.join(names)) or 'nothing'}. Export it as .ctf or .ang."
+            f"{path.name}: expected a map of rows and columns, got a file that orix cannot read "
+            f"({reason}). Its groups are {cut(', '.join(names)) or 'none'}. Export it as .ctf or "
+            ".ang."
         ) from None
     euler = np.reshape(euler, (-1, *np.shape(euler)[-1:]))
     if len(euler) != rows * columns or min(steps) <= 0:
         raise FileFormatError(
-            f"{path.name}: {rows} x {columns} points were needed, but {len(euler)} points "
-            f"with steps {steps[0]:g} and {steps[1]:g} came. Export the map on its full grid."
+            f"{path.name}: expected {rows} x {columns} points with steps above 0, got "
+            f"{len(euler)} with steps {steps[0]:g} and {steps[1]:g}. Export the map on its full "
+            "grid."
         )
     # For Bruker files, orix sorts the points but not their positions.
     if "XSAMPLE" not in found.prop:
@@ -189,8 +191,8 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
     said = str(found.scan_unit)
     if said not in UNITS:
         raise FileFormatError(
-            f"{path.name}: steps in {', '.join(UNITS)} were needed, but they are in {shown(said)}. "
-            "Set steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
+            f"{path.name}: expected steps in {' or '.join(UNITS)}, got steps in {shown(said)}. Set "
+            "steps and scan_unit in orix and save the map again, or export it as .ctf or .ang."
         )
     unit = UNITS[said] / UNITS["um"]
     phases = {}
@@ -203,7 +205,7 @@ def read_orix(path: Path, given: Mapping[int, str] | None = None) -> MapFile:
         if known is None:
             raise FileFormatError(
                 f"{path.name}: phase {key + 1} ({phase.name}): its symmetry is not known. Give it, "
-                f'such as laue={{{key + 1}: "m-3m"}}.'
+                f'for example laue={{{key + 1}: "m-3m"}}.'
             )
         try:
             phases[int(key) + 1] = Phase(

@@ -41,7 +41,7 @@ def described(
     group = given.get(number, given.get(0, laue))
     if group is None:
         raise FileFormatError(
-            f"{where}: phase {number} ({name}): its symmetry is not known. Give it, such as "
+            f"{where}: phase {number} ({name}): its symmetry is not known. Give it, for example "
             f'laue={{{number}: "m-3m"}} (--laue).'
         )
     lengths, angles = ((float(x[0]), float(x[1]), float(x[2])) for x in lattice)
@@ -56,8 +56,8 @@ def check_laue(name: str, laue: Mapping[int, str], phases: Mapping[int, Phase]) 
     for number in laue:
         if number not in (0, *phases):
             raise FileFormatError(
-                f"{name}: laue: number {shown(number)} is that of no phase. Those of the file are "
-                f"{', '.join(map(str, phases))}."
+                f"{name}: laue: expected numbers of phases in the file "
+                f"({', '.join(map(str, phases))}), got {shown(number)}. Use one of these."
             )
 
 
@@ -74,7 +74,7 @@ def whole_phases(
         known = ", ".join(f"{n} ({p.name})" for n, p in phases.items()) or "none"
         place = f"point {k + 1}" if start is None else f"line {start + k}"
         raise FileFormatError(
-            f"{name}: {place}: phase {phase[k]:g} is not described in the header. Known are "
-            f"{known}; 0 is a pixel without an orientation."
+            f"{name}: {place}: expected a phase in the header ({known}) or 0 for a pixel without "
+            f"an orientation, got {phase[k]:g}. Correct it, or describe the phase."
         )
     return phase.astype(np.int64)

@@ -111,8 +111,8 @@ def gridded(points: MapPoints) -> MapFile:
     if len(twice):
         one, other = sorted(order[twice[0] : twice[0] + 2].tolist())
         raise FileFormatError(
-            f"{points.name}: expected one point at each place, got {points.where(one)} and "
-            f"{points.where(other)} at one. Keep one of them."
+            f"{points.name}: expected one point at each position, got {points.where(one)} and "
+            f"{points.where(other)} at one position. Keep one of them."
         )
     euler = np.zeros((rows * columns, 3))
     phase = np.zeros(rows * columns, dtype=np.int64)
@@ -161,9 +161,9 @@ def _by_order(points: MapPoints, most: float) -> _Pixels | None:
         if count in np.cumsum(declared.counts):
             return None
         raise FileFormatError(
-            f"{points.name}: {points.where(count - 1)}: the header says {len(declared.counts)} "
-            f"rows of pixels, that is {total:,} points, but the file ends after {count:,}. It is "
-            "truncated: export it again."
+            f"{points.name}: {points.where(count - 1)}: expected {total:,} points in "
+            f"{len(declared.counts)} rows of pixels, as declared in the header, got {count:,} "
+            "before the file ends. It is truncated: export it again."
         )
     return _Pixels(row, column, _steps(points, row, across, declared.steps), declared.shift)
 
@@ -250,8 +250,8 @@ def _indices(
             break
     else:
         raise FileFormatError(
-            f"{points.name}: expected points on a grid, got {len(values):,} points, no grid: "
-            f"{axis} has no step. Circuits need neighbours: export a map (job mode Grid)."
+            f"{points.name}: expected points on a grid, got {len(values):,} points without a "
+            f"grid: {axis} has no step. Circuits need neighbours: export a map (job mode Grid)."
         )
     if off.any():
         k = int(np.argmax(off))
@@ -266,6 +266,6 @@ def _off(
 ) -> FileFormatError:
     """The error for a point that is not on the grid."""
     return FileFormatError(
-        f"{points.name}: {points.where(k)}: {axis} = {found:g}, where steps of {step:g} make "
-        f"{expected:g} of it. Steps are mixed: export the map on its full grid."
+        f"{points.name}: {points.where(k)}: expected {axis} = {expected:g} from steps of {step:g}, "
+        f"got {found:g}. Steps are mixed: export the map on its full grid."
     )

@@ -71,10 +71,10 @@ def read_map_table(path: Path, given: Mapping[int, str] | None = None) -> MapFil
     far = (np.abs(euler) > 4 * np.pi + 1e-3).any(axis=1)
     if far.any():
         k = int(np.argmax(far))
-        unit = "radians, as its header says" if is_radian else "degrees"
+        unit = "radians (declared in the header)" if is_radian else "degrees"
         raise FileFormatError(
-            f"{path.name}: line {kept[k] + 1}: expected Euler angles in {unit}, of at most two "
-            f"turns, got {shown(lines[kept[k]].strip())}. Correct the header or the row."
+            f"{path.name}: line {kept[k] + 1}: expected Euler angles of at most two turns in "
+            f"{unit}, got {shown(lines[kept[k]].strip())}. Correct the header or the row."
         )
     phase = columns.get("phase", np.ones(len(table)))
     phase = np.where(known & np.isfinite(phase), phase, 0)

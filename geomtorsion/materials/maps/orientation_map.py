@@ -108,25 +108,25 @@ class OrientationMap:
             checks.instance(value, Phase, f"phase {number}", OrientationError)
         if phase.shape != q.shape[:2] or min(phase.shape) < 2:
             raise OrientationError(
-                f"phase: shape {q.shape[:2]}, at least (2, 2), was needed, but {phase.shape} came."
+                f"phase: expected shape {q.shape[:2]}, at least (2, 2), got {phase.shape}."
             )
         if not np.isin(phase, [0, *phases]).all():
             strange = phase[~np.isin(phase, [0, *phases])][0]
             raise OrientationError(
-                f"phase {strange:g} of a pixel is none of {sorted(phases)}. Describe it in phases, "
-                "or put 0 where nothing is known."
+                f"phase: expected one of {sorted(phases)} for each pixel, got {strange:g}. "
+                "Describe it in phases, or put 0 at pixels without an orientation."
             )
         length = np.linalg.norm(q, axis=-1)
         known = phase > 0
         bad = known & ~(np.isfinite(length) & (length > 0))
         if bad.any():
             raise OrientationError(
-                f"quaternions: pixel {tuple(np.argwhere(bad)[0].tolist())} has no finite one. Put "
-                "phase 0 where nothing is known."
+                f"quaternions: expected finite numbers, not all 0, got {q[bad][0].tolist()} at "
+                f"pixel {tuple(np.argwhere(bad)[0].tolist())}. Put phase 0 there, or correct them."
             )
         if not known.any():
             raise OrientationError(
-                "phase: all pixels are 0: nothing is known at any. Give the phase of each pixel."
+                "phase: expected a phase for each pixel, got 0 (no orientation) for all."
             )
         unit = np.zeros(4)
         unit[0] = 1.0
@@ -136,8 +136,8 @@ class OrientationMap:
         shift = checks.number(self.shift, "shift", OrientationError)
         if abs(shift) not in (0, 0.5):
             raise OrientationError(
-                f"shift: 0, or 1/2 or -1/2 of hexagonal grids, was needed, but {shift:g} came. "
-                "Export the map on such a grid."
+                f"shift: expected 0, or 1/2 or -1/2 for hexagonal grids, got {shift:g}. Export the "
+                "map on such a grid."
             )
         threshold = checks.positive(self.threshold, "threshold", OrientationError)
         angstrom_in(self.unit)
@@ -200,8 +200,8 @@ class OrientationMap:
         file = read_map_file(path, laue)
         if not (file.phase > 0).any():
             raise FileFormatError(
-                f"{path.name}: no pixel is indexed: the phase of each is 0, so that nothing "
-                "is known. Export a map with orientations."
+                f"{path.name}: expected pixels with an orientation, got phase 0 (not indexed) for "
+                "all. Export a map with orientations."
             )
         q = quaternion_from_euler(file.euler, "ZXZ")
         if axes is not None:
@@ -342,7 +342,7 @@ class OrientationMap:
         number = checks.count(grain, "grain", OrientationError, 0, self.grains.count - 1)
         if self.shift:
             raise OrientationError(
-                "a sampled frame needs a square grid, but that of the map is hexagonal. Use "
+                "expected a map on a square grid for a sampled frame, got a hexagonal grid. Use "
                 ".burgers, or export the map on a square grid."
             )
         mine = self.grain == number
@@ -449,7 +449,8 @@ class OrientationMap:
         """
         if tuple(plane) != (0, 1):
             raise OrientationError(
-                "plane: an orientation map has one plane, x and y. Leave the option out."
+                "plane: expected x and y, the only plane of an orientation map, got another one. "
+                "Omit the option."
             )
         most = min(self.shape) - 1
         n = checks.count(size, "size", OrientationError, 1, most)

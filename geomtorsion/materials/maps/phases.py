@@ -54,12 +54,13 @@ class Phase:
             object.__setattr__(self, key, tuple(float(x) for x in found))
         if min(self.lengths) < 0 or not all(0 < x < 180 for x in self.angles):
             raise OrientationError(
-                f"phase {self.name!r}: positive lengths and angles between 0 and 180 degrees were "
-                f"needed, but {self.lengths} and {self.angles} came. Correct the constants."
+                f"phase {self.name!r}: expected positive lengths and angles between 0 and 180 "
+                f"degrees, got {self.lengths} and {self.angles}. Correct the constants."
             )
         if self.has_lattice and min(self._excess) <= 0:
             raise OrientationError(
-                f"phase {self.name!r}: angles {self.angles} make no lattice. Correct them."
+                f"phase {self.name!r}: expected angles of a cell with a volume, got "
+                f"{self.angles}. Correct them."
             )
 
     @cached_property
@@ -88,7 +89,8 @@ class Phase:
         """Columns a, b, c in the axes of the crystal, angstrom, shape (3, 3)."""
         if not self.has_lattice:
             raise OrientationError(
-                f"phase {self.name!r}: lattice constants are not known. Give lengths=(a, b, c)."
+                f"phase {self.name!r}: expected lattice constants, got none. Give lengths=(a, b, "
+                "c)."
             )
         a, b, c = self.lengths
         alpha, beta, gamma = np.radians(self.angles)
@@ -125,7 +127,9 @@ class Phase:
         subject = "Burgers vector of a family"
         one = self.lattice @ cell_vector(vector, subject, self)
         if not one.any():
-            raise OrientationError(f"{subject}: a vector was needed, but 0 came. Give [u, v, w].")
+            raise OrientationError(
+                f"{subject}: expected a vector different from zero, got 0. Give [u, v, w]."
+            )
         found: list[np.ndarray] = []
         # Lattice constants have about four digits.
         near = 1e-4 * np.abs(one).max()
@@ -153,9 +157,9 @@ def images_of(phase: Phase, vectors: np.ndarray) -> np.ndarray:
     off = np.abs(whole - np.rint(whole))
     if (off > 0.5 - off).any():
         raise OrientationError(
-            f"phase {phase.name!r}: a lattice of the symmetry {phase.laue} was needed, but lengths "
-            f"{phase.lengths} and angles {phase.angles} make none. Give the constants of its cell, "
-            "such as angles=(90, 90, 120) of a hexagonal one."
+            f"phase {phase.name!r}: expected a lattice of the symmetry {phase.laue}, got lengths "
+            f"{phase.lengths} and angles {phase.angles}, which have another symmetry. Give the "
+            "constants of the cell, for example angles=(90, 90, 120) for a hexagonal one."
         )
     return found[:, 3:]
 
@@ -179,8 +183,8 @@ def cell_vector(
     found = checks.array(given, subject, OrientationError)
     if found.shape not in ((3,), (4,)):
         raise OrientationError(
-            f"{subject}: three indices were needed (or four of a hexagonal cell), but "
-            f"{checks.shown(given)} came."
+            f"{subject}: expected three indices, or four for a hexagonal cell, got "
+            f"{checks.shown(given)}."
         )
     if len(found) == 3:
         return found
@@ -190,7 +194,7 @@ def cell_vector(
         or abs(h + k + i) > 1e-6 * np.abs(found).max()
     ):
         raise OrientationError(
-            f"{subject}: four indices belong to hexagonal and trigonal cells, and the first three "
-            f"add up to zero, but {checks.shown(given)} came for {phase.laue}. Give three."
+            f"{subject}: expected four indices only in a hexagonal or trigonal cell, with a sum "
+            f"of 0 for the first three, got {checks.shown(given)} for {phase.laue}. Give three."
         )
     return np.array([h, k, last]) if plane else np.array([h - i, k - i, last])

@@ -110,8 +110,8 @@ class MapBurgers(Burgers):
         """
         if not self.area:
             raise OrientationError(
-                f"{self.circuit.name}: an area was needed, but its parts enclose as much from x to "
-                "y as from y to x. Take one that runs round in one sense."
+                f"{self.circuit.name}: expected a circuit that encloses an area, got parts of "
+                "opposite senses with equal areas. Choose a circuit with one sense."
             )
         return self.vector / self.area
 
@@ -149,15 +149,19 @@ class MapBurgers(Burgers):
         (FamilyLines([1, 0, 0]: 184 lines),)
         """
         if not families:
-            raise OrientationError("families: a Burgers vector was needed, such as (0.5, 0.5, 0).")
+            raise OrientationError(
+                "families: expected at least one Burgers vector, got none. Give one, for example "
+                "(0.5, 0.5, 0)."
+            )
         found = [self.phase.family(family) for family in families]
         vectors = np.concatenate(found)
         lengths = np.linalg.norm(vectors, axis=1)
         numbers = least_combination(vectors.T, self._angstrom, lengths)
         if numbers is None:
             raise OrientationError(
-                f"families: their Burgers vectors do not span {self.indices.round(3).tolist()} "
-                "(units of a, b, c). Give another family as well."
+                "families: expected Burgers vectors that add up to "
+                f"{self.indices.round(3).tolist()} (units of a, b, c), got families that do not "
+                "span it. Give another family as well."
             )
         parts = np.split(numbers, np.cumsum([len(part) for part in found])[:-1])
         return tuple(
@@ -197,7 +201,10 @@ class MapBurgers(Burgers):
         (440, 436)
         """
         if not families:
-            raise OrientationError("families: a SlipFamily was needed, but none came.")
+            raise OrientationError(
+                "families: expected at least one SlipFamily, got none. Give one, for example from "
+                "slip_families."
+            )
         for one in families:
             checks.instance(one, SlipFamily, "families", OrientationError)
         normal = self.rotation.T @ np.array([0.0, 0.0, 1.0])

@@ -56,13 +56,15 @@ class SlipFamily:
         one = cell @ cell_vector(vector, "Burgers vector", phase)
         for subject, found in (("plane", hkl), ("Burgers vector", one)):
             if not found.any():
-                raise OrientationError(f"{subject}: indices were needed, but all that came are 0.")
+                raise OrientationError(
+                    f"{subject}: expected indices that are not all 0, got only zeros. Correct them."
+                )
         normal = np.linalg.solve(cell.T, hkl)
         sizes = np.linalg.norm(normal), np.linalg.norm(one)
         if abs(normal @ one) > 1e-6 * sizes[0] * sizes[1]:
             raise OrientationError(
-                f"Burgers vector: one in the plane {_shown(plane)} was needed, but {_shown(vector)}"
-                " leaves it. Give u, v, w with h u + k v + l w = 0."
+                f"Burgers vector: expected one in the plane {_shown(plane)}, got {_shown(vector)}, "
+                "which is not in it. Give u, v, w with h u + k v + l w = 0."
             )
         images = images_of(phase, np.stack([normal / sizes[0], one / sizes[1]]))
         kept: list[np.ndarray] = []
@@ -161,7 +163,8 @@ def densities(
     numbers = least_combination(np.array(kinds).T / angstrom, per_area, np.ones(len(place)))
     if numbers is None:
         raise OrientationError(
-            "families: their edges and screws do not make up this b. Give another family as well."
+            "families: expected edges and screws that add up to b per area, got families that do "
+            "not span it. Give another family as well."
         )
     found = [np.zeros((2, len(family.normals))) for family in families]
     for (f, k, is_edge), number in zip(place, numbers, strict=True):

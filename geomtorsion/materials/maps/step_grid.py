@@ -141,8 +141,8 @@ class StepGrid:
         grains = np.unique(self.grains.grain[tuple(found.starts.T)]).tolist()
         if len(grains) > 1:
             raise OrientationError(
-                f"{circuit.name}: a circuit in one grain was needed, but its parts lie in grains "
-                f"{checks.cut(', '.join(map(str, grains)))}. Take one circuit for each."
+                f"{circuit.name}: expected a circuit in one grain, got parts in grains "
+                f"{checks.cut(', '.join(map(str, grains)))}. Make one circuit for each grain."
             )
         return found
 
@@ -153,8 +153,8 @@ class StepGrid:
         if outside.any():
             pixel = tuple(last[np.argmax(outside)].tolist())
             raise OrientationError(
-                f"{circuit.name}: pixel {pixel} lies outside of the map of "
-                f"{self.shape[0]} x {self.shape[1]} pixels. Choose another place, or a smaller one."
+                f"{circuit.name}: expected pixels in the map of {self.shape[0]} x {self.shape[1]} "
+                f"pixels, got {pixel}. Move the circuit, or choose a smaller one."
             )
         first = np.minimum(circuit.starts, circuit.ends)
         sign = np.where((circuit.starts == first).all(axis=1), 1, -1)
@@ -170,17 +170,18 @@ class StepGrid:
                 named.append(f"pixel {pixels[grains.index(-1)]} has no orientation")
             elif grains[0] != grains[1]:
                 named.append(
-                    f"{pixels[0]} lies in grain {grains[0]}, {pixels[1]} in grain {grains[1]}"
+                    f"pixel {pixels[0]} is in grain {grains[0]}, {pixels[1]} in grain {grains[1]}"
                 )
             else:
                 named.append(
                     f"from {pixels[0]} to {pixels[1]} the lattice of grain {grains[0]} turns by "
                     f"{self.threshold:g} degrees or more"
                 )
-        more = f"; and {len(starts) - 3} steps more" if len(starts) > 3 else ""
+        more = f"; and {len(starts) - 3} more steps" if len(starts) > 3 else ""
         raise OrientationError(
-            f"the circuit crosses a boundary: {'; '.join(named)}{more}. Lead it through one grain, "
-            f"or give a threshold above {self.threshold:g} degrees."
+            f"expected a circuit within one grain, got one that crosses a boundary: "
+            f"{'; '.join(named)}{more}. Lead it through one grain, or give a threshold above "
+            f"{self.threshold:g} degrees."
         )
 
     def total(self, chain: Chain) -> np.ndarray:

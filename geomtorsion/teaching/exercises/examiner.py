@@ -59,11 +59,15 @@ class Examiner:
             self.pool.ask(request, STARTING)
         except (TimeoutError, ChildProcessError):
             return _unchecked(
-                number, seed, given, "the exercise itself could not be solved in time"
+                number,
+                seed,
+                given,
+                "computing the solution took too long or too much memory. This does not depend on "
+                "your answer. Try again later.",
             )
         found = self.ask(request | {"answers": answers}, self.seconds)
         if isinstance(found, str):
-            return _unchecked(number, seed, given, found)
+            return _unchecked(number, seed, given, f"{found}. Write a shorter answer.")
         return Verdict.from_json(found["verdict"])
 
     def ask(self, request: Json, seconds: float) -> Json | str:
@@ -71,10 +75,10 @@ class Examiner:
         try:
             found = self.pool.ask(request, seconds)
         except TimeoutError:
-            return f"it takes longer than {seconds:g} s"
+            return f"it took longer than {seconds:g} s"
         except ChildProcessError as error:
             return str(error)
-        return f"it needs too much {found[EXCEEDED]}" if EXCEEDED in found else found
+        return f"it needed too much {found[EXCEEDED]}" if EXCEEDED in found else found
 
 
 def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: str) -> Verdict:
@@ -82,7 +86,7 @@ def _unchecked(number: str, seed: int, answers: Mapping[str, object], reason: st
     found = []
     for question in load(number, seed).questions:
         given = question.name in answers
-        text = f"The answer could not be checked: {reason}. Write it shorter."
+        text = f"The answer could not be checked: {reason}"
         code = "too large" if given else "empty"
         said = text if given else "No answer was given."
         found.append(QuestionVerdict(question.name, False, 0.0, said, code, (), question.points))

@@ -122,8 +122,8 @@ class Exercise:
         near = close_names(name, known) if isinstance(name, str) else []
         hint = f" Did you mean {near[0]}?" if near else ""
         raise UnknownNameError(
-            f"exercise {self.number} has no question {shown(name)}: there is {', '.join(known)}."
-            f"{hint}"
+            f"exercise {self.number}: expected the name of a question ({', '.join(known)}), got "
+            f"{shown(name)}.{hint}"
         )
 
     def solution(self) -> dict[str, Value]:
@@ -166,7 +166,7 @@ class Exercise:
         >>> load("2.1").arranged({"1,2,2": "1/r"})
         ({'connection': {'1,2,2': '1/r'}}, ())
         >>> load("2.1").arranged({"conection": "0"})
-        ({}, ("There is no question 'conection': it is not counted. Did you mean connection?",))
+        ({}, ("There is no question 'conection': this answer is not counted. Did you mean...",))
         """
         first, *rest = self.questions
         known = {question.name: question for question in self.questions}
@@ -184,5 +184,7 @@ class Exercise:
         for name in strange:
             near = close_names(str(name), list(known))
             hint = f" Did you mean {near[0]}?" if near else ""
-            notes.append(f"There is no question {str(name)[:60]!r}: it is not counted.{hint}")
+            notes.append(
+                f"There is no question {str(name)[:60]!r}: this answer is not counted.{hint}"
+            )
         return {name: answers[name] for name in known if name in answers}, tuple(notes)

@@ -77,8 +77,8 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     student = data.get("student", data.get("name", path.stem))
     if not isinstance(student, str) or len(student) > MOST.name:
         raise FileFormatError(
-            f"{path.name}: student: a name of at most {MOST.name} letters was needed. Write "
-            'student = "Ada Lovelace".'
+            f"{path.name}: student: expected a name of at most {MOST.name} letters, got "
+            f'{checks.shown(student)}. Write student = "Ada Lovelace".'
         )
     seed = data.get("seed")
     if seed is not None:
@@ -87,8 +87,8 @@ def read_submission(path: str | PathLike[str]) -> Submission:
     table = data.get("answers", {})
     if not isinstance(table, dict):
         raise FileFormatError(
-            f"{path.name}: answers: a table was needed, but {str(table)[:40]!r} came. Write "
-            '[answers], and below it "1.1" = "...".'
+            f"{path.name}: answers: expected a table, got {checks.shown(table)}. Write [answers], "
+            'and below it "1.1" = "...".'
         )
     flat = _flat(table)
     known = set(names())
@@ -101,7 +101,7 @@ def read_submission(path: str | PathLike[str]) -> Submission:
 
 def loaded(path: Path) -> Mapping[str, Any]:
     """The content of a TOML file of answers."""
-    advice = 'Answers stand in quotes, as in "1.1" = "sin(x)".'
+    advice = 'Write answers in quotes, as in "1.1" = "sin(x)".'
     return read_toml(path, advice=advice, largest=MOST.file).data
 
 
@@ -238,14 +238,15 @@ def grade(
     files = sorted(path for path in Path(folder).iterdir() if path.suffix == ".toml")
     if not files:
         raise FileFormatError(
-            f"{folder}: there is no TOML file here. Each student gives one, such as ada.toml."
+            f"{folder}: expected TOML files of answers, got none. Put one file of each student "
+            "there, such as ada.toml."
         )
     # An exercise that is named twice counts once.
     listed = None if numbers is None else tuple(dict.fromkeys(numbers))
     if listed == ():
         raise ArgumentError(
-            "numbers: at least one exercise that counts was needed, but none came. Name one, or "
-            "leave it out: all that anybody answered count then."
+            "numbers: expected at least one exercise that counts, got none. Name one, or omit "
+            "numbers: then all exercises with an answer from any student count."
         )
     for number in listed or ():
         load(number)
@@ -304,7 +305,7 @@ class _Task:
     seconds: float
 
     def fingerprint(self, path: Path) -> str:
-        """Changes when the file, the task or its time does."""
+        """Hash of the file, the task and its time limit."""
         try:
             fits = path.stat().st_size < 10**7 and path.is_file()
             content = path.read_bytes() if fits else b""
@@ -393,7 +394,7 @@ def _mark(
     parts: dict[str, float] = {}
     codes: list[str] = []
     remarks = [f"no exercise {key!r}: it is not counted." for key in read.unknown]
-    remarks += [f"{key!r} stands outside of [answers]: it is not read." for key in read.outside]
+    remarks += [f"{key!r} is outside of [answers]: it is not read." for key in read.outside]
     # A key that concerns the file only, such as a date, needs nobody's attention.
     unseen = bool(read.unknown) or any(key in names() for key in read.outside)
     answered = asked = 0

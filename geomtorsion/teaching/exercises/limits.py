@@ -67,20 +67,20 @@ def check_weight(expr: sympy.Expr, where: str, largest: int = MOST.terms) -> Non
     >>> check_weight((x + y + z) ** 6, "answer")
     >>> check_weight((x + y + z + 1) ** 24 / (x - y + 2 * z - 1) ** 24, "answer")
     Traceback (most recent call last):
-    geomtorsion.errors.LimitError: answer: multiplied out, this would have more than...
+    geomtorsion.errors.LimitError: answer: expected at most 5,000,000 terms when multiplied...
     """
     radicals = {
         power.base for power in expr.atoms(sympy.Pow) if power.exp.is_Rational and power.exp.q > 1
     }
     if len({base for base in radicals if not base.is_number}) > MOST.roots:
         raise LimitError(
-            f"{where}: it contains more than {MOST.roots} different roots. Write it shorter."
+            f"{where}: expected at most {MOST.roots} different roots, got more. Write it shorter."
         )
     # Counted without expanding, because expanding is the expensive step.
     above, below = _weight(expr, {})
     if above * below > largest:
         raise LimitError(
-            f"{where}: multiplied out, this would have more than {largest:,} terms. "
+            f"{where}: expected at most {largest:,} terms when multiplied out, got more. "
             "Write it shorter."
         )
 

@@ -93,7 +93,7 @@ def text_of(markdown: str) -> str:
 
 
 def latex_of(markdown: str) -> str:
-    r"""The same as the text of a LaTeX document, for copying.
+    r"""The statement as text of a LaTeX document, for copying.
 
     Examples
     --------

@@ -42,25 +42,25 @@ EXERCISES: tuple[tuple[str, str, str, str], ...] = (
     ("3.4", "curvature.group_ricci", "The curvature of a group", "exercise"),
     ("4.1", "straightest.spiral", "Where the straightest line leads", "warm-up"),
     ("4.2", "straightest.force", "The torsion force", "exercise"),
-    ("4.3", "straightest.equations", "Equations of the straightest lines", "exercise"),
+    ("4.3", "straightest.equations", "Equations of the autoparallels", "exercise"),
     ("4.4", "straightest.compass", "By compass and on the great circle", "exercise"),
     ("5.1", "closure.small_loop", "A small loop", "warm-up"),
     ("5.2", "closure.circle", "A circle in closed form", "exercise"),
     ("5.3", "closure.rotations", "A loop in the rotations", "exercise"),
-    ("5.4", "closure.dislocation", "Round a dislocation", "exercise"),
-    ("5.5", "closure.frank", "Carried round on the sphere", "exercise"),
-    ("5.6", "closure.screw_atoms", "Round a screw, atom by atom", "exercise"),
+    ("5.4", "closure.dislocation", "Around a dislocation", "exercise"),
+    ("5.5", "closure.frank", "Parallel transport on the sphere", "exercise"),
+    ("5.6", "closure.screw_atoms", "Around a screw, atom by atom", "exercise"),
     ("5.7", "closure.half_plane", "An edge and its half plane", "warm-up"),
     ("6.1", "principle.euler", "Euler's equations", "warm-up"),
-    ("6.2", "principle.moment", "The moment of the weight", "exercise"),
-    ("6.3", "principle.variation", "Varying in a frame", "exercise"),
+    ("6.2", "principle.moment", "The torque of the weight", "exercise"),
+    ("6.3", "principle.variation", "Variations in a frame", "exercise"),
     ("6.4", "principle.symmetric_top", "The free symmetric top", "exercise"),
-    ("6.5", "principle.carried", "The velocity of a turning body", "exercise"),
+    ("6.5", "principle.carried", "The velocity of a rotating body", "exercise"),
     ("6.6", "principle.helix_or_line", "Helix or straight line?", "project"),
     ("7.1", "cost.digits", "Digits that a tiny loop loses", "warm-up"),
     ("7.2", "cost.sums", "Two ways to add up a loop", "exercise"),
     ("7.3", "cost.growth", "How an error grows", "exercise"),
-    ("7.4", "cost.states", "How many numbers a motion is made of", "warm-up"),
+    ("7.4", "cost.states", "How many variables describe a motion", "warm-up"),
 )
 
 
@@ -109,10 +109,10 @@ def load(number: str, seed: int = 0) -> Exercise:
         if known == number:
             return _loaded(known, module, title, level, seed)
     near = close_names(str(number)[:20], names(), 3, 0.6)
-    hint = f" Near: {', '.join(near)}." if near else ""
+    hint = f" Did you mean {' or '.join(near)}?" if near else ""
     raise UnknownNameError(
-        f"no exercise has the number {str(number)[:20]!r}.{hint} There are {names()[0]} to "
-        f"{names()[-1]}; `geomtorsion exercises` lists them."
+        f"expected the number of an exercise, from {names()[0]} to {names()[-1]}, got "
+        f"{str(number)[:20]!r}.{hint} `geomtorsion exercises` lists all exercises."
     )
 
 

@@ -64,12 +64,12 @@ def _cells(exercise: Exercise) -> list[Json]:
         f"print(exercise.check({{\n{empty}\n}}))"
     )
     ask = (
-        "# One hint after the other: hints[0], hints[1], ...\n"
+        "# The next hints are hints[1], hints[2], ...\n"
         f'print(gt.exercises.load("{exercise.number}", seed={exercise.seed}).hints[0])'
     )
     return [
         markdown_cell(f"statement-{key}", text),
-        code_cell(f"work-{key}", "# Room to work."),
+        code_cell(f"work-{key}", "# Space for your work."),
         code_cell(f"check-{key}", check),
         code_cell(f"hint-{key}", ask),
     ]
@@ -121,7 +121,10 @@ def write_sheet(
     titles = dict(CHAPTERS)
     if not isinstance(chapter, str) or chapter not in titles:
         known = ", ".join(f"{number} ({name})" for number, name in CHAPTERS)
-        raise UnknownNameError(f"there is no chapter {checks.shown(chapter)}. There are {known}.")
+        raise UnknownNameError(
+            f"expected the number of a chapter, got {checks.shown(chapter)}. The chapters are "
+            f"{known}."
+        )
     title = titles[chapter]
     exercises = [load(number, seed) for number in names() if number.startswith(f"{chapter}.")]
     # Refused before any exercise is solved.
@@ -197,7 +200,7 @@ def _worked(exercise: Exercise) -> str:
     items = "".join(
         f"<li>{html_of(step.text)}"
         + (
-            f'<p class="note">This answers <code>{step.question}</code>.</p>'
+            f'<p class="note">This step answers <code>{step.question}</code>.</p>'
             if step.question
             else ""
         )

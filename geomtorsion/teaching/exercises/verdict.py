@@ -22,13 +22,13 @@ TITLES: Mapping[str, str] = MappingProxyType(
         "cartan": "Cartan instead of Levi-Civita",
         "inverse": "the inverse is missing",
         "basis": "frame and coordinate components confused",
-        "direction": "the loop run the other way",
+        "direction": "the loop in the opposite direction",
         "axes": "body and space axes confused",
-        "degrees": "degrees for radians",
-        "domain": "right on a part of the domain only",
+        "degrees": "degrees instead of radians",
+        "domain": "right only on a part of the domain",
         "naive": "the naive variation",
         "principle": "the other action principle",
-        "forgotten": "something is forgotten",
+        "forgotten": "something is missing",
         "another": "another quantity",
         "counted": "indices counted from 0",
         "unit": "another unit",
@@ -46,39 +46,39 @@ MESSAGES: Mapping[str, str] = MappingProxyType(
     {
         "factor": "It is off by a factor 2.",
         "sign": "The sign is wrong.",
-        "permuted": "The components are right, but their indices stand in another order.",
-        "levi-civita": "That is what the Levi-Civita connection of the metric gives; the question "
-        "is about the Cartan connection of the frame.",
-        "cartan": "That is what the Cartan connection of the frame gives; the question is about "
-        "the Levi-Civita connection of the metric.",
-        "inverse": "An inverse is missing: the coframe stands where its inverse, the legs, should, "
-        "or the other way round.",
+        "permuted": "The components are right, but their indices are in another order.",
+        "levi-civita": "That is the result for the Levi-Civita connection of the metric. The "
+        "question is about the Cartan connection of the frame.",
+        "cartan": "That is the result for the Cartan connection of the frame. The question is "
+        "about the Levi-Civita connection of the metric.",
+        "inverse": "An inverse is missing: the coframe was used instead of its inverse, the legs, "
+        "or the legs instead of the coframe.",
         "basis": "That is in another basis: frame components and coordinate components have been "
-        "exchanged. Look at where each index is to be taken.",
-        "direction": "The loop was run through the other way.",
-        "axes": "That is seen from the other axes: body axes and space axes have been exchanged.",
-        "degrees": "An angle in degrees was taken for one in radians, or the other way round.",
-        "domain": "That is right on a part of the domain only: a root has the wrong sign on the "
+        "exchanged. Check the basis of each index.",
+        "direction": "The loop was traversed in the opposite direction.",
+        "axes": "The components are along other axes: body and space axes have been exchanged.",
+        "degrees": "An angle in degrees was used as an angle in radians, or the reverse.",
+        "domain": "That is right only on a part of the domain: a root has the wrong sign on the "
         "rest of it.",
-        "branch": "That is right on a part of the domain only: an inverse function gives its "
-        "principal value, which is another one on the rest of it.",
-        "naive": "That is what varying in the frame as if its forms were closed would give. The "
+        "branch": "That is right only on a part of the domain: an inverse function gives its "
+        "principal value, which is wrong on the rest of it.",
+        "naive": "That follows from a variation in the frame as if its forms were closed. The "
         "gyroscopic terms are missing.",
-        "principle": "That follows from the other action principle: look again at where the "
-        "variations close.",
+        "principle": "That follows from the other action principle. Check whether the variations "
+        "must be closed in the coordinates or in the image.",
         "forgotten": "A term is missing.",
-        "another": "That is something else than what is asked for.",
-        "counted": "Indices are counted from 1 here; yours seem to be counted from 0.",
-        "unit": "The number has another unit than the question asks for.",
-        "rounded": "Close, but not within the tolerance: rounded too early?",
+        "another": "That is another quantity. Read the question again.",
+        "counted": "Indices are counted from 1 here, but yours seem to be counted from 0.",
+        "unit": "The unit of the number differs from the unit in the question.",
+        "rounded": "The number is close, but not within the tolerance. Was it rounded too early?",
     }
 )
 # Sources of a wrong sign or factor 2 in questions about torsion only.
 TORSION: Mapping[str, str] = MappingProxyType(
     {
-        "sign": "Which lower index of the connection differentiates? Here it is the first; books "
-        "that put it last have the opposite torsion.",
-        "factor": "Is there a half to keep or to drop, as in $S = T/2$?",
+        "sign": "Which lower index of the connection is the direction of differentiation? Here it "
+        "is the first. Books in which it is the second have the opposite torsion.",
+        "factor": r"Check the factor $\tfrac12$ in $S = T/2$.",
     }
 )
 # Sources of these mistakes in questions about the connection itself.

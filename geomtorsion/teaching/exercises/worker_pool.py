@@ -87,7 +87,7 @@ class Worker:
                 line = self._replies.get(timeout=seconds)
         except queue.Empty:
             self.end()
-            raise TimeoutError(f"no reply within {seconds:g} s") from None
+            raise TimeoutError(f"expected a reply within {seconds:g} s, got none") from None
         except (OSError, ValueError):
             # The pipe is broken, or was closed while it was written to: no line came.
             pass
@@ -175,8 +175,8 @@ class WorkerPool:
             worker = self._free.get(timeout=self.patience)
         except queue.Empty:
             raise PoolBusyError(
-                f"everybody asks at once, and after {self.patience:g} s it was still not your "
-                "turn. Wait a moment, then change something."
+                f"the server was busy with other requests for {self.patience:g} s. Wait a moment, "
+                "then try again."
             ) from None
         try:
             worker = self._living(worker)

@@ -1,9 +1,9 @@
 "use strict";
-// A circuit from atom to atom: crystals stand in the element #data as JSON, bonds with the lattice
-// vectors nearest to them. Nothing is rounded here: whole numbers are added.
+// A circuit from atom to atom. The element #data holds the crystals as JSON, each bond with its
+// nearest lattice vector. Nothing is rounded here: whole numbers are added.
 (() => {
   const crystals = JSON.parse(document.getElementById("data").textContent);
-  const [which, crystal, image, said] = ["which", "crystal", "image", "said"].map((id) => document.getElementById(id));
+  const [which, crystal, image, result] = ["which", "crystal", "image", "result"].map((id) => document.getElementById(id));
   const PATH = "#0072B2", IMAGE = "#007a59", GAP = "#C24E00", INK = "#1d2330", PALE = "#c9ccd1";
   let atoms, steps, path, low, high;
 
@@ -21,7 +21,7 @@
     draw();
   }
 
-  // The shortest way along bonds; who came straight goes on straight first.
+  // The shortest path along bonds; among equal ones the straightest.
   function way(from, to) {
     const before = new Map([[from, null]]);
     let rim = [from];
@@ -65,7 +65,7 @@
     for (const line of bonds()) crystal.append(line);
     atoms.forEach((p, k) => crystal.append(dot(p, 0.17, path.includes(k) ? PATH : "#8a93a3", k)));
     trace(crystal, places, PATH);
-    // The perfect lattice is as large, with the start where it is in the crystal.
+    // The perfect lattice has the same size and the same start as the crystal.
     const start = path.length ? [Math.round(places[0][0] - 0.5) + 0.5, Math.round(places[0][1] - 0.5) + 0.5] : [0, 0];
     const shifted = sums.map(([x, y]) => [x + start[0], y + start[1]]);
     frame(image, low, size);
@@ -75,7 +75,7 @@
     if (path.length) trace(image, shifted, IMAGE);
     const last = sums[sums.length - 1];
     if (closed() && (last[0] || last[1])) arrow(image, shifted[0], shifted[shifted.length - 1]);
-    said.textContent = told(last, places);
+    result.textContent = resultText(last, places);
   }
 
   function bonds() {
@@ -85,16 +85,16 @@
     }));
     return near;
   }
-  function told(last, places) {
+  function resultText(last, places) {
     const n = path.length - 1;
-    if (n < 0) return "Click an atom to begin; click others to walk to them along the bonds. Come back to the first one.";
-    if (!closed()) return `${n} ${n === 1 ? "step" : "steps"}, so far ${vector(last)} in lattice vectors. Come back to the first atom, a black dot.`;
+    if (n < 0) return "Click an atom to start. Click other atoms to step to them along the bonds, and come back to the first atom.";
+    if (!closed()) return `${n} ${n === 1 ? "step" : "steps"} with the sum ${vector(last)} in lattice vectors. Come back to the first atom, the black dot.`;
     let area = 0;
     places.forEach((p, k) => { const q = places[(k + 1) % places.length]; area += p[0] * q[1] - q[0] * p[1]; });
     const sense = Math.abs(area) < 1e-9 ? "" : area > 0 ? ", anticlockwise" : ", clockwise";
-    if (!last[0] && !last[1]) return `${n} steps${sense}: closed in the crystal and in the perfect lattice. b = (0, 0): no dislocation inside, or several that cancel.`;
+    if (!last[0] && !last[1]) return `${n} steps${sense}: the circuit closes in the crystal and in the perfect lattice, so b = (0, 0). It encloses no dislocation, or several that cancel.`;
     const other = area > 0 ? "clockwise" : "anticlockwise";
-    return `${n} steps${sense}: closed in the crystal, but not in the perfect lattice. From start to finish b = ${vector(last)} is missing, for every circuit round the same lines. Go round ${other}, and b changes its sign.`;
+    return `${n} steps${sense}: the circuit closes in the crystal, but not in the perfect lattice. Its gap from start to end is b = ${vector(last)} in lattice vectors, for every circuit around the same dislocations. A ${other} circuit changes the sign of b.`;
   }
   function vector(v) { return `(${v.map((x) => String(x).replace("-", "−")).join(", ")})`; }
 
@@ -103,7 +103,7 @@
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
     return made;
   }
-  // y runs up: the picture turns it round.
+  // y points up, so its sign changes in the picture.
   function frame(svg, from, size) {
     svg.replaceChildren();
     svg.setAttribute("viewBox", `${from[0]} ${-from[1] - size[1]} ${size[0]} ${size[1]}`);
@@ -120,7 +120,7 @@
     if (!points.length) return;
     svg.append(line(points, color, 0.13));
     const end = points[points.length - 1];
-    // As in every picture of the page: a black dot is the start. A ring is the place reached.
+    // A black dot is the start, as in every picture of the page. A ring is the current atom.
     // Clicks go to the atoms below.
     const marks = element("g", { "pointer-events": "none" });
     marks.append(dot(points[0], 0.2, INK));
@@ -146,7 +146,7 @@
   crystal.addEventListener("keydown", (event) => {
     const keys = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     if (event.key === "Backspace") { path.pop(); draw(); event.preventDefault(); }
-    // With a second key they belong to the browser, such as the page before.
+    // With a second key they are commands of the browser, such as the previous page.
     if (!(event.key in keys) || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     if (!path.length) { go(nearest([-2, -2])); return; }
@@ -160,7 +160,7 @@
     return best;
   }
   document.getElementById("back").addEventListener("click", () => { path.pop(); draw(); });
-  document.getElementById("anew").addEventListener("click", () => { path = []; draw(); });
+  document.getElementById("restart").addEventListener("click", () => { path = []; draw(); });
   document.getElementById("example").addEventListener("click", () => {
     path = [nearest([-4.5, -2.5])];
     const [x, y] = atoms[path[0]];

@@ -1,4 +1,4 @@
-"""atoms: a crystal in a plane in which circuits are clicked, and their images that do not close."""
+"""atoms: a crystal with circuits that are clicked, and their images in a perfect lattice."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from geomtorsion.teaching.lab.views import saving
 # Name of a crystal -> its edge dislocations: position, and b along x of the displacement.
 CRYSTALS: dict[str, tuple[tuple[float, float, int], ...]] = {
     "one edge dislocation": ((0.0, 0.0, 1),),
-    "two of the same": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
-    "two opposite ones": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
-    "none": (),
+    "two equal dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, 1)),
+    "two opposite dislocations": ((-3.0, 0.0, 1), (3.0, 0.0, -1)),
+    "no dislocation": (),
 }
 # Half the numbers of columns and rows.
 SIZE = (8, 6)
@@ -56,7 +56,7 @@ def crystal(name: str) -> Json:
 
     Examples
     --------
-    >>> perfect = crystal("none")
+    >>> perfect = crystal("no dislocation")
     >>> len(perfect["atoms"]), len(perfect["bonds"])
     (221, 412)
     """
@@ -89,7 +89,7 @@ def closure(name: str, path: Sequence[int]) -> list[int]:
 
     Examples
     --------
-    >>> closure("none", [0, 1, 18, 17])
+    >>> closure("no dislocation", [0, 1, 18, 17])
     [0, 0]
     """
     made = crystal(name)
@@ -118,14 +118,14 @@ def atoms() -> Json:
     page = (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f"<title>{title}</title><style>{_STYLE}</style></head><body>"
-        '<div class="bar"><label>crystal <select id="which">'
+        '<div class="bar"><label>crystal with <select id="which">'
         f'{options}</select></label><button id="example" type="button">Show a circuit</button>'
         '<button id="back" type="button">Step back</button>'
-        '<button id="anew" type="button">Begin anew</button></div>'
-        '<p id="said" role="status"></p><div class="pair"><figure>'
+        '<button id="restart" type="button">Start again</button></div>'
+        '<p id="result" role="status"></p><div class="pair"><figure>'
         "<figcaption>The crystal: click from atom to atom</figcaption>"
-        '<svg id="crystal" tabindex="0" role="application" aria-label="crystal; arrow keys step '
-        'from atom to atom"></svg>'
+        '<svg id="crystal" tabindex="0" role="application" aria-label="crystal; the arrow keys '
+        'step from atom to atom"></svg>'
         f"{SAVE}</figure>"
         "<figure><figcaption>The same steps in a perfect lattice</figcaption>"
         '<svg id="image" role="img" aria-label="the steps in a perfect lattice"></svg>'

@@ -1,4 +1,4 @@
-"""closure failure: a circle, its image in the frame that does not close, and by how much, twice."""
+"""closure failure: a circle, the gap of its image in the frame, and two computations of the gap."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import names_text, raised, shown, table
 from geomtorsion.teaching.lab.plot import beside, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
-from geomtorsion.teaching.lab.space_info import is_round_the_axis, space_of
+from geomtorsion.teaching.lab.space_info import is_around_the_axis, space_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,8 +60,8 @@ def closure_failure(
     frame = space_of(space).frame
     values = dict(first_motion(frame).parameters)
     first, second = plane
-    if is_round_the_axis(space, centre, plane):
-        return _round_the_axis(frame, values, [float(x) for x in centre], float(radius))
+    if is_around_the_axis(space, centre, plane):
+        return _around_the_axis(frame, values, [float(x) for x in centre], float(radius))
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     b = burgers_vector(frame, loop, parameters=values)
     expected = density(frame, b, first, second)
@@ -78,7 +78,7 @@ def closure_failure(
     }
 
 
-def _round_the_axis(
+def _around_the_axis(
     frame: Frame, values: Mapping[str, float], centre: Sequence[float], radius: float
 ) -> Json:
     """Reply for a circle about the axis of polar coordinates: legs may come back rotated."""
@@ -96,21 +96,21 @@ def _round_the_axis(
     circle = radius * np.array([np.cos(angles), np.sin(angles)])
     closed = bool(np.hypot(*found.burgers[:2]) <= found.error)
     turn = found.angle
-    said = (
-        f"The legs come back turned by {turn:.6g} rad (the Frank vector of the line): this is a "
-        "disclination, and b depends on where the loop begins."
+    text = (
+        f"The legs come back turned by {turn:.6g} rad, the Frank vector of the line. The line is a "
+        "disclination, and b depends on the start of the loop."
         if abs(turn) > found.turn_error + found.error
-        else "The legs come back as they were, and b = 0 for circles around the axis. There is "
-        "torsion around the axis, so other loops can have b ≠ 0."
+        else "The legs come back unchanged, and b = 0 for circles around the axis. The torsion "
+        "around the axis is not zero, so other loops can have b ≠ 0."
     )
     rows = [[f"b{raised(k)}", shown(x, found.error)] for k, x in enumerate(found.burgers)]
     return {
         "pictures": [
-            _loop(circle, "The loop about the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
+            _loop(circle, "The loop around the axis: it closes", ("r cos φ", "r sin φ"), "axis"),
             _image(image[:2], _image_title(closed), ("X¹", "X²"), closed=closed),
         ],
-        "table": table(("", "b"), rows, "Burgers vector at the start of the loop"),
-        "sentence": said,
+        "table": table(("", "b"), rows, "Burgers vector b at the start of the loop"),
+        "sentence": text,
         "b": found.burgers.tolist(),
         "expected": [0.0] * len(centre),
         "error": float(found.error),
@@ -126,8 +126,8 @@ def _outside(frame: Frame, b: BurgersVector) -> str:
         [inside] = graph(names, [edge.element.sympy]).numpy()(*place)
         if np.min(inside) < 0:
             return (
-                f" The circle leaves these coordinates ({edge.condition}). Outside of them the "
-                "page uses the same formulas for the coframe."
+                f" The circle leaves these coordinates ({edge.condition}). The page uses the same "
+                "formulas for the coframe outside of them."
             )
     return ""
 
@@ -219,37 +219,37 @@ def _table(b: BurgersVector, expected: Sequence[float]) -> str:
                 shown(expected[k], 0.0),
             ]
         )
-    heads = ("", "b", "round the loop", "flux of torsion", "2 S A at the centre")
+    heads = ("", "b", "around the loop", "flux of torsion", "2 S A at the centre")
     return table(heads, rows, "Burgers vector, frame components")
 
 
 def _sentence(
     b: BurgersVector, expected: Sequence[float], names: Sequence[str], plane: tuple[int, int]
 ) -> str:
-    """What the pictures show, in words."""
+    """Description of the pictures in words."""
     around = names_text([names[k] for k in plane])
     area = float(b.loop.area[plane])
-    said = f"Area A = {number(float(f'{area:.6g}'))} in {around}. "
+    text = f"Area A = {number(float(f'{area:.6g}'))} in the plane of {around}. "
     if b.vanishes:
         return (
-            said
+            text
             + f"The image closes: b = 0, error below {size_text(b.error, 0)}. "
-            + f"Two routes: {b.check.text}."
+            + f"Two computations: {b.check.text}."
         )
-    said += f"|b| = {b.magnitude:.6g}, error below {size_text(b.error, 0)}. "
+    text += f"|b| = {b.magnitude:.6g}, error below {size_text(b.error, 0)}. "
     if b.enclosed and not any(expected):
         defects = names_text([str(defect) for defect in b.enclosed])
         return (
-            f"{said}Inside: {defects}. Where the loop runs there is no torsion, so flux and 2 S A "
-            "are 0: all of b comes from the line inside the loop."
+            f"{text}The loop encloses {defects}. The torsion is zero on the loop, so the flux and "
+            "2 S A are 0, and all of b comes from the line inside the loop."
         )
     largest = max(abs(x) for x in expected)
     if largest:
         miss = max(abs(x - y) for x, y in zip(np.real(b.vector), expected, strict=True)) / largest
         # Where torsion is constant along the loop, 2 S A is b itself: the rest is rounding.
         if miss <= max(b.error / largest, CALCULATED):
-            said += "2 S A agrees with b within its error. "
+            text += "2 S A agrees with b within its error. "
         else:
             share = f"{miss:.1%}" if miss > 1e-3 else f"{miss:.0e}"
-            said += f"2 S A differs from b by {share}: it is exact for a very small loop only. "
-    return f"{said}Two routes: {b.check.text}."
+            text += f"2 S A differs from b by {share}; it is exact only for very small loops. "
+    return f"{text}Two computations: {b.check.text}."

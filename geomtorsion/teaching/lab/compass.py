@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from math import cos, radians, sin
 
-from geomtorsion.pictures.style import STROKES
 from geomtorsion.spaces import solve_pair
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.paths import places_of, times_of
+from geomtorsion.teaching.lab.paths import curves_of, times_of
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
-from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
+from geomtorsion.teaching.lab.turning import Film, in_space
 
 LABELS = {
     "autoparallel": "keeps its compass course (straightest)",
@@ -47,12 +46,10 @@ def compass(course: float) -> Json:
         accuracy=PAGE.accuracy,
         samples=PAGE.samples,
     )
-    curves = tuple(
-        Curve(thinned(points.tolist()), STROKES[name], LABELS[name])
-        for name, points in places_of(pair).items()
-    )
-    film = Film(
-        "compass", "Two ships on one globe", ("x", "y", "north"), curves, times=times_of(pair),
-        globe=1.0, equal=True, turn=1.3, note="Black dots: the start. Pale: behind the globe.",
+    scene = Film(
+        "compass", "Two ships on one globe", ("0°", "90°", "north"),
+        curves_of(pair, LABELS), times=times_of(pair), globe=1.0, equal=True, turn=1.3,
+        note="Black dot: the start. Pale lines: behind the globe. 0° and 90°: longitudes. t: the "
+        "length of each path in radii of the globe.",
     )  # fmt: skip
-    return {"space": turnable(film), "title": f"Film: {film.title}"}
+    return in_space(scene)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.kept import Kept, written
+from geomtorsion.teaching.lab.query import Query, numbers_text
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import drawable
 from geomtorsion.teaching.lab.top import SWITCHES, WATCHED
@@ -34,28 +34,28 @@ FIRST_LOOP, FIRST_PATH = "so3", "r3xso3"
 THRESHOLDS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5, 10.0, 15.0, 20.0)
 AS_IN_FILE = "as in the file"
 # Moments of inertia (kg m^2), angular velocity (rad/s), tilt (rad) and time (s) of the top.
-# A symmetric body, whose cones are circular.
-BODY = {"I": (1.0, 1.0, 1.8), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
+# A long symmetric body: its cones are circular and touch from outside, which is easy to see.
+BODY = {"I": (2.0, 2.0, 1.0), "w": (1.0, 0.0, 2.0), "tilt": 0.3, "t": 12.0}
 _ANGLES = ("phi", "theta", "psi", "chi", "yaw", "pitch", "roll")
 
 
-def tabs(mo: ModuleType, kept: Kept) -> ui.tabs:
+def tabs(mo: ModuleType, query: Query) -> ui.tabs:
     """The tabs; their only value is the open tab."""
-    opened = kept.one_of("tab", list(TABS), COMPASS)
+    opened = query.one_of("tab", list(TABS), COMPASS)
     return mo.ui.tabs({name: mo.Html(intro(name)) for name in TABS}, value=opened)
 
 
-def course(mo: ModuleType, kept: Kept) -> ui.slider:
+def course(mo: ModuleType, query: Query) -> ui.slider:
     """A slider for the course of a ship."""
-    [wanted] = kept.numbers("course", [COURSES], [PAGE.course])
-    label = "course, degrees from north to east"
+    [wanted] = query.numbers("course", [COURSES], [PAGE.course])
+    label = "course in degrees from north to east"
     return mo.ui.slider(*COURSES, 5, value=round(wanted / 5) * 5, label=label, show_value=True)
 
 
-def spaces(mo: ModuleType, chosen: str, kept: Kept, key: str) -> ui.dropdown:
+def spaces(mo: ModuleType, chosen: str, query: Query, key: str) -> ui.dropdown:
     """A list of the spaces that can be drawn."""
     options = drawable()
-    wanted = kept.one_of(key, list(options.values()), chosen)
+    wanted = query.one_of(key, list(options.values()), chosen)
     [first] = [title for title, name in options.items() if name == wanted]
     return mo.ui.dropdown(options, value=first, label="space")
 
@@ -75,13 +75,16 @@ def with_unit(name: str) -> str:
 # -- loops -------------------------------------------------------------------------------------
 
 
-def centre(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
-    """A slider for each coordinate of a centre."""
+def place(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+    """A list of the planes of two coordinates, and a slider for each coordinate of a centre."""
+    options = {_plane_text(info, pair): pair for pair in info["planes"]}
+    wanted = query.one_of("plane", list(options), next(iter(options)))
     ranges = [(low, high) for low, high, _ in info["loop_ranges"]]
     usual = [_between(x, *ends) for x, ends in zip(info["loop_centre"], ranges, strict=True)]
-    at = kept.numbers("centre", ranges, usual)
+    at = query.numbers("centre", ranges, usual)
     return mo.ui.dictionary(
-        {
+        {"plane": mo.ui.dropdown(options, value=wanted, label="plane")}
+        | {
             name: mo.ui.slider(low, high, step, value=x, label=with_unit(name), show_value=True)
             for name, (low, high, step), x in zip(
                 info["coordinates"], info["loop_ranges"], at, strict=True
@@ -90,45 +93,45 @@ def centre(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
     )
 
 
+def _plane_text(info: Json, pair: Sequence[int]) -> str:
+    """The two coordinates of a plane."""
+    return ", ".join(greek_name(info["coordinates"][k]) for k in pair)
+
+
 def _between(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
 
-def radius(mo: ModuleType, kept: Kept) -> ui.slider:
+def radius(mo: ModuleType, query: Query) -> ui.slider:
     """A slider for the radius of a circle, tiny ones included."""
-    wanted = kept.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
+    wanted = query.one_of("radius", [f"{x:g}" for x in RADII], f"{PAGE.radius:g}")
     return mo.ui.slider(steps=list(RADII), value=float(wanted), label="radius", show_value=True)
 
 
-def plane(mo: ModuleType, info: Json, kept: Kept) -> ui.dropdown:
-    """A list of the planes of two coordinates."""
-    shown = [greek_name(name) for name in info["coordinates"]]
-    options = {f"{shown[i]}, {shown[k]}": (i, k) for i, k in info["planes"]}
-    wanted = kept.one_of("plane", list(options), next(iter(options)))
-    return mo.ui.dropdown(options, value=wanted, label="plane")
+def loop_case(info: Json, place: Json, size: float) -> Json:
+    """Sliders as the arguments of the task for loops."""
+    centre = [place[name] for name in info["coordinates"]]
+    return {"space": info["name"], "centre": centre, "radius": size, "plane": list(place["plane"])}
 
 
-def kept_loop(
-    info: Json, where: Mapping[str, float], size: float, plane: tuple[int, int]
-) -> dict[str, tuple[str, str]]:
+def loop_query(info: Json, place: Json, size: float) -> dict[str, tuple[str, str]]:
     """The values of a loop that the address stores."""
-    shown = [greek_name(name) for name in info["coordinates"]]
-    i, k = info["planes"][0]
+    centre = loop_case(info, place, size)["centre"]
     return {
         "loop": (info["name"], FIRST_LOOP),
-        "centre": (written(list(where.values())), written(info["loop_centre"])),
+        "centre": (numbers_text(centre), numbers_text(info["loop_centre"])),
         "radius": (f"{size:g}", f"{PAGE.radius:g}"),
-        "plane": (f"{shown[plane[0]]}, {shown[plane[1]]}", f"{shown[i]}, {shown[k]}"),
+        "plane": (_plane_text(info, place["plane"]), _plane_text(info, info["planes"][0])),
     }
 
 
-# -- a map that is given ------------------------------------------------------------------------
+# -- an uploaded map or image -------------------------------------------------------------------
 
 
 def upload(mo: ModuleType) -> ui.file:
     """A field for one file of a map; it refuses files above the stated size."""
     ends = [".npz", ".csv", *TEXT_MAPS, ".txt", ".png", ".tif", ".tiff", ".npy"]
-    label = f"a file, up to {PAGE.upload / 1e6:g} MB"
+    label = f"choose a file of at most {PAGE.upload / 1e6:g} MB"
     return mo.ui.file(ends, kind="button", max_size=PAGE.upload, label=label)
 
 
@@ -143,10 +146,10 @@ def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
         {
             "threshold": mo.ui.slider(
                 steps=list(THRESHOLDS), value=known["threshold"], show_value=True,
-                label="grains differ by, in degrees",
+                label="least angle between grains in degrees",
             ),
-            "phase": mo.ui.dropdown(phases, value="all", label="phase"),
-            "laue": mo.ui.dropdown(groups, value=AS_IN_FILE, label="its Laue group"),
+            "phase": mo.ui.dropdown(phases, value="all", label="shown phase"),
+            "laue": mo.ui.dropdown(groups, value=AS_IN_FILE, label="Laue group"),
         }
     )  # fmt: skip
 
@@ -154,7 +157,7 @@ def map_settings(mo: ModuleType, facts: Json) -> ui.dictionary:
 def map_measure(mo: ModuleType) -> ui.radio:
     """Whether positions and sizes are in pixels or in the unit of the map."""
     options = {"pixels": False, "unit of the map": True}
-    return mo.ui.radio(options, value="pixels", label="measure in", inline=True)
+    return mo.ui.radio(options, value="pixels", label="sliders count in", inline=True)
 
 
 def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
@@ -171,7 +174,7 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
         sliders[name] = mo.ui.slider(
             steps=_stations(ends[0], count, abs(step) if measured else 1),
             value=_stations(ends[0], count, abs(step) if measured else 1)[at],
-            label=f"middle {name}{_map_unit(facts, measured)}",
+            label=f"centre {name}{_map_unit(facts, measured)}",
             show_value=True,
         )
     step = abs(facts["steps"][0]) if measured else 1
@@ -179,7 +182,7 @@ def map_places(mo: ModuleType, facts: Json, measured: bool) -> ui.dictionary:
     sliders["side"] = mo.ui.slider(
         steps=sides,
         value=sides[facts["side"] - least],
-        label=f"side{_map_unit(facts, measured)}",
+        label=f"side of the square{_map_unit(facts, measured)}",
         show_value=True,
     )
     return mo.ui.dictionary(sliders)
@@ -220,12 +223,14 @@ def map_case(facts: Json, places: Mapping[str, float], measured: bool) -> Json:
 # -- curves -------------------------------------------------------------------------------------
 
 
-def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
-    """A slider for the velocity along each frame vector, one for the time."""
+def curve(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
+    """A slider for each component of the velocity, for the time, and for each moment of a body."""
     usual, t = list(info["velocity"]), info["t"]
     most = [max(PAGE.fastest, abs(value)) for value in usual]
-    at = kept.numbers("velocity", [(-x, x) for x in most], usual)
-    [end] = kept.numbers("t", [(t / 20, 2 * t)], [t])
+    at = query.numbers("velocity", [(-x, x) for x in most], usual)
+    [end] = query.numbers("t", [(t / 20, 2 * t)], [t])
+    count = BODIES.get(info["name"], 0)
+    inertia = query.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
     sliders = {}
     for k, (value, limit) in enumerate(zip(at, most, strict=True)):
         step = PAGE.step if abs(value / PAGE.step - round(value / PAGE.step)) < 1e-9 else 0.0001
@@ -235,6 +240,12 @@ def velocity(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
     sliders["t"] = mo.ui.slider(
         t / 20, 2 * t, t / 20, value=end, label="time t", show_value=True, debounce=False
     )
+    sliders |= {
+        f"I{k}": mo.ui.slider(
+            0.5, 4, 0.25, value=value, label=f"moment of inertia I{k + 1}", show_value=True
+        )
+        for k, value in enumerate(inertia)
+    }
     return mo.ui.dictionary(sliders)
 
 
@@ -254,59 +265,37 @@ def _leg(space: str, k: int) -> str:
     return f"move along axis {k + 1 - turns}: u{k + 1} in length/time"
 
 
-def moments(mo: ModuleType, space: str, kept: Kept) -> ui.dictionary:
-    """A slider for each moment of inertia; none for a space without a body."""
-    count = BODIES.get(space, 0)
-    at = kept.numbers("moments", [(0.5, 4)] * count, [1.0] * count)
-    return mo.ui.dictionary(
-        {
-            f"I{k}": mo.ui.slider(
-                0.5, 4, 0.25, value=at[k], label=f"moment of inertia I{k + 1}", show_value=True
-            )
-            for k in range(count)
-        }
-    )
-
-
-def kept_path(
-    info: Json, speeds: Mapping[str, float], inertia: Mapping[str, float]
-) -> dict[str, tuple[str, str]]:
+def path_query(info: Json, values: Mapping[str, float]) -> dict[str, tuple[str, str]]:
     """The values of two curves that the address stores."""
-    speed = [value for name, value in speeds.items() if name != "t"]
-    own = list(inertia.values())
+    own = _numbered("I", values)
     return {
         "path": (info["name"], FIRST_PATH),
-        "velocity": (written(speed), written(info["velocity"])),
-        "t": (written([speeds["t"]]), written([info["t"]])),
-        "moments": (written(own), written([1.0] * len(own))),
+        "velocity": (numbers_text(_numbered("u", values)), numbers_text(info["velocity"])),
+        "t": (numbers_text([values["t"]]), numbers_text([info["t"]])),
+        "moments": (numbers_text(own), numbers_text([1.0] * len(own))),
     }
 
 
-def path_case(
-    space: str, speeds: Mapping[str, float], inertia: Mapping[str, float]
-) -> dict[str, object]:
+def _numbered(letter: str, values: Json) -> list[float]:
+    """The values of the sliders whose keys are this letter with a number, in order."""
+    return [value for key, value in values.items() if key[0] == letter and key[1:].isdecimal()]
+
+
+def path_case(space: str, values: Mapping[str, float]) -> dict[str, object]:
     """Sliders as the arguments of the task for paths.
 
     Examples
     --------
-    >>> path_case("s2", {"u0": 0.5, "u1": 1.0, "t": 2.0}, {})
+    >>> path_case("s2", {"u0": 0.5, "u1": 1.0, "t": 2.0})
     {'space': 's2', 'velocity': [0.5, 1.0], 't': 2.0, 'moments': None}
     """
-    speed = [value for name, value in speeds.items() if name != "t"]
-    own = list(inertia.values())
+    speed, own = _numbered("u", values), _numbered("I", values)
     # Equal unit moments give the metric of the frame; a body that does not turn keeps its metric.
-    given = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
-    return {"space": space, "velocity": speed, "t": speeds["t"], "moments": given}
+    moments = [*own, *[1.0] * (len(speed) - len(own))] if any(x != 1 for x in own) else None
+    return {"space": space, "velocity": speed, "t": values["t"], "moments": moments}
 
 
-def loop_case(space: str, where: Mapping[str, float], size: float, plane: tuple[int, int]) -> Json:
-    """Sliders as the arguments of the task for loops."""
-    return {
-        "space": space, "centre": list(where.values()), "radius": size, "plane": list(plane),
-    }  # fmt: skip
-
-
-def case_kind(mo: ModuleType, kept: Kept) -> ui.radio:
+def case_kind(mo: ModuleType, query: Query) -> ui.radio:
     """The case that is measured."""
     options = {
         "the loop": "loop",
@@ -314,7 +303,7 @@ def case_kind(mo: ModuleType, kept: Kept) -> ui.radio:
         "the shortest path": "shortest",
         "the top": "top",
     }
-    wanted = kept.one_of("measure", list(options.values()), "loop")
+    wanted = query.one_of("measure", list(options.values()), "loop")
     [first] = [title for title, kind in options.items() if kind == wanted]
     return mo.ui.radio(options, value=first, label="measure", inline=True)
 
@@ -322,62 +311,57 @@ def case_kind(mo: ModuleType, kept: Kept) -> ui.radio:
 # -- the top ------------------------------------------------------------------------------------
 
 
-def body(mo: ModuleType, kept: Kept) -> ui.dictionary:
-    """Sliders for moments of inertia, angular velocity, tilt and time."""
+def top(mo: ModuleType, query: Query) -> ui.dictionary:
+    """The quantity in the chart, a switch for each effect, and sliders for the body."""
     slider = mo.ui.slider
-    inertia = kept.numbers("body", [(0.5, 4)] * 3, BODY["I"])
-    rates = kept.numbers("omega", [(-20, 20)] * 3, BODY["w"])
-    [tilt] = kept.numbers("tilt", [(0, 3)], [BODY["tilt"]])
-    [time] = kept.numbers("time", [(1, 30)], [BODY["t"]])
-    sliders = {
+    watch = query.one_of("watch", list(WATCHED), "nutation")
+    on = query.some_of("effects", list(SWITCHES), ())
+    inertia = query.numbers("body", [(0.5, 4)] * 3, BODY["I"])
+    rates = query.numbers("omega", [(-20, 20)] * 3, BODY["w"])
+    [tilt] = query.numbers("tilt", [(0, 3)], [BODY["tilt"]])
+    [time] = query.numbers("time", [(1, 30)], [BODY["t"]])
+    quantities = {text: name for name, text in WATCHED.items()}
+    controls = {
+        "watch": mo.ui.dropdown(quantities, value=WATCHED[watch], label="quantity in the chart")
+    }
+    controls |= {
+        name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()
+    }
+    controls |= {
         f"I{k}": slider(0.5, 4, 0.1, value=x, label=f"I{k} in kg m²", show_value=True)
         for k, x in enumerate(inertia, 1)
     }
-    sliders |= {
-        f"w{k}": slider(-20, 20, 0.1, value=x, label=f"ω{k} in rad/s", show_value=True)
+    controls |= {
+        f"w{k}": slider(-20, 20, 0.1, value=x, label=f"Ω{k} in rad/s", show_value=True)
         for k, x in enumerate(rates, 1)
     }
-    sliders["tilt"] = slider(0, 3, 0.05, value=tilt, label="tilt in rad", show_value=True)
-    sliders["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
-    return mo.ui.dictionary(sliders)
-
-
-def switches(mo: ModuleType, kept: Kept) -> ui.dictionary:
-    """A switch for each effect."""
-    on = kept.some_of("effects", list(SWITCHES), ())
-    return mo.ui.dictionary(
-        {name: mo.ui.checkbox(value=name in on, label=text) for name, text in SWITCHES.items()}
+    controls["tilt"] = slider(
+        0, 3, 0.05, value=tilt, label="tilt of axis 3 in rad", show_value=True
     )
+    controls["t"] = slider(1, 30, 1, value=time, label="time in s", show_value=True)
+    return mo.ui.dictionary(controls)
 
 
-def watched(mo: ModuleType, kept: Kept) -> ui.dropdown:
-    """The quantity that is drawn, and for which the plan is made."""
-    options = {text: name for name, text in WATCHED.items()}
-    wanted = kept.one_of("watch", list(WATCHED), "nutation")
-    return mo.ui.dropdown(options, value=WATCHED[wanted], label="to watch")
-
-
-def kept_top(
-    numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str
-) -> dict[str, tuple[str, str]]:
-    """The values of the top that the address stores."""
+def top_case(values: Json) -> Json:
+    """The controls of the top as the arguments of its task."""
     return {
-        "body": (written([numbers[f"I{k}"] for k in (1, 2, 3)]), written(BODY["I"])),
-        "omega": (written([numbers[f"w{k}"] for k in (1, 2, 3)]), written(BODY["w"])),
-        "tilt": (written([numbers["tilt"]]), written([BODY["tilt"]])),
-        "time": (written([numbers["t"]]), written([BODY["t"]])),
-        "effects": (",".join(name for name, on in effects.items() if on), ""),
-        "watch": (watch, "nutation"),
+        "moments": _numbered("I", values),
+        "omega": _numbered("w", values),
+        "tilt": values["tilt"],
+        "t": values["t"],
+        "effects": [name for name in SWITCHES if values[name]],
+        "watch": [values["watch"]],
     }
 
 
-def top_case(numbers: Mapping[str, float], effects: Mapping[str, bool], watch: str) -> Json:
-    """Sliders and switches as the arguments of the task for the top."""
+def top_query(values: Json) -> dict[str, tuple[str, str]]:
+    """The values of the top that the address stores."""
+    case = top_case(values)
     return {
-        "moments": [numbers[f"I{k}"] for k in (1, 2, 3)],
-        "omega": [numbers[f"w{k}"] for k in (1, 2, 3)],
-        "tilt": numbers["tilt"],
-        "t": numbers["t"],
-        "effects": [name for name, wanted in effects.items() if wanted],
-        "watch": [watch],
+        "body": (numbers_text(case["moments"]), numbers_text(BODY["I"])),
+        "omega": (numbers_text(case["omega"]), numbers_text(BODY["w"])),
+        "tilt": (numbers_text([case["tilt"]]), numbers_text([BODY["tilt"]])),
+        "time": (numbers_text([case["t"]]), numbers_text([BODY["t"]])),
+        "effects": (",".join(case["effects"]), ""),
+        "watch": (values["watch"], "nutation"),
     }

@@ -1,4 +1,4 @@
-// Buttons that copy LaTeX. Pages that come over a plain network have no clipboard of their own.
+// Buttons that copy LaTeX. Pages that are served without encryption have no clipboard.
 document.addEventListener("click", async (event) => {
   const button = event.composedPath().find((e) => e.matches?.("button.copy"));
   if (!button) return;

@@ -1,4 +1,4 @@
-"""costs: what accuracy costs for the case on the screen, measured here and now."""
+"""costs: error against time for the case of another tab, measured on request."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from geomtorsion.spaces.first_motion import first_motion
 from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import table
 from geomtorsion.teaching.lab.plot import key, plane, svg
-from geomtorsion.teaching.lab.space_info import is_round_the_axis, space_of
+from geomtorsion.teaching.lab.space_info import is_around_the_axis, space_of
 from geomtorsion.teaching.lab.top import made, scene_of
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _RULES = ("trapezoid", "Gauss", "flux", "burgers_vector")
 _POINTS = (4, 8, 12, 16, 24, 32, 48)
-_CAPTION = "Lower and further right is better. Measured on this machine, just now."
+_CAPTION = "All times were measured now, on the machine that serves this page."
 
 
 def costs(kind: str, case: Json) -> Json:
@@ -43,7 +43,7 @@ def costs(kind: str, case: Json) -> Json:
 
     Returns
     -------
-    picture: svg. table, advice: HTML and text. rows: [name, asked, error, seconds], as measured.
+    picture: svg. table, advice: HTML and text. rows: [name, requested error, error, seconds].
 
     Examples
     --------
@@ -60,10 +60,10 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
     """Quadrature rules around a circle, against fifty digits."""
     frame = space_of(space).frame
     first, second = plane
-    if is_round_the_axis(space, centre, plane):
+    if is_around_the_axis(space, centre, plane):
         raise LoopError(
-            "the rules here are for circles in coordinates, and one about the axis is none in r "
-            "and phi. Move its centre off the axis."
+            "expected a circle in the coordinates r and φ, got a circle around the axis. Move its "
+            "centre away from the axis."
         )
     loop = Loop.circle([float(x) for x in centre], float(radius), (first, second))
     values = dict(first_motion(frame).parameters)
@@ -71,9 +71,9 @@ def _of_loop(space: str, centre: Sequence[float], radius: float, plane: Sequence
     rows = [[row.rule, row.asked, row.error, row.seconds] for row in found.rows]
     best = found.cheapest(1e-12)
     advice = (
-        f"Take {best.rule}: an error of {size_text(best.error, 0)} in {_time(best.seconds)}."
+        f"Take {best.rule}: its error is {size_text(best.error, 0)}, after {_time(best.seconds)}."
         if best
-        else "No rule comes below 1e-12 here."
+        else "No rule has an error below 1e-12 here."
     )
     return _shown(f"A circle of radius {number(radius)} in {space}", rows, advice)
 
@@ -134,7 +134,7 @@ def _shown(title: str, rows: list[list[Any]], advice: str) -> Json:
         [row[0], "–" if row[1] is None else size_text(row[1], 0), size_text(row[2]), _time(row[3])]
         for row in rows
     ]
-    listed = table(("", "asked", "error", "time"), body, "Every measurement")
+    listed = table(("method", "requested error", "error", "time"), body, "All measurements")
     return {
         "picture": svg(figure),
         "table": f"<details><summary>{len(rows)} measurements</summary>{listed}</details>",

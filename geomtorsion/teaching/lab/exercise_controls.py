@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.teaching.exercises.limits import MOST
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.kept import Kept
+from geomtorsion.teaching.lab.query import Query
 
 if TYPE_CHECKING:
     from marimo import ui
 
 
-def exercises(mo: ModuleType, listing: Json, kept: Kept) -> ui.dropdown:
+def exercises(mo: ModuleType, listing: Json, query: Query) -> ui.dropdown:
     """A list of all exercises."""
     every = {k: v for chapter in listing.get("chapters", {}).values() for k, v in chapter.items()}
     options = {f"{number} {title}": number for number, title in every.items()}
-    wanted = kept.one_of("exercise", list(options.values()), next(iter(options.values()), None))
+    wanted = query.one_of("exercise", list(options.values()), next(iter(options.values()), None))
     first = next((title for title, number in options.items() if number == wanted), None)
     return mo.ui.dropdown(options, value=first, label="exercise")
 
 
-def seed(mo: ModuleType, kept: Kept) -> ui.number:
+def seed(mo: ModuleType, query: Query) -> ui.number:
     """A field for the variant."""
-    [wanted] = kept.numbers("variant", [(0, MOST.seed)], [0])
+    [wanted] = query.numbers("variant", [(0, MOST.seed)], [0])
     return mo.ui.number(0, MOST.seed, 1, value=int(wanted), label="variant")
 
 
@@ -41,12 +41,12 @@ def variant(typed: float | None) -> float:
     return int(number) if float(number).is_integer() else number
 
 
-def answers(mo: ModuleType, exercise: Json, kept: Kept) -> ui.batch:
+def answers(mo: ModuleType, exercise: Json, query: Query) -> ui.batch:
     """A field for each question; an answer is checked when it is sent."""
     fields, parts = {}, []
     for number, question in enumerate(exercise.get("questions", ())):
         key = f"q{number}"
-        typed = kept.text(_answer_key(exercise, number), "")
+        typed = query.text(_answer_key(exercise, number), "")
         fields[key] = _field(mo, question, typed)
         # Braces mark the fields in the template.
         prompt = question["prompt"].replace("{", "{{").replace("}", "}}")
@@ -61,7 +61,7 @@ def _answer_key(exercise: Json, number: int) -> str:
     return f"answer{exercise['number']}.{exercise['seed']}.{number + 1}"
 
 
-def kept_exercise(exercise: Json, first: str, values: Json) -> dict[str, tuple[str, str]]:
+def exercise_query(exercise: Json, first: str, values: Json) -> dict[str, tuple[str, str]]:
     """The values of an exercise that the address stores: its number, variant and answers."""
     if "number" not in exercise:
         return {}

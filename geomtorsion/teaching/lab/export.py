@@ -34,7 +34,7 @@ PATHS: tuple[tuple[str, tuple[float, ...]], ...] = (
 )  # fmt: skip
 TOPS: Mapping[str, Json] = {
     "A body that tumbles": {"moments": (1, 2, 3), "omega": (0.1, 2, 0.1), "tilt": 0.3, "t": 12},
-    "A symmetric body": {"moments": (1, 1, 1.8), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
+    "A symmetric body": {"moments": (2, 2, 1), "omega": (1, 0, 2), "tilt": 0.3, "t": 12},
     "A heavy top": {
         "moments": (0.5, 0.5, 0.9), "omega": (0, 0, 8), "tilt": 0.5, "t": 8,
         "effects": ("gravity", "pivot"),
@@ -83,7 +83,7 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
     """File name -> page, the index first."""
     makers = {
         views.COMPASS: compass, views.LOOPS: loops, views.PATHS: curves, views.TOP: tops,
-        views.COSTS: measured, views.TETRAD: tetrads, views.EXERCISES: exercises,
+        views.COSTS: cost_tables, views.TETRAD: tetrads, views.EXERCISES: exercises,
     }  # fmt: skip
     found = {}
     for tab, maker in makers.items():
@@ -93,7 +93,9 @@ def pages(progress: Progress = lambda _: None) -> dict[str, str]:
         f'<li><a href="{_file(tab)}">{escape(tab)}</a>: {escape(text)}</li>'
         for tab, text in views.TABS.items()
     )
-    note = "<p>Made by geomtorsion; <code>geomtorsion lab</code> serves the same to play with.</p>"
+    note = (
+        "<p>Made by geomtorsion; <code>geomtorsion lab</code> serves these pages with controls.</p>"
+    )
     return {"index.html": _page("Torsion lab", f"<ul>{links}</ul>{note}"), **found}
 
 
@@ -120,7 +122,7 @@ def _page(title: str, inner: str) -> str:
 
 
 def compass() -> str:
-    """Both ways on the globe, for some courses."""
+    """Both paths on the globe, for some courses."""
     slides = [
         f"<section><h3>course {course} degrees</h3>"
         f"{_nameless(views.compass(task('compass')(course=course)))}</section>"
@@ -193,7 +195,7 @@ def curves() -> str:
         known = space_info(name)
         speeds = {f"u{k}": value for k, value in enumerate(known["velocity"])} | {"t": known["t"]}
         inertia = {f"I{k}": value for k, value in enumerate(moments)}
-        reply = task("paths")(**path_case(name, speeds, inertia))
+        reply = task("paths")(**path_case(name, speeds | inertia))
         with_moments = f", moments of inertia {moments}" if moments else ""
         shown = _nameless(views.paths(reply) + views.paths_below(reply))
         title = f"{name}: {known['title']}{with_moments}"
@@ -211,8 +213,8 @@ def tops() -> str:
     return "".join(parts)
 
 
-def measured() -> str:
-    """What accuracy costs, measured while the page was written."""
+def cost_tables() -> str:
+    """Error against time, measured while the page was written."""
     known = space_info("so3")
     loop = {"space": "so3", "centre": known["start"], "radius": 0.3, "plane": known["planes"][0]}
     path = {"space": "so3", "velocity": known["velocity"], "t": known["t"], "moments": [1, 2, 3]}

@@ -17,50 +17,100 @@ def _():
     import marimo as mo
 
     # Also imported here for this reason.
-    from geomtorsion.teaching.lab import anew, controls, exercise_controls, tetrad_controls, views
-    from geomtorsion.teaching.lab.kept import Kept, keep
+    from geomtorsion.teaching.lab import controls, exercise_controls, tetrad_controls, views
+    from geomtorsion.teaching.lab import element_keys as keys
+    from geomtorsion.teaching.lab.query import Query, store
     from geomtorsion.teaching.lab.tasks import common_runner
 
     runner = common_runner()
     # Content of the address when the page was opened.
-    kept = Kept.now(mo)
+    query = Query.now(mo)
     mo.Html(views.header())
-    return Kept, anew, controls, exercise_controls, keep, kept, mo, runner, tetrad_controls, views
+    return (
+        Query,
+        controls,
+        exercise_controls,
+        keys,
+        mo,
+        query,
+        runner,
+        store,
+        tetrad_controls,
+        views,
+    )
 
 
 @app.cell
-def _(controls, kept, mo):
-    tab = controls.tabs(mo, kept)
+def _(controls, mo, query):
+    tab = controls.tabs(mo, query)
     mo.vstack([tab])
     return (tab,)
 
 
+# -- controls of all tabs with pictures, and the cases that they describe -------------------------
+
+
 @app.cell
-def _(keep, mo, tab, views):
-    keep(mo, {"tab": (tab.value, views.COMPASS)})
+def _(controls, mo, query):
+    course = controls.course(mo, query)
+    loop_space = controls.spaces(mo, controls.FIRST_LOOP, query, "loop")
+    radius = controls.radius(mo, query)
+    path_space = controls.spaces(mo, controls.FIRST_PATH, query, "path")
+    top = controls.top(mo, query)
+    kind = controls.case_kind(mo, query)
+    return course, kind, loop_space, path_space, radius, top
+
+
+@app.cell
+def _(Query, controls, loop_space, mo, runner):
+    loop_facts = runner.ask("space_info", space=loop_space.value)
+    _own = Query.now(mo).of_case("loop", loop_space.value, controls.FIRST_LOOP)
+    place = controls.place(mo, loop_facts, _own)
+    return loop_facts, place
+
+
+@app.cell
+def _(Query, controls, mo, path_space, runner):
+    path_facts = runner.ask("space_info", space=path_space.value)
+    _own = Query.now(mo).of_case("path", path_space.value, controls.FIRST_PATH)
+    curve = controls.curve(mo, path_facts, _own)
+    return curve, path_facts
+
+
+@app.cell
+def _(course, curve, kind, loop_space, mo, path_space, place, radius, store, tab, top, views):
+    store(mo, {"tab": (tab.value, views.COMPASS)})
+    _panels = {
+        views.COMPASS: [course],
+        views.LOOPS: [loop_space, radius, *place.values()],
+        views.PATHS: [path_space, *curve.values()],
+        views.TOP: top.values(),
+        views.COSTS: [kind],
+    }
+    mo.stop(tab.value not in _panels)
+    mo.Html(views.controls(_panels[tab.value], "after"))
     return
+
+
+@app.cell
+def _(controls, curve, loop_facts, path_facts, place, radius, top):
+    _path = controls.path_case(path_facts["name"], curve.value)
+    cases = {
+        "loop": controls.loop_case(loop_facts, place.value, radius.value),
+        "straightest": _path,
+        "shortest": _path,
+        "top": controls.top_case(top.value),
+    }
+    return (cases,)
 
 
 # -- the compass --------------------------------------------------------------------------------
 
 
 @app.cell
-def _(controls, kept, mo):
-    course = controls.course(mo, kept)
-    return (course,)
-
-
-@app.cell
-def _(course, mo, tab, views):
+def _(controls, course, mo, runner, store, tab, views):
     mo.stop(tab.value != views.COMPASS)
-    mo.Html(views.controls([course], "after"))
-    return
-
-
-@app.cell
-def _(controls, course, keep, mo, runner, tab, views):
-    mo.stop(tab.value != views.COMPASS)
-    keep(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
+    store(mo, {"course": (f"{course.value:g}", f"{controls.PAGE.course:g}")})
     mo.Html(views.compass(runner.ask("compass", course=course.value)))
     return
 
@@ -69,17 +119,17 @@ def _(controls, course, keep, mo, runner, tab, views):
 
 
 @app.cell
-def _(kept, mo, tetrad_controls):
-    beginning = tetrad_controls.starts(mo, kept)
-    shown = tetrad_controls.offered(mo, kept)
+def _(mo, query, tetrad_controls):
+    beginning = tetrad_controls.starts(mo, query)
+    shown = tetrad_controls.offered(mo, query)
     return beginning, shown
 
 
 @app.cell
-def _(Kept, anew, beginning, mo, runner, tetrad_controls):
+def _(Query, beginning, keys, mo, runner, tetrad_controls):
     tetrad_facts = tetrad_controls.facts(beginning.value, runner)
-    _own = Kept.now(mo).of_case("start", beginning.value, tetrad_controls.first_start())
-    anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, 4)
+    _own = Query.now(mo).of_case("start", beginning.value, tetrad_controls.first_start())
+    keys.skip_numbers(mo, list(beginning.options.values()), beginning.value, 4)
     names = tetrad_controls.names(mo, tetrad_facts, _own)
     # Current entries: the fields are created again when coordinates are renamed.
     typed = tetrad_controls.typed(tetrad_facts, _own)
@@ -87,9 +137,9 @@ def _(Kept, anew, beginning, mo, runner, tetrad_controls):
 
 
 @app.cell
-def _(anew, beginning, mo, names, tetrad_controls, typed):
+def _(beginning, keys, mo, names, tetrad_controls, typed):
     columns = tetrad_controls.coordinates(names.value)
-    anew.numbers_apart(mo, list(beginning.options.values()), beginning.value, tetrad_controls.MOST)
+    keys.skip_numbers(mo, list(beginning.options.values()), beginning.value, tetrad_controls.MOST)
     entries = tetrad_controls.entries(mo, columns, typed)
     return columns, entries
 
@@ -99,11 +149,11 @@ def _(
     beginning,
     columns,
     entries,
-    keep,
     mo,
     names,
     runner,
     shown,
+    store,
     tab,
     tetrad_controls,
     tetrad_facts,
@@ -115,12 +165,14 @@ def _(
     _rows = tetrad_controls.rows(entries.value, len(columns))
     _show = [name for name, wanted in shown.value.items() if wanted]
     tetrad_reply = runner.ask("tetrad", **tetrad_controls.tetrad_case(names.value, _rows, _show))
-    keep(mo, tetrad_controls.kept_tetrad(beginning.value, tetrad_facts, names.value, _rows, _show))
+    store(
+        mo, tetrad_controls.tetrad_query(beginning.value, tetrad_facts, names.value, _rows, _show)
+    )
     return (tetrad_reply,)
 
 
 @app.cell
-def _(anew, beginning, columns, entries, mo, names, shown, tab, tetrad_reply, views):
+def _(beginning, columns, entries, keys, mo, names, shown, tab, tetrad_reply, views):
     mo.stop(tab.value != views.TETRAD)
     _size = len(columns)
     _cells = [
@@ -131,11 +183,9 @@ def _(anew, beginning, columns, entries, mo, names, shown, tab, tetrad_reply, vi
     mo.vstack(
         [
             mo.Html(views.controls([beginning])),
-            mo.Html(anew.drawn_anew(views.controls(names.values()), beginning.value)),
-            mo.Html(
-                anew.drawn_anew(views.wrapped(views.grid(_cells, _size)), beginning.value, _size)
-            ),
-            mo.accordion({"What to show": mo.Html(views.controls(list(shown.values())))}),
+            mo.Html(keys.keyed(views.controls(names.values()), beginning.value)),
+            mo.Html(keys.keyed(views.wrapped(views.grid(_cells, _size)), beginning.value, _size)),
+            mo.accordion({"Quantities to show": mo.Html(views.controls(list(shown.values())))}),
         ]
     )
     return
@@ -152,39 +202,10 @@ def _(mo, tab, tetrad_reply, views):
 
 
 @app.cell
-def _(controls, kept, mo):
-    loop_space = controls.spaces(mo, controls.FIRST_LOOP, kept, "loop")
-    radius = controls.radius(mo, kept)
-    return loop_space, radius
-
-
-@app.cell
-def _(Kept, controls, loop_space, mo, runner):
-    loop_facts = runner.ask("space_info", space=loop_space.value)
-    _own = Kept.now(mo).of_case("loop", loop_space.value, controls.FIRST_LOOP)
-    centre = controls.centre(mo, loop_facts, _own)
-    plane = controls.plane(mo, loop_facts, _own)
-    return centre, loop_facts, plane
-
-
-@app.cell
-def _(centre, loop_space, mo, plane, radius, tab, views):
+def _(cases, controls, loop_facts, mo, place, radius, runner, store, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    mo.Html(views.controls([loop_space, plane, radius, *centre.values()], "after"))
-    return
-
-
-@app.cell
-def _(centre, controls, loop_space, plane, radius):
-    loop_case = controls.loop_case(loop_space.value, centre.value, radius.value, plane.value)
-    return (loop_case,)
-
-
-@app.cell
-def _(centre, controls, keep, loop_case, loop_facts, mo, plane, radius, runner, tab, views):
-    mo.stop(tab.value != views.LOOPS)
-    keep(mo, controls.kept_loop(loop_facts, centre.value, radius.value, plane.value))
-    loop_reply = runner.ask("loop", **loop_case)
+    store(mo, controls.loop_query(loop_facts, place.value, radius.value))
+    loop_reply = runner.ask("loop", **cases["loop"])
     mo.Html(views.loop(loop_reply))
     return (loop_reply,)
 
@@ -203,28 +224,28 @@ def _(mo, runner, tab, views):
     return
 
 
-# -- loops in a map that is given ---------------------------------------------------------------
+# -- loops in an uploaded map or image -----------------------------------------------------------
 
 
 @app.cell
 def _(controls, mo):
-    given = controls.upload(mo)
+    map_upload = controls.upload(mo)
     map_measure = controls.map_measure(mo)
-    return given, map_measure
+    return map_upload, map_measure
 
 
 @app.cell
-def _(given, mo, tab, views):
+def _(map_upload, mo, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    mo.Html(views.map_field(given))
+    mo.Html(views.map_field(map_upload))
     return
 
 
 @app.cell
-def _(given, mo, runner):
+def _(map_upload, mo, runner):
     # Only the worker reads the file.
-    mo.stop(not given.value)
-    map_file = given.value[0]
+    mo.stop(not map_upload.value)
+    map_file = map_upload.value[0]
     map_facts = runner.ask("map_facts", map_file.contents, name=map_file.name)
     return map_facts, map_file
 
@@ -245,15 +266,16 @@ def _(controls, map_facts, map_measure, mo):
 @app.cell
 def _(map_facts, map_file, map_measure, map_places, map_settings, mo, runner, tab, views):
     mo.stop(tab.value != views.LOOPS)
-    map_said = map_facts
+    map_state = map_facts
     if map_settings.value:
         _chosen = map_settings.value
-        map_said = runner.ask("map_facts", map_file.contents, name=map_file.name, **_chosen)
+        map_state = runner.ask("map_facts", map_file.contents, name=map_file.name, **_chosen)
     _controls = [*map_settings.values(), map_measure, *map_places.values()]
     mo.Html(
-        views.map_told(map_said) + views.controls(_controls if map_places.value else [], "measured")
+        views.map_description(map_state)
+        + views.controls(_controls if map_places.value else [], "measured")
     )
-    return (map_said,)
+    return (map_state,)
 
 
 @app.cell
@@ -263,18 +285,18 @@ def _(
     map_file,
     map_measure,
     map_places,
-    map_said,
     map_settings,
+    map_state,
     mo,
     runner,
     tab,
     views,
 ):
     # A cell above has already reported why the file cannot be read with these settings.
-    mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_said)
+    mo.stop(tab.value != views.LOOPS or not map_places.value or "problem" in map_state)
     _case = controls.map_case(map_facts, map_places.value, map_measure.value) | map_settings.value
     map_reply = runner.ask("map_circuit", map_file.contents, name=map_file.name, **_case)
-    mo.Html(views.measured(map_reply))
+    mo.Html(views.map_circuit(map_reply))
     return
 
 
@@ -282,38 +304,10 @@ def _(
 
 
 @app.cell
-def _(controls, kept, mo):
-    path_space = controls.spaces(mo, controls.FIRST_PATH, kept, "path")
-    return (path_space,)
-
-
-@app.cell
-def _(Kept, controls, mo, path_space, runner):
-    path_facts = runner.ask("space_info", space=path_space.value)
-    _own = Kept.now(mo).of_case("path", path_space.value, controls.FIRST_PATH)
-    velocity = controls.velocity(mo, path_facts, _own)
-    moments = controls.moments(mo, path_space.value, _own)
-    return moments, path_facts, velocity
-
-
-@app.cell
-def _(mo, moments, path_space, tab, velocity, views):
+def _(cases, controls, curve, mo, path_facts, runner, store, tab, views):
     mo.stop(tab.value != views.PATHS)
-    mo.Html(views.controls([path_space, *velocity.values(), *moments.values()], "after"))
-    return
-
-
-@app.cell
-def _(controls, moments, path_space, velocity):
-    path_case = controls.path_case(path_space.value, velocity.value, moments.value)
-    return (path_case,)
-
-
-@app.cell
-def _(controls, keep, mo, moments, path_case, path_facts, runner, tab, velocity, views):
-    mo.stop(tab.value != views.PATHS)
-    keep(mo, controls.kept_path(path_facts, velocity.value, moments.value))
-    path_reply = runner.ask("paths", **path_case)
+    store(mo, controls.path_query(path_facts, curve.value))
+    path_reply = runner.ask("paths", **cases["straightest"])
     mo.Html(views.paths(path_reply))
     return (path_reply,)
 
@@ -329,31 +323,10 @@ def _(mo, path_reply, tab, views):
 
 
 @app.cell
-def _(controls, kept, mo):
-    body = controls.body(mo, kept)
-    switches = controls.switches(mo, kept)
-    watched = controls.watched(mo, kept)
-    return body, switches, watched
-
-
-@app.cell
-def _(body, mo, switches, tab, views, watched):
+def _(cases, controls, mo, runner, store, tab, top, views):
     mo.stop(tab.value != views.TOP)
-    mo.Html(views.controls([watched, *switches.values(), *body.values()], "after"))
-    return
-
-
-@app.cell
-def _(body, controls, switches, watched):
-    top_case = controls.top_case(body.value, switches.value, watched.value)
-    return (top_case,)
-
-
-@app.cell
-def _(body, controls, keep, mo, runner, switches, tab, top_case, views, watched):
-    mo.stop(tab.value != views.TOP)
-    keep(mo, controls.kept_top(body.value, switches.value, watched.value))
-    top_reply = runner.ask("top", **top_case)
+    store(mo, controls.top_query(top.value))
+    top_reply = runner.ask("top", **cases["top"])
     mo.Html(views.top(top_reply))
     return (top_reply,)
 
@@ -369,24 +342,10 @@ def _(mo, tab, top_reply, views):
 
 
 @app.cell
-def _(controls, kept, mo):
-    kind = controls.case_kind(mo, kept)
-    return (kind,)
-
-
-@app.cell
-def _(keep, kind, mo, tab, views):
+def _(cases, kind, mo, runner, store, tab, views):
     mo.stop(tab.value != views.COSTS)
-    keep(mo, {"measure": (kind.value, "loop")})
-    mo.Html(views.controls([kind]))
-    return
-
-
-@app.cell
-def _(kind, loop_case, mo, path_case, runner, tab, top_case, views):
-    mo.stop(tab.value != views.COSTS)
-    _case = {"loop": loop_case, "top": top_case}.get(kind.value, path_case)
-    mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=_case)))
+    store(mo, {"measure": (kind.value, "loop")})
+    mo.Html(views.costs(runner.ask("costs", kind=kind.value, case=cases[kind.value])))
     return
 
 
@@ -394,18 +353,18 @@ def _(kind, loop_case, mo, path_case, runner, tab, top_case, views):
 
 
 @app.cell
-def _(exercise_controls, kept, mo, runner):
-    exercise = exercise_controls.exercises(mo, runner.ask("listing"), kept)
-    seed = exercise_controls.seed(mo, kept)
+def _(exercise_controls, mo, query, runner):
+    exercise = exercise_controls.exercises(mo, runner.ask("listing"), query)
+    seed = exercise_controls.seed(mo, query)
     return exercise, seed
 
 
 @app.cell
-def _(Kept, exercise, exercise_controls, mo, runner, seed):
+def _(Query, exercise, exercise_controls, mo, runner, seed):
     _variant = exercise_controls.variant(seed.value)
     stated = runner.ask("exercise", number=exercise.value, seed=_variant)
     # Includes the text typed before the user switched to another exercise.
-    fields = exercise_controls.answers(mo, stated, Kept.now(mo))
+    fields = exercise_controls.answers(mo, stated, Query.now(mo))
     check = mo.ui.run_button(label="Check")
     hint = exercise_controls.next_hint(mo, stated)
     sent, send = mo.state(None)
@@ -427,11 +386,11 @@ def _(check, exercise, fields, mo, seed, stated, tab, views):
 
 
 @app.cell
-def _(exercise, exercise_controls, fields, keep, mo, stated, tab, views):
+def _(exercise, exercise_controls, fields, mo, stated, store, tab, views):
     mo.stop(tab.value != views.EXERCISES)
     # Each input is saved at once, so that a reload loses nothing.
     _first = next(iter(exercise.options.values()))
-    keep(mo, exercise_controls.kept_exercise(stated, _first, fields.value))
+    store(mo, exercise_controls.exercise_query(stated, _first, fields.value))
     return
 
 

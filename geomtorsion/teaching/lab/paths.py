@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,11 +12,11 @@ from geomtorsion.pictures.style import SERIES, STROKES, ends, number, visible
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.spaces import solve_pair
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.numbers import table
+from geomtorsion.teaching.lab.numbers import names_text, table
 from geomtorsion.teaching.lab.plot import key, mark, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import space_of
-from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
+from geomtorsion.teaching.lab.turning import Curve, Film, in_space, thinned
 
 if TYPE_CHECKING:
     from geomtorsion.spaces import Pair
@@ -77,35 +77,43 @@ def _drawn(pair: Pair) -> Json:
         places = places_of(pair)
         radius = _radius(places) if embedding.isometric else 0.0
         scene = Film(
-            name, embedding.title.capitalize(), _three(embedding.axes), _curves(places),
+            name, _capital(embedding.title), _three(embedding.axes), curves_of(pair),
             times=times_of(pair), globe=radius, equal=embedding.isometric,
         )  # fmt: skip
-        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+        return in_space(scene)
     if embedding is not None and len(embedding.place) == 2:
-        return {"picture": _plane(places_of(pair), embedding.axes, "In the plane", equal=True)}
+        picture = _plane(places_of(pair), embedding.axes, "The curves in the plane", equal=True)
+        return {"picture": picture}
     if embedding is not None and embedding.attitude is not None:
         scene = Film(
-            name, "Where the axes 1 and 3 of the body point", ("x", "y", "z"), _axes(pair),
-            times=times_of(pair), globe=1.0, note="Pale: behind the globe.",
+            name, "Directions of the body axes 1 and 3", ("x", "y", "z"), _axes(pair),
+            times=times_of(pair), globe=1.0, note="Pale lines: behind the globe.",
         )  # fmt: skip
-        return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+        return in_space(scene)
     names = tuple(greek_name(symbol.name) for symbol in pair.symbols)
-    places = pair.coordinates
+    title = f"The curves in the coordinates {names_text(names[:3])}"
     if len(names) == 2:
-        return {"picture": _plane(places, names, "In the chart", equal=False)}
-    title = f"In the chart: {', '.join(names[:3])}"
-    first = {curve: points[:, :3] for curve, points in places.items()}
-    scene = Film(name, title, _three(names), _curves(first), times=times_of(pair))
-    return {"space": turnable(scene), "title": f"Film: {scene.title}"}
+        return {"picture": _plane(pair.coordinates, names, title, equal=False)}
+    return in_space(Film(name, title, _three(names), curves_of(pair), times=times_of(pair)))
 
 
 def places_of(pair: Pair) -> dict[str, np.ndarray]:
     """Positions of both curves in the space in which they are drawn."""
-    assert pair.embedding is not None
+    if pair.embedding is None or not pair.embedding.place:
+        return {curve: points[:, :3] for curve, points in pair.coordinates.items()}
     return {
         curve: pair.embedding.places(points, pair.parameters)
         for curve, points in pair.coordinates.items()
     }
+
+
+def _capital(title: str) -> str:
+    """A title with a capital letter, unless it begins with a symbol.
+
+    >>> _capital("path of the body"), _capital("r, θ, φ as in flat space")
+    ('Path of the body', 'r, θ, φ as in flat space')
+    """
+    return title[:1].upper() + title[1:] if title[1:2].isalpha() else title
 
 
 def _three(names: Sequence[str]) -> tuple[str, str, str]:
@@ -124,10 +132,11 @@ def times_of(pair: Pair) -> list[float]:
     return thinned(pair.times.tolist())
 
 
-def _curves(places: dict[str, np.ndarray]) -> tuple[Curve, ...]:
+def curves_of(pair: Pair, labels: Mapping[str, str] = LABELS) -> tuple[Curve, ...]:
+    """Both curves as they are drawn in space."""
     return tuple(
-        Curve(thinned(points.tolist()), STROKES[curve], LABELS[curve])
-        for curve, points in places.items()
+        Curve(thinned(points.tolist()), STROKES[curve], labels[curve])
+        for curve, points in places_of(pair).items()
     )
 
 
@@ -158,13 +167,13 @@ def _distance(pair: Pair) -> str:
     """Their distance over time; on a logarithmic axis if the curves coincide."""
     times = pair.times[: len(pair.distance)]
     if pair.coincide:
-        figure, axes = plane("Distance: the two are one, to the accuracy", ("t", "distance"))
+        figure, axes = plane("Distance of the curves: zero within the accuracy", ("t", "distance"))
         axes.plot(times, visible(pair.distance), **DISTANCE.line)
-        axes.axhline(PAGE.accuracy, **SERIES[5].line, label="accuracy asked for")
+        axes.axhline(PAGE.accuracy, **SERIES[5].line, label="requested accuracy")
         axes.set_yscale("log")
         key(figure, axes)
         return svg(figure)
-    figure, axes = plane("Distance of the two over time", ("t", "distance"))
+    figure, axes = plane("Distance of the two curves over time", ("t", "distance"))
     stroke, last = DISTANCE, (times[-1], pair.distance[-1])
     axes.plot(times, pair.distance, **stroke.line)
     mark(axes, last, stroke.color, stroke.end, number(float(pair.distance[-1])))
@@ -183,14 +192,16 @@ def _table(pair: Pair) -> str:
         ]
         for curve, solution in pair.curves.items()
     ]
-    return table(("", "engine", "error", "time", "reached t"), rows, "How they were computed")
+    return table(
+        ("curve", "method", "error", "computing time", "last t"), rows, "Methods and errors"
+    )
 
 
 def _sentence(pair: Pair, largest: float) -> str:
     if pair.coincide:
-        said = f"Straightest and shortest are one curve here, to {size_text(largest, 0)}."
+        said = f"The straightest and the shortest curve coincide here, to {size_text(largest, 0)}."
     else:
         said = f"The straightest and the shortest curve separate by at most {largest:.4g}."
     kinds = {"autoparallel": "straightest", "geodesic": "shortest"}
-    ends = [f"The {kinds[curve]} path: {reason}" for curve, reason in pair.stops.items()]
+    ends = [f"The {kinds[curve]} curve: {reason}" for curve, reason in pair.stops.items()]
     return " ".join([said, *ends])

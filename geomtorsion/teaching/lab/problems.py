@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 # Kind of a question -> how it is answered.
 HOW = {
     "expression": "an expression, such as sin(phi2)/2",
-    "components": "index = value, such as {example}; or nested lists; indices from 1; what is left "
-    "out {rest}",
-    "equations": "equations with semicolons between, such as r'' = 0; phi'' = -phi'*r'/r",
-    "number": "a number, such as 0.25 or pi/4; several as [1, 2, 3]",
-    "choice": "one of the list",
+    "components": "index = value, such as {example}; or nested lists. Indices count from 1. A "
+    "component that you omit {rest}",
+    "equations": "equations, separated by semicolons, such as r'' = 0; phi'' = -phi'*r'/r",
+    "number": "a number, such as 0.25 or pi/4; write several numbers as [1, 2, 3]",
+    "choice": "choose from the list",
 }
 
 
@@ -34,7 +34,7 @@ def how(question: Question) -> str:
     --------
     >>> from geomtorsion.teaching import exercises
     >>> how(exercises.load("3.2").questions[0])
-    'an expression, such as sin(phi2)/2. Names that may occur: phi1, phi2'
+    'an expression, such as sin(phi2)/2. Available names: phi1, phi2'
     >>> how(exercises.load("1.1").questions[0]).partition(";")[0]
     'index = value, such as 1,1 = ...'
     """
@@ -47,7 +47,7 @@ def how(question: Question) -> str:
     if question.kind == "choice":
         return text
     names = ", ".join(symbol_names(question))
-    return f"{text}. Names that may occur: {names}" if names else f"{text}. No names occur in it"
+    return f"{text}. Available names: {names}" if names else f"{text}. It contains no names"
 
 
 def listing() -> Json:
@@ -141,8 +141,8 @@ def answer(number: str, seed: int, answers: Mapping[str, str]) -> Json:
     for name, text in given.items():
         if len(text) > PAGE.answer:
             raise LimitError(
-                f"{name}: the answer has {len(text):,} characters; {PAGE.answer:,} are enough for "
-                "every exercise. Write it shorter."
+                f"{name}: expected an answer of at most {PAGE.answer:,} characters, got "
+                f"{len(text):,}. Shorten it: {PAGE.answer:,} are enough for every exercise."
             )
     verdict = exercises.load(number, seed).check(given)
     return {

@@ -45,7 +45,7 @@
     const button = event.composedPath().find((e) => e.matches?.("button[data-save]"));
     if (!button) return;
     event.stopImmediatePropagation();
-    // A picture that is drawn on a canvas says itself what it would be as SVG.
+    // A picture on a canvas writes its own SVG.
     const drawn = window.pictureAsSvg?.();
     const svg = drawn ? null : button.parentElement.previousElementSibling;
     save(drawn ?? file(svg), button.dataset.save, named(drawn ? document.title : svg.getAttribute("aria-label") ?? ""));

@@ -50,7 +50,7 @@ ROUTES: Mapping[tuple[str, str], str] = {
     ("GET", "/android-chrome-512x512.png"): "the same, larger",
     ("GET", "/public-files-sw.js"): "a script that the front end registers when it begins",
     ("GET", "/health"): "whether the server is still there, asked when the page begins",
-    ("GET", "/auth/login"): "where a token is asked for, if there is one",
+    ("GET", "/auth/login"): "the form for the token, if there is one",
     ("POST", "/auth/login"): "the token that was typed",
     ("POST", CONTROL): "a slider was moved, a text typed, a file of a map given",
     ("WEBSOCKET", "/ws"): "the session: what the cells show",
@@ -141,20 +141,20 @@ class AccessControl:
         host = headers.get("host", "")
         name = _split(f"//{host}").hostname or ""
         if self.hosts and name not in self.hosts:
-            return 421, f"This page is not served as {name!r}."
+            return 421, f"This server is not called {name!r}. Use the address that it printed."
         origin = headers.get("origin", "")
         # A proxy may change the scheme, but not the host and port.
         if origin not in ("", "null") and _split(origin).netloc != host:
-            return 403, "Requests of other pages are not answered."
+            return 403, "This server answers only requests of its own page."
         reads = scope["type"] == "http" and scope.get("method", "GET") in ("GET", "HEAD")
         if origin == "null" and not reads:
-            return 403, "Requests of pages without a name are not answered."
+            return 403, "This server answers only requests that name its own page as origin."
         if not is_used(scope):
-            return 404, "The page has no use for this."
+            return 404, "This server has no such page. Open its first page, /."
         length = headers.get("content-length", "0")
         most = most_bytes(scope)
         if not length.isdecimal() or len(length) > 12 or int(length) > most:
-            return 413, f"A request may have {most:,} bytes."
+            return 413, f"This request is too large. The server reads at most {most:,} bytes."
         if scope["path"] == "/":
             most = self._full(scope)
             return (503, _FULL.format(most=most)) if most else None
@@ -331,7 +331,7 @@ async def _tell(send: Send, status: int, text: str) -> None:
 
 # First requests of the tabs; the motions among them are compiled.
 _SO3 = {"space": "so3", "velocity": [0.4, 0.3, 1.0], "t": 5.0}
-_TOP = {"moments": [1.0, 1.0, 1.8], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
+_TOP = {"moments": [2.0, 2.0, 1.0], "omega": [1.0, 0.0, 2.0], "tilt": 0.3, "t": 12.0}
 FIRST: tuple[tuple[str, Json], ...] = (
     ("compass", {"course": PAGE.course}),
     ("loop", {"space": "so3", "centre": [0.3, 1.0, 0.2], "radius": 0.3, "plane": [0, 1]}),
@@ -412,8 +412,8 @@ def application(address: Address, sessions: int = PAGE.sessions) -> Any:
         import marimo
     except ImportError:
         raise MissingExtraError(
-            "the page needs marimo, which is not installed. Run `pip install 'geomtorsion[lab]'`; "
-            "`geomtorsion lab --export DIR` writes pages without it."
+            "the page needs marimo, which is not installed. Run `pip install 'geomtorsion[lab]'`, "
+            "or write pages that need no server with `geomtorsion lab --export DIR`."
         ) from None
     builder = marimo.create_asgi_app(
         quiet=True,
@@ -487,7 +487,7 @@ def _socket(address: Address) -> socket.socket:
         reason = getattr(error, "strerror", None) or error
         raise LimitError(
             f"{address.host}, port {address.port} cannot be used: {str(reason).rstrip('.')}. "
-            "Give another with --port; --port 0 takes one that is free."
+            "Give another port with --port; --port 0 takes a free port."
         ) from None
     found.listen(128)
     return found

@@ -36,7 +36,7 @@ class Settings:
     Resolution
     ----------
     accuracy: relative error of motions. samples: of two curves. points: of a curve that are sent;
-    digits: of each. film: seconds that an animation lasts. film_points: of its curves.
+    digits: of each. duration: seconds that an animation lasts. frames: of an animation.
     least_times, most_times, each_turn: number of times at which a top is computed, and their
     number for each turn. reach: steps of a slider on either side of the start; step: usual size.
     across: pixels of a displayed picture. radius: of the first loop. course: of the first ship,
@@ -73,8 +73,8 @@ class Settings:
     samples: int = 241
     points: int = 600
     digits: int = 5
-    film: float = 12.0
-    film_points: int = 601
+    duration: float = 12.0
+    frames: int = 601
     least_times: int = 241
     most_times: int = 1201
     each_turn: int = 24

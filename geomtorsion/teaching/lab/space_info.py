@@ -133,12 +133,12 @@ def radius_name(frame: Frame) -> str:
     return "rho" if any(symbol.name == "R" for symbol in frame.field.symbols) else "R"
 
 
-def is_round_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
+def is_around_the_axis(space: str, centre: Sequence[object], plane: Sequence[int]) -> bool:
     """Whether a circle is centred on the axis of polar coordinates: it is not a circle in them.
 
     Examples
     --------
-    >>> [is_round_the_axis("wedge_disclination", [r, 0, 0], [0, 1]) for r in (0, 1)]
+    >>> [is_around_the_axis("wedge_disclination", [r, 0, 0], [0, 1]) for r in (0, 1)]
     [True, False]
     """
     return space in POLAR and centre[0] == 0 and set(plane) == {0, 1}

@@ -20,17 +20,16 @@ from geomtorsion.teaching.exercises.worker_pool import EXCEEDED, Json, WorkerPoo
 from geomtorsion.teaching.lab.settings import PAGE
 
 BROKEN = (
-    "this request could not be carried out: the worker ended. Nothing else is lost; "
-    "change the input and go on."
+    "the process that computed this request ended unexpectedly. Your other input is not lost. "
+    "Change this input and try again."
 )
 
 
 def too_long(seconds: str) -> str:
     """Message about a request that was stopped."""
     return (
-        f"this takes longer than the {seconds} s that a request on this page may take, so it was "
-        "stopped. Ask for something smaller, or use the command line, which waits as long as you "
-        "do."
+        f"expected a result within {seconds} s, got none, so the page stopped the computation. "
+        "Choose a smaller case, or use the command line, which has no time limit."
     )
 
 
@@ -40,9 +39,9 @@ def too_much(reply: Json) -> str:
     Examples
     --------
     >>> too_much({"exceeded": "memory"})
-    'this needs more memory than the page may use. Ask for less.'
+    'this case needs more memory than the page may use. Choose a smaller case.'
     """
-    return f"this needs more {reply[EXCEEDED]} than the page may use. Ask for less."
+    return f"this case needs more {reply[EXCEEDED]} than the page may use. Choose a smaller case."
 
 
 @dataclass(frozen=True)
@@ -69,8 +68,8 @@ TASKS: Mapping[str, Task] = {
     "tetrad": _task("tetrad", "tetrad", 10),
     "loop": _task("closure_failure", "closure_failure", 8),
     "atoms": _task("atoms", "atoms", 10),
-    "map_facts": _task("measured", "map_facts", 20),
-    "map_circuit": _task("measured", "map_circuit", 20),
+    "map_facts": _task("map_circuits", "map_facts", 20),
+    "map_circuit": _task("map_circuits", "map_circuit", 20),
     "compass": _task("compass", "compass", 10),
     "paths": _task("paths", "paths", 12),
     "top": _task("top", "top", 15),
@@ -96,7 +95,9 @@ def task(name: str) -> Task:
     10
     """
     if name not in TASKS:
-        raise UnknownNameError(f"no task is called {name!r}. There are: {', '.join(TASKS)}.")
+        raise UnknownNameError(
+            f"expected the name of a task, got {name!r}. Choose one of: {', '.join(TASKS)}."
+        )
     return TASKS[name]
 
 
@@ -110,8 +111,8 @@ def checked_length(text: str) -> str:
     """
     if len(text) > PAGE.request:
         raise LimitError(
-            f"what was typed has {len(text):,} characters in all; the page reads up to "
-            f"{PAGE.request:,}. Write shorter expressions, or use a tetrad file."
+            f"expected at most {PAGE.request:,} characters of input, got {len(text):,}. Write "
+            "shorter expressions, or use a tetrad file: `geomtorsion report FILE.toml`."
         )
     return text
 
@@ -126,8 +127,8 @@ def checked_file(content: bytes) -> bytes:
     """
     if len(content) > PAGE.upload:
         raise LimitError(
-            f"the file has {len(content):,} bytes; the page takes up to {PAGE.upload:,}. Cut a "
-            "smaller map out of it, or use it in Python, where it may be as large as memory allows."
+            f"expected a file of at most {PAGE.upload:,} bytes, got {len(content):,}. Cut out a "
+            "smaller map, or read the file in Python, where only the memory limits its size."
         )
     return content
 
@@ -140,7 +141,7 @@ def answer(request: Json) -> Json:
     >>> answer({"task": "space_info", "arguments": {"space": "s2"}})["coordinates"]
     ['theta', 'phi']
     >>> answer({"task": "dance", "arguments": {}})["problem"].split(".")[0]
-    "no task is called 'dance'"
+    "expected the name of a task, got 'dance'"
     """
     arguments = dict(request["arguments"])
     if "attached" in request:
@@ -171,7 +172,7 @@ class TaskRunner:
     ) -> None:
         self.limits = dict(limits or {})
         self.pool = WorkerPool(f"{__name__}:answer", workers, patience, errors_shown=True)
-        self.kept: OrderedDict[str, Json] = OrderedDict()
+        self.replies: OrderedDict[str, Json] = OrderedDict()
         self._characters = 0
         self._lock = threading.Lock()
 
@@ -193,9 +194,9 @@ class TaskRunner:
             key = checked_length(json.dumps(request))
             seconds = self.limits.get(name, task(name).seconds)
             with self._lock:
-                if key in self.kept:
-                    self.kept.move_to_end(key)
-                    return self.kept[key]
+                if key in self.replies:
+                    self.replies.move_to_end(key)
+                    return self.replies[key]
             found = self.pool.ask(sent, seconds)
         except (LimitError, UnknownNameError) as error:
             return {"problem": str(error)}
@@ -214,10 +215,10 @@ class TaskRunner:
             return
         key = json.dumps(request)
         with self._lock:
-            self.kept[key] = reply
+            self.replies[key] = reply
             self._characters += _length(key, reply)
             while self._characters > PAGE.kept:
-                self._characters -= _length(*self.kept.popitem(last=False))
+                self._characters -= _length(*self.replies.popitem(last=False))
 
     def warm(self, requests: Sequence[tuple[str, Json]] = ()) -> None:
         """Start all workers and let each run these tasks, in the background."""

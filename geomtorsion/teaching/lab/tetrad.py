@@ -43,7 +43,7 @@ OFFERED = {
     "kretschmann": "Kretschmann scalar",
 }
 USUAL = tuple(OFFERED)[:9]
-_REAL = "this page takes real entries, a tetrad file others with complex = true"
+_REAL = "give real entries, or use a tetrad file with complex = true"
 _NAME = re.compile(r"[^\W0-9]\w*")
 _PLACE = re.compile(r"coframe\[(\d+), (\d+)\]:?\s*")
 _FUNCTION = re.compile(r"([^\W0-9]\w*)\s*\(([^()]*)\)")
@@ -153,22 +153,22 @@ def functions_of(text: str, symbols: Mapping[str, sp.Symbol]) -> dict[str, sp.Ex
     rest = re.sub(r"[,;\s]+", "", _FUNCTION.sub("", text))
     if rest:
         raise CoordinateError(
-            f"unknown functions: {rest[:40]!r} is no function with its arguments. Write each with "
-            "what it depends on: a(t), f(r, theta)."
+            f"unknown functions: expected functions with arguments, got {rest[:40]!r}. Write each "
+            "with the variables on which it depends: a(t), f(r, theta)."
         )
     for name, inside in _FUNCTION.findall(text):
         arguments = names_of(inside, f"unknown function {name[:20]}")
         strange = [argument for argument in arguments if argument not in symbols]
         if not arguments or strange:
             raise CoordinateError(
-                f"unknown functions: {name[:20]} depends on "
-                f"{', '.join(strange)[:40] or 'nothing'}. Write coordinates or parameters as its "
-                f"arguments: {', '.join(symbols)}."
+                "unknown functions: expected coordinates or parameters as arguments of "
+                f"{name[:20]}, got {', '.join(strange)[:40] or 'none'}. Choose from: "
+                f"{', '.join(symbols)}."
             )
         if name in symbols or name in found:
             raise CoordinateError(
-                f"unknown functions: {name[:20]} stands twice among coordinates, parameters and "
-                "functions. Name it once."
+                f"unknown functions: expected different names for coordinates, parameters and "
+                f"functions, got {name[:20]} twice. Rename one of them."
             )
         [checked] = names_of(name, "unknown functions")
         found[checked] = sp.Function(checked)(*(symbols[argument] for argument in arguments))
@@ -192,8 +192,9 @@ def names_of(text: str, what: str = "names") -> list[str]:
     for name in found:
         if not _NAME.fullmatch(name) or len(name) > PAGE.name:
             raise CoordinateError(
-                f"{what}: {name[:40]!r} is no name. Write letters first, then letters and digits, "
-                "with commas between names: r, theta, phi1."
+                f"{what}: expected names, got {name[:40]!r}. Begin each name with a letter, "
+                f"use at most {PAGE.name} letters and digits, and separate names by commas: r, "
+                "theta, phi1."
             )
     return found
 
@@ -232,25 +233,28 @@ def signs_of(text: str, dimension: int) -> tuple[int, ...] | None:
     signs = ["-" if "-" in sign else "+" for sign in _SIGN.findall(plain)]
     if _SIGN.sub("", plain) or len(signs) != dimension:
         raise SignatureError(
-            f"signature: {dimension} signs + or - were needed, one for each row, but {text[:40]!r} "
-            f"came. Write {'-' + '+' * (dimension - 1)} or {'+' * dimension}."
+            f"signature: expected {dimension} signs + or -, one for each row, got {text[:40]!r}. "
+            f"Write {'-' + '+' * (dimension - 1)} or {'+' * dimension}."
         )
     return tuple(1 if sign == "+" else -1 for sign in signs)
 
 
 def _check_names(names: Sequence[str], constants: Sequence[str]) -> None:
     if not names:
-        raise CoordinateError("coordinates: at least one name was needed, such as r, phi.")
+        raise CoordinateError(
+            "coordinates: expected at least one name, got none. Write names, such as r, phi."
+        )
     if len(names) > PAGE.dimensions:
         raise LimitError(
-            f"{len(names)} coordinates came; this page reads up to {PAGE.dimensions}. "
-            "`geomtorsion report FILE.toml` takes more."
+            f"coordinates: expected at most {PAGE.dimensions}, got {len(names)}. Use "
+            "`geomtorsion report FILE.toml` for more."
         )
     every = [*names, *constants]
     twice = next((name for name in every if every.count(name) > 1), None)
     if twice:
         raise CoordinateError(
-            f"{twice} stands twice among coordinates and parameters. Name it once."
+            f"expected different names for coordinates and parameters, got {twice} twice. Rename "
+            "one of them."
         )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geomtorsion.pictures.text import greek_name
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.kept import Kept
+from geomtorsion.teaching.lab.query import Query
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.space_info import typable
 from geomtorsion.teaching.lab.tetrad import OFFERED, USUAL, names_like
@@ -29,10 +29,10 @@ def first_start() -> str:
     return next(iter(typable().values()))
 
 
-def starts(mo: ModuleType, kept: Kept) -> ui.dropdown:
+def starts(mo: ModuleType, query: Query) -> ui.dropdown:
     """The list of starting points: an empty tetrad or the tetrad of a space."""
     options: Json = {**typable(), **BLANK}
-    wanted = kept.one_of("start", list(options.values()), next(iter(options.values())))
+    wanted = query.one_of("start", list(options.values()), next(iter(options.values())))
     [first] = [title for title, value in options.items() if value == wanted]
     return mo.ui.dropdown(options, value=first, label="start from")
 
@@ -62,16 +62,16 @@ def blank(n: int) -> Json:
     return {"coordinates": names, "parameters": [], "functions": [], "signature": "", "coframe": []}
 
 
-def names(mo: ModuleType, info: Json, kept: Kept) -> ui.dictionary:
+def names(mo: ModuleType, info: Json, query: Query) -> ui.dictionary:
     """Fields for coordinates, parameters, unknown functions and signature."""
     hints = {
-        "coordinates": "r, phi", "parameters": "none", "unknown functions": "none; a(t), f(r)",
+        "coordinates": "r, phi", "parameters": "none", "unknown functions": "none, or a(t), f(r)",
         "signature": "all +",
     }  # fmt: skip
     return mo.ui.dictionary(
         {
             key: mo.ui.text(
-                value=kept.text(key.split()[-1], usual),
+                value=query.text(key.split()[-1], usual),
                 placeholder=hints[key],
                 label=key,
                 debounce=PAGE.pause,
@@ -109,17 +109,17 @@ def entries(mo: ModuleType, coordinates: Sequence[str], typed: Mapping[str, str]
     )
 
 
-def typed(info: Json, kept: Kept) -> dict[str, str]:
+def typed(info: Json, query: Query) -> dict[str, str]:
     """Entries of a coframe by "i,k", from a space or from the address of the page.
 
     Examples
     --------
-    >>> typed({"coframe": [["1", "0"], ["0", "r"]]}, Kept({"coframe": "1|0;0|r^2"}))
+    >>> typed({"coframe": [["1", "0"], ["0", "r"]]}, Query({"coframe": "1|0;0|r^2"}))
     {'0,0': '1', '0,1': '0', '1,0': '0', '1,1': 'r^2'}
     """
     known = info["coframe"]
-    if "coframe" in kept.texts:
-        known = [row.split("|") for row in kept.texts["coframe"].split(";")]
+    if "coframe" in query.texts:
+        known = [row.split("|") for row in query.texts["coframe"].split(";")]
     size = range(PAGE.dimensions)
     return {f"{i},{k}": known[i][k] for i in size[: len(known)] for k in size[: len(known[i])]}
 
@@ -135,7 +135,7 @@ def coordinates(values: Mapping[str, str]) -> list[str]:
     return names_like(values["coordinates"], PAGE.dimensions)
 
 
-def kept_tetrad(
+def tetrad_query(
     start: str | int,
     info: Json,
     values: Mapping[str, str],
@@ -170,9 +170,9 @@ def rows(values: Mapping[str, str], n: int) -> list[list[str]]:
     return [[values[f"{i},{k}"] for k in range(n)] for i in range(n)]
 
 
-def offered(mo: ModuleType, kept: Kept) -> ui.dictionary:
+def offered(mo: ModuleType, query: Query) -> ui.dictionary:
     """Boxes for the quantities that can be shown."""
-    wanted = kept.some_of("show", list(OFFERED), USUAL)
+    wanted = query.some_of("show", list(OFFERED), USUAL)
     return mo.ui.dictionary(
         {name: mo.ui.checkbox(value=name in wanted, label=text) for name, text in OFFERED.items()}
     )

@@ -17,7 +17,7 @@ from geomtorsion.teaching.exercises.worker_pool import Json
 from geomtorsion.teaching.lab.numbers import shown, table
 from geomtorsion.teaching.lab.plot import key, plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
-from geomtorsion.teaching.lab.turning import Curve, Film, thinned, turnable
+from geomtorsion.teaching.lab.turning import Curve, Film, in_space, thinned
 
 if TYPE_CHECKING:
     from geomtorsion.scenes import Scene, SceneResult
@@ -41,7 +41,7 @@ WATCHED = {
     "nutation": "nutation angle",
     "matrix": "attitude",
     "energy": "energy",
-    "position": "place",
+    "position": "position",
 }
 # Quantity -> labels of its components, and its unit.
 _SHOWN = {
@@ -104,8 +104,7 @@ def top(
         wrong = scene_of(moments, omega, tilt, t, naive, every, samples).run()
     plan = scene_of(moments, omega, tilt, t, acting, watch, samples)
     return {
-        "space": turnable(_film(result)),
-        "title": "Film: body cone and space cone",
+        **in_space(_cones(result)),
         "plan": _plan(plan),
         "compared": _compared(result, wrong, watch[0]),
         "table": _table(result, wrong),
@@ -155,59 +154,51 @@ def scene_of(
     )
 
 
-def _film(result: SceneResult) -> Film:
+def _cones(result: SceneResult) -> Film:
     """Body cone and space cone: one rolls on the other."""
     omega, fixed, turns = result["omega"], result["omega_space"], result["matrix"]
     size = float(np.linalg.norm(omega, axis=1).max()) or 1.0
     momentum = result["angular_momentum_space"]
     long = float(np.linalg.norm(momentum, axis=1).max()) or 1.0
-    tips = thinned((fixed / size).tolist(), PAGE.film_points)
+    tips = thinned((fixed / size).tolist(), PAGE.frames)
     curves = [
-        Curve(tips, _SPACE, "space cone: where ω points, in space", tip="ω"),
-        Curve(_rays(tips), replace(_SPACE, end=""), thin=True),
+        Curve(tips, _SPACE, "space cone: directions of ω in space", tip="ω", cone=True),
         Curve(
-            thinned(turns[:, :, 2].tolist(), PAGE.film_points),
+            thinned(turns[:, :, 2].tolist(), PAGE.frames),
             replace(_AXIS, width=1.4), "path of axis 3", tip="3",
         ),
         Curve(
             [(0, 0, 0), (momentum[0] / long).tolist()],
-            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start",
+            replace(_MOMENTUM, end="", width=2.0), "angular momentum at the start", tip="L",
         ),
     ]  # fmt: skip
-    polhode = thinned((omega / size).tolist(), PAGE.film_points)
-    moving = [
-        Curve(polhode, replace(_BODY, end="", width=2.4), "body cone: it rolls"),
-        Curve(_rays(polhode), replace(_BODY, end="", width=0.7)),
-    ]
-    axis = Stroke("#8a8f99", "-", 1.2, "")
-    moving += [
-        Curve([(0, 0, 0), end], axis, tip=name)
-        for name, end in (("1", (1, 0, 0)), ("2", (0, 1, 0)))
-    ]
-    moving.append(Curve([(0, 0, 0), (0, 0, 1)], axis))
+    polhode = thinned((omega / size).tolist(), PAGE.frames)
+    rim = replace(_BODY, end="", width=2.4)
+    axis = Stroke(_BODY.color, "-", 1.2, "")
+    # Axis 3 ends in the mark of its path, which has its number.
+    ends = {"1": (0.5, 0, 0), "2": (0, 0.5, 0), "": (0, 0, 1)}
+    moving = (
+        Curve(polhode, rim, "body cone: rolls on the space cone", cone=True),
+        *(Curve([(0, 0, 0), end], axis, tip=tip) for tip, end in ends.items()),
+    )
     return Film(
-        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), tuple(moving),
-        attitudes=thinned(turns.tolist(), PAGE.film_points),
-        times=thinned(result.times.tolist(), PAGE.film_points), equal=True,
+        "top", "Body cone and space cone", ("x", "y", "z"), tuple(curves), moving,
+        note="1, 2, 3: body axes. x, y, z: fixed axes, z is the vertical.",
+        attitudes=thinned(turns.tolist(), PAGE.frames),
+        times=thinned(result.times.tolist(), PAGE.frames), equal=True,
     )  # fmt: skip
-
-
-def _rays(tips: Sequence[Sequence[float]], count: int = 28) -> list[Sequence[float]]:
-    """A cone by its rays: from the origin to some of the tips and back."""
-    chosen = thinned(tips, count)
-    return [point for tip in chosen for point in ((0.0, 0.0, 0.0), tip, (0.0, 0.0, 0.0))]
 
 
 def _plan(scene: Scene) -> str:
     """A table of the simulated and the omitted parts."""
     plan = scene.selection
     rows = [
-        ["in" if row.inside else "left out", row.kind, row.name, row.reason] for row in plan.rows
+        ["included" if row.inside else "omitted", row.kind, row.name, row.reason]
+        for row in plan.rows
     ]
     watched = ", ".join(WATCHED.get(name, name) for name in scene.watch)
-    return table(
-        ("", "", "which", "why"), rows, f"To watch {watched}: {len(plan.states)} equations"
-    )
+    caption = f"Equations that are needed for the {watched}: {len(plan.states)}"
+    return table(("", "kind", "name", "reason"), rows, caption)
 
 
 def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str:
@@ -218,11 +209,11 @@ def _compared(result: SceneResult, wrong: SceneResult | None, watch: str) -> str
     apart = np.abs(right - other).max(axis=0)
     k = int((apart if apart.any() else np.ptp(right, axis=0)).argmax())
     label = names[k]
-    title = f"{label} over time" + ("" if wrong is None else ": right, and naive")
+    title = f"{label} over time" + ("" if wrong is None else ", by both laws")
     figure, axes = plane(title, ("t in s", f"{label} in {unit}" if unit else label), height=3.4)
-    axes.plot(result.times, right[:, k], **_RIGHT.line, label="right: L′ + Ω × L = M")
+    axes.plot(result.times, right[:, k], **_RIGHT.line, label="right law: L′ + Ω × L = M")
     if wrong is not None:
-        axes.plot(result.times, other[:, k], **_NAIVE.line, label="naive: L′ = M")
+        axes.plot(result.times, other[:, k], **_NAIVE.line, label="naive law: L′ = M")
     key(figure, axes)
     return svg(figure)
 
@@ -236,7 +227,7 @@ def _change(values: np.ndarray) -> float:
 def _table(result: SceneResult, wrong: SceneResult | None) -> str:
     """Engine, cost and conserved quantities of each solution."""
     rows = []
-    for name, found in (("right", result), ("naive", wrong)):
+    for name, found in (("right law", result), ("naive law", wrong)):
         if found is None:
             continue
         energy = found["energy"]
@@ -250,21 +241,21 @@ def _table(result: SceneResult, wrong: SceneResult | None) -> str:
                 shown(float(abs(energy - energy[0]).max()) / scale, PAGE.accuracy),
             ]
         )
-    heads = ("", "by", "error", "change of L in space", "change of energy")
-    return table(heads, rows, "How they were computed, and relative changes of L and energy")
+    heads = ("", "method", "error", "change of L in space", "change of energy")
+    return table(heads, rows, "Methods and errors, and relative changes of L and of the energy")
 
 
 def _sentence(result: SceneResult, wrong: SceneResult | None) -> str:
     """Description of the result in words."""
     change = _change(result["angular_momentum_space"])
-    kept = (
+    right = (
         "The angular momentum is constant in space"
         if change < 1e3 * PAGE.accuracy
         else "Torques act, so the angular momentum changes in space"
     )
     if wrong is None:
-        return f"{kept}. There is no naive law with torsion."
+        return f"{right}. With the torsion force there is no naive law to compare with."
     other = _change(wrong["angular_momentum_space"])
-    if other < 1e3 * PAGE.accuracy:
-        return f"{kept}; by the naive law too: here both laws say the same."
-    return f"{kept}; by the naive law it changes by {other:.1%}."
+    if max(change, other) < 1e3 * PAGE.accuracy:
+        return f"{right}. Both laws agree here."
+    return f"{right}. By the naive law it changes by {other:.1%}."

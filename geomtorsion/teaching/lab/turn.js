@@ -1,5 +1,5 @@
 "use strict";
-// A picture in space that can be turned: data stands in the element #data as JSON.
+// A picture in space that can be turned. The element #data holds its data as JSON.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const canvas = document.getElementById("space");
@@ -9,7 +9,7 @@
   let pen = canvas.getContext("2d");
   const SOFT = "#5c6475", INK = "#1d2330", FAINT = "#c9ccd1";
   const view = { turn: data.turn, tilt: 0.42, zoom: 1, ...kept() };
-  // The next picture of the film that runs; 0 where none does.
+  // The next frame of a running animation; 0 if none runs.
   let running = 0;
 
   function kept() {
@@ -19,18 +19,20 @@
     try { sessionStorage.setItem("view " + data.name, JSON.stringify(view)); } catch { /* not here */ }
   }
 
-  const still = data.curves.flatMap((curve) => curve.points);
-  const reach = (data.moving ?? []).flatMap((part) => part.points.map((p) => Math.hypot(...p)));
+  // Some points at some times show the extent of the moving parts.
+  const some = (all) => all.filter((_, k) => k % 16 === 0 || k === all.length - 1);
+  const moved = some(data.attitudes).flatMap((m) => data.moving.flatMap((part) => some(part.points).map((p) => turn(m, p))));
+  const still = [...data.curves.flatMap((curve) => curve.points), ...moved];
   const low = [0, 1, 2].map((k) => Math.min(...still.map((p) => p[k]), ...(data.globe ? [-data.globe] : [])));
   const high = [0, 1, 2].map((k) => Math.max(...still.map((p) => p[k]), ...(data.globe ? [data.globe] : [])));
-  const ball = Math.max(0, ...reach);
-  const centre = data.globe || ball ? [0, 0, 0] : low.map((a, k) => (a + high[k]) / 2);
+  const ball = Math.max(0, ...moved.map((p) => Math.hypot(...p)));
+  const centre = data.globe ? [0, 0, 0] : low.map((a, k) => (a + high[k]) / 2);
   const spans = low.map((a, k) => Math.max(high[k] - a, 1e-12));
   const widest = Math.max(...spans);
   // Unless lengths matter, each direction fills its share of the box.
   const scale = spans.map((s) => (data.equal || data.globe || ball ? 1 : (0.7 * widest) / Math.max(s, 1e-6 * widest)));
-  const far = ball ? Math.max(ball, ...still.map((p) => Math.hypot(...p))) : 0;
-  const radius = data.globe || far || Math.max(Math.hypot(...spans.map((s, k) => (s * scale[k]) / 2)), 1e-12);
+  const far = ball ? still.map((p) => Math.hypot(...p.map((x, k) => x - centre[k]))) : [Math.hypot(...spans.map((s, k) => (s * scale[k]) / 2))];
+  const radius = data.globe || Math.max(...far, 1e-12);
 
   function camera() {
     const a = view.turn, e = view.tilt;
@@ -61,7 +63,7 @@
       if (curve.mark) shape([44, 8, 1, 0], curve.mark, curve.color);
     }
   }
-  // A pen that writes SVG where that of a canvas draws.
+  // A pen with the methods of a canvas that writes SVG.
   class SvgPen {
     constructor(box) { Object.assign(this, { box, parts: [], path: "", dashes: [], globalAlpha: 1 }); }
     setLineDash(dashes) { this.dashes = dashes; }
@@ -97,7 +99,7 @@
   function draw() { drawn(blank(canvas)); }
   function drawn(box) {
     const eye = camera();
-    const unit = ((data.globe || ball ? 0.37 : 0.48) * Math.min(box.width, box.height) * view.zoom) / radius;
+    const unit = ((data.globe ? 0.37 : 0.48) * Math.min(box.width, box.height) * view.zoom) / radius;
     const place = (point) => {
       const p = point.map((x, k) => (x - centre[k]) * scale[k]);
       return [box.width / 2 + unit * dot(p, eye.right), box.height / 2 - unit * dot(p, eye.up), dot(p, eye.toward), Math.hypot(...p)];
@@ -105,10 +107,15 @@
     if (data.globe) globe(place, box, unit);
     axes(place);
     const k = now();
-    for (const curve of data.curves) line(curve.points.map(place), curve, curve.thin ? 1.2 : curve.width);
+    for (const curve of data.curves) {
+      const points = curve.points.map(place);
+      if (curve.cone) cone(place([0, 0, 0]), points, curve.color);
+      line(points, curve, curve.thin ? 1.2 : curve.width);
+    }
     for (const curve of data.curves) ends(curve, place, k);
-    for (const part of data.moving ?? []) {
+    for (const part of data.moving) {
       const turned = part.points.map((p) => turn(data.attitudes[k], p)).map(place);
+      if (part.cone) cone(place([0, 0, 0]), turned, part.color);
       line(turned, part, part.width);
       if (part.tip) label(turned[turned.length - 1], part.tip, part.color);
     }
@@ -141,13 +148,31 @@
     pen.globalAlpha = 1;
     pen.setLineDash([]);
   }
+  // A pale surface from the apex to a curve; all its triangles run the same way on the screen, so
+  // that one filling covers them evenly.
+  function cone(apex, points, color) {
+    pen.beginPath();
+    for (let i = 1; i < points.length; i++) {
+      const pair = [points[i - 1], points[i]];
+      const [a, b] = pair.map((p) => [p[0] - apex[0], p[1] - apex[1]]);
+      if (a[0] * b[1] < a[1] * b[0]) pair.reverse();
+      pen.moveTo(apex[0], apex[1]);
+      for (const p of pair) pen.lineTo(p[0], p[1]);
+      pen.closePath();
+    }
+    pen.fillStyle = color;
+    pen.globalAlpha = 0.18;
+    pen.fill();
+    pen.globalAlpha = 1;
+  }
   function ends(curve, place, k) {
-    if (!curve.mark) return;
-    const first = place(curve.points[0]);
-    shape(first, "o", INK);
-    const at = slider && data.times ? Math.min(k, curve.points.length - 1) : curve.points.length - 1;
-    const p = place(curve.points[at]);
-    shape(p, curve.mark, curve.color);
+    const last = curve.points.length - 1;
+    const p = place(curve.points[curve.mark && slider ? Math.min(k, last) : last]);
+    if (curve.cone) line([place([0, 0, 0]), p], { color: curve.color }, 3);
+    if (curve.mark) {
+      shape(place(curve.points[0]), "o", INK);
+      shape(p, curve.mark, curve.color);
+    }
     if (curve.tip) label(p, curve.tip, curve.color);
   }
   function shape(p, kind, color) {
@@ -192,7 +217,7 @@
     for (const ring of rings) line(ring.map((p) => place(p.map((x) => x * data.globe))), { color: "#e3e5e8" }, 1);
   }
   function axes(place) {
-    const long = data.globe ? 1.22 * data.globe : ball ? 1.15 * ball : null;
+    const long = data.globe ? 1.22 * data.globe : ball ? 0.75 * ball : null;
     const corner = long ? [0, 0, 0] : low;
     data.axes.forEach((name, k) => {
       const end = corner.slice();
@@ -204,7 +229,7 @@
     });
   }
 
-  function moved(turn, tilt, zoom = 1) {
+  function changeView(turn, tilt, zoom = 1) {
     view.turn += turn;
     view.tilt = Math.max(-1.55, Math.min(1.55, view.tilt + tilt));
     view.zoom = Math.max(0.4, Math.min(6, view.zoom * zoom));
@@ -215,7 +240,7 @@
   canvas.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
   canvas.addEventListener("pointermove", (event) => {
     if (!held) return;
-    moved(-0.01 * (event.clientX - held[0]), 0.01 * (event.clientY - held[1]));
+    changeView(-0.01 * (event.clientX - held[0]), 0.01 * (event.clientY - held[1]));
     held = [event.clientX, event.clientY];
   });
   for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, () => { held = null; });
@@ -223,7 +248,7 @@
     const steps = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 1.15], "-": [0, 0, 1 / 1.15] };
     // With a second key they belong to the browser: its own zoom, the page before.
     if (!(event.key in steps) || event.ctrlKey || event.metaKey || event.altKey) return;
-    moved(...steps[event.key]);
+    changeView(...steps[event.key]);
     event.preventDefault();
   });
   if (slider) {
@@ -234,7 +259,7 @@
       const gone = Math.max(0, Math.floor((time - last) / each));
       if (gone) {
         slider.value = Number(slider.value) + gone;
-        // What is left of the time counts for the next picture.
+        // The rest of the time counts for the next frame.
         last += gone * each;
         draw();
       }

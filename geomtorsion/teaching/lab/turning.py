@@ -22,14 +22,15 @@ from geomtorsion.teaching.lab.views import saving
 T = TypeVar("T")
 _STYLE = """
 * { box-sizing: border-box; }
-body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff; }
+body { margin: 0; font: 15px/1.4 system-ui, sans-serif; color: #1d2330; background: #fff;
+  display: flex; flex-direction: column; min-height: 100vh; }
 h1 { font-size: 15px; margin: 2px 0 4px; text-align: center; }
 canvas { display: block; width: 54px; height: 16px; }
-#space { width: 100%; height: 380px; touch-action: pan-y; cursor: grab; }
+#space { width: 100%; height: 300px; flex-grow: 1; touch-action: pan-y; cursor: grab; }
 canvas:focus-visible, button:focus-visible, input:focus-visible { outline: 3px solid #1f5fa8; }
-.film { display: flex; gap: 10px; align-items: center; margin: 4px 8px; }
-.film input { flex: 1; min-width: 60px; accent-color: #1f5fa8; }
-.film output { min-width: 6.5em; font-variant-numeric: tabular-nums; }
+.player { display: flex; gap: 10px; align-items: center; margin: 4px 8px; }
+.player input { flex: 1; min-width: 60px; accent-color: #1f5fa8; }
+.player output { min-width: 6.5em; font-variant-numeric: tabular-nums; }
 button { font: inherit; padding: 2px 14px; border: 1px solid #1f5fa8; border-radius: 6px;
   background: #fff; color: #1f5fa8; cursor: pointer; }
 ul { list-style: none; margin: 4px 8px; padding: 0; display: flex; flex-wrap: wrap; gap: 2px 18px; }
@@ -46,6 +47,7 @@ class Curve:
 
     points: positions. stroke: colour, dashes, end mark; a mark that is "" is not drawn.
     label: in the legend. tip: text at its moving end. thin: drawn as a thin line.
+    cone: with a pale surface to the origin, and for a fixed curve a line to its moving end.
     """
 
     points: Sequence[Sequence[float]]
@@ -53,6 +55,7 @@ class Curve:
     label: str = ""
     tip: str = ""
     thin: bool = False
+    cone: bool = False
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,7 @@ def turnable(scene: Film) -> str:
         "times": _rounded(scene.times),
         "globe": scene.globe,
         "equal": scene.equal,
-        "seconds": PAGE.film,
+        "seconds": PAGE.duration,
         "turn": scene.turn,
     }
     # In a script element only the end tag of the element ends the text.
@@ -107,7 +110,7 @@ def turnable(scene: Film) -> str:
     film = ""
     if len(scene.times) > 1:
         film = (
-            '<div class="film"><button id="play" type="button">Play</button>'
+            '<div class="player"><button id="play" type="button">Play</button>'
             f'<input id="time" type="range" min="0" max="{len(scene.times) - 1}" '
             f'value="{len(scene.times) - 1}" aria-label="time"><output id="clock"></output></div>'
         )
@@ -130,6 +133,12 @@ def turnable(scene: Film) -> str:
     )
 
 
+def in_space(scene: Film) -> Json:
+    """A picture in space as part of a reply: `space`, its document, and `title`."""
+    kind = "Animation" if len(scene.times) > 1 else "Figure"
+    return {"space": turnable(scene), "title": f"{kind}: {scene.title}"}
+
+
 @cache
 def _script() -> str:
     return Path(__file__).with_name("turn.js").read_text("utf-8")
@@ -147,6 +156,7 @@ def _plain(curve: Curve) -> Json:
         "points": [_rounded(point) for point in curve.points],
         "tip": curve.tip,
         "thin": curve.thin,
+        "cone": curve.cone,
     }
 
 

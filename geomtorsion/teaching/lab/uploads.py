@@ -20,17 +20,17 @@ from geomtorsion.teaching.lab.settings import PAGE
 
 # First bytes of other formats -> names of the formats.
 _OTHERS: dict[bytes, str] = {
-    b"\xff\xd8\xff": "a picture whose details were thrown away (JPEG)",
+    b"\xff\xd8\xff": "a JPEG image, whose compression loses details",
     b"\x89HDF": "HDF5 or NetCDF",
     b"CDF": "NetCDF",
-    b"\x80": "a pickle, which nobody here opens",
+    b"\x80": "a pickle, which could run code",
 }
 # Text that the page recognises by its content, and ends of images.
 TEXT_MAPS = tuple(reader.suffix for reader in READERS if reader.seems is not None)
 IMAGES = tuple(reader.suffix for reader in READERS if reader.kind is IMAGE)
-NEEDED = (
-    "a sampled frame (NPZ or CSV, as SampledFrame.save writes them), an orientation map "
-    f"({' or '.join(TEXT_MAPS)}) or a picture of a lattice (PNG, TIFF, NPY) was needed"
+EXPECTED = (
+    "expected a sampled frame (NPZ or CSV, as SampledFrame.save writes it), an orientation map "
+    f"({' or '.join(TEXT_MAPS)}) or a lattice image (PNG, TIFF, NPY)"
 )
 # Name of the file while it is read; messages replace it by the name that its owner gave.
 _STEM = "given-map"
@@ -58,9 +58,9 @@ def kind_of(content: bytes) -> str:
             return end
     for begin, what in _OTHERS.items():
         if content.startswith(begin):
-            raise FileFormatError(f"{NEEDED}, but the file is {what}. Save the map in one of them.")
+            raise FileFormatError(f"{EXPECTED}, got {what}. Save the map in one of these formats.")
     if not content.strip():
-        raise FileFormatError(f"{NEEDED}, but the file is empty. Choose another.")
+        raise FileFormatError(f"{EXPECTED}, got an empty file. Choose another file.")
     for reader in READERS:
         if reader.seems is not None and reader.seems(content):
             return reader.suffix
@@ -69,8 +69,8 @@ def kind_of(content: bytes) -> str:
     if b"," in row:
         return ".csv"
     raise FileFormatError(
-        f"{NEEDED}, but neither a header of columns nor that of an orientation map was found in "
-        "the file. Choose another."
+        f"{EXPECTED}, got a file without a header of columns and without a header of an "
+        "orientation map. Choose another file."
     )
 
 
@@ -114,20 +114,22 @@ def read_map(
             is_map = content_kind is MAP
             found = _orientations(path, threshold, laue) if is_map else _frame(path)
         except GeomtorsionError as error:
-            said = str(error).replace(str(path), title).replace(path.name, title)
+            text = str(error).replace(str(path), title).replace(path.name, title)
             # The error keeps its class: a LimitError stays a LimitError.
-            raise type(error)(said) from None
+            raise type(error)(text) from None
     shape = found.shape if isinstance(found, OrientationMap) else tuple(map(len, found.axes))
     count = 1
     for length in shape:
         count *= length
     if count > PAGE.nodes:
         raise LimitError(
-            f"{title}: the map has {count:,} nodes; the page takes up to {PAGE.nodes:,}. Cut a "
-            "smaller map out of it, or use it in Python."
+            f"{title}: expected a map of at most {PAGE.nodes:,} nodes, got {count:,}. Cut out a "
+            "smaller map, or read the file in Python."
         )
     if len(shape) < 2:
-        raise GridError(f"{title}: two axes or more were needed, but the map has one.")
+        raise GridError(
+            f"{title}: expected a map with at least two axes, got one. Choose another file."
+        )
     return found
 
 
@@ -176,10 +178,11 @@ def _check_unpacked(content: bytes) -> None:
             size = sum(member.file_size for member in archive.infolist())
     except (zipfile.BadZipFile, zlib.error, ValueError, OSError, RuntimeError, EOFError) as error:
         raise FileFormatError(
-            f"{NEEDED}, but the archive cannot be read ({error}). Is it complete? Save it again."
+            f"{EXPECTED}, got an archive that cannot be read ({error}). Check that the file is "
+            "complete, or save it again."
         ) from None
     if size > PAGE.unpacked:
         raise LimitError(
-            f"the archive holds {size:,} bytes; the page unpacks up to {PAGE.unpacked:,}. Cut a "
-            "smaller map out of it, or use it in Python."
+            f"expected an archive of at most {PAGE.unpacked:,} unpacked bytes, got {size:,}. Cut "
+            "out a smaller map, or read the file in Python."
         )

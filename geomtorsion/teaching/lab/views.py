@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, wraps
 from html import escape
 from pathlib import Path
 
@@ -28,140 +28,150 @@ class Guide:
 # Name of a tab -> the displayed objects, and an action to try: one sentence each.
 GUIDES: Mapping[str, Guide] = {
     "The compass": Guide(
-        "One ship keeps its compass course (solid blue), another sails along a great circle "
-        "(dashed orange), and torsion makes the two paths separate.",
-        "Move the course, press Play, and drag the globe to turn it: at 90 degrees the first ship "
-        "stays on its parallel, and the second one leaves it.",
+        "The blue ship keeps its compass course, the orange ship sails along a great circle, and "
+        "torsion separates their paths.",
+        "Press Play, drag the globe to turn it, and set the course to 90 degrees, where the blue "
+        "ship stays on its circle of latitude and the orange ship leaves it.",
     ),
     "Loops": Guide(
-        "The left figure shows a circle in two coordinates, and the right figure adds up the same "
-        "steps along the legs of the frame: the gap is the Burgers vector b.",
-        "Make the radius smaller and compare b with 2 S A; then choose screw_dislocation, where b "
-        "is the same for every circle around the line.",
+        "The blue curve is a closed loop in two coordinates, the green curve adds up the same "
+        "steps along the legs of the frame, and its gap (orange) is the Burgers vector b.",
+        "Make the radius smaller and compare b with 2 S A in the table, then choose the space "
+        "screw_dislocation, where b is the same for every circle around the line.",
         {
-            "b": "the Burgers vector: the gap between start and end of the image of a closed loop, "
+            "b": "the Burgers vector: the gap between the start and the end of the green curve, "
             "one component for each leg of the frame.",
             "X¹, X², ...": "the sums of the steps along legs 1, 2, ...: the coordinates of the "
-            "right figure.",
-            "flux of torsion": "the integral of the torsion over a surface that the loop bounds; "
-            "by Stokes' theorem it is b, unless the frame is singular on a line through the "
+            "green curve.",
+            "flux of torsion": "the integral of the torsion over a surface inside the loop. By "
+            "Stokes' theorem it equals b, unless the frame is singular on a line through the "
             "surface.",
             "2 S A": "twice the torsion S at the centre times the area A inside the loop: the flux "
             "of a small loop.",
-            "colours": "blue is the loop, green its image, orange the gap b; a black dot is the "
-            "start.",
-            "units": "lengths have the unit in which the frame is written, angles are in radians.",
+            "black dot": "the start of each curve.",
+            "units": "lengths have the unit of the frame, and angles are in radians.",
         },
     ),
     "Straightest and shortest": Guide(
-        "Two curves leave one start with one velocity: the straightest (solid blue) keeps its "
-        "velocity along the legs of the frame, the shortest (dashed orange) is a geodesic.",
-        "Press Play and turn the figure; then choose so3 and change the moments of inertia: with "
-        "equal moments both curves are one.",
+        "Two curves start at one point with one velocity: the straightest (solid blue) keeps its "
+        "velocity along the legs of the frame, and the shortest (dashed orange) is a geodesic.",
+        "Press Play and drag the figure to turn it, then choose the space so3 and change the "
+        "moments of inertia: with equal moments the two curves coincide.",
         {
-            "straightest (autoparallel)": "a curve whose components u1, u2, ... of the velocity "
-            "along the legs of the frame are constant.",
-            "shortest (geodesic)": "a curve such that no other curve between two close points of "
-            "it is shorter; the moments I1, I2, I3 are the weights of the squares of u1, u2, u3.",
-            "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration with which the straightest "
-            "curve leaves the shortest one; S is the torsion, q' the velocity in coordinates.",
+            "straightest (autoparallel)": "a curve whose velocity has constant components u1, u2, "
+            "... along the legs of the frame.",
+            "shortest (geodesic)": "the shortest connection of any two close points on it. The "
+            "moments I1, I2, I3 weight the squares of u1, u2, u3 in its length.",
+            "torsion force": "2 S_a^c_b q'^a q'^b, the acceleration that separates the straightest "
+            "curve from the shortest; S is the torsion, and q' the velocity in coordinates.",
             "t": "the time, the parameter of both curves.",
-            "colours": "blue is the straightest curve, orange the shortest, green their distance; "
-            "a black dot is the start, the other marks are the ends.",
-            "units": "lengths have the unit of the frame, angles are in radians; only the ratios "
-            "of the moments matter.",
+            "marks": "a black dot is the start, the other marks are the ends; the green line is "
+            "the distance of the two curves.",
+            "units": "lengths have the unit of the frame, and angles are in radians. Only the "
+            "ratios of the moments matter.",
         },
     ),
     "The top": Guide(
-        "A body turns: its angular velocity ω draws the body cone (orange), which rolls on the "
-        "space cone (blue), and the chart compares the right law with a wrong one.",
-        "Press Play; set all three moments to 2, where both laws agree; then switch on gravity "
-        "and the fixed point for a heavy top.",
+        "The angular velocity ω of a turning body is the line where its body cone (orange) rolls "
+        "on the space cone (blue), and the chart compares the right law of motion with a wrong "
+        "one.",
+        "Press Play, then set all three moments to 2, where both laws agree, and then switch on "
+        "gravity and the fixed point to get a heavy top.",
         {
-            "ω and Ω": "the angular velocity along the axes of space, and along the axes of the "
-            "body.",
-            "body cone": "the cone that ω draws in the body; it rolls without slipping on the "
-            "space cone.",
-            "space cone": "the cone that ω draws in space.",
-            "L and M": "the angular momentum and the torque, along the axes of the body; a prime "
-            "is the rate of change.",
-            "torsion force": "a force that bends free motion as torsion would: with it the body "
-            "follows the straightest curve and not the shortest one.",
-            "naive law": "L′ = M in body axes, without the term Ω × L: it forgets that the axes "
-            "turn with the body.",
-            "nutation": "the angle of body axis 3 from the vertical.",
-            "colours": "blue, orange, green and black belong to the animation, purple (right law) "
-            "and brown (naive law) to the chart; a black dot is the start.",
+            "ω": "the angular velocity, with components along the fixed axes x, y, z.",
+            "Ω": "the same angular velocity, with components Ω1, Ω2, Ω3 along the body axes 1, 2, "
+            "3; the sliders set it at the start.",
+            "body cone": "the cone of all directions of ω in the body. It rolls on the space cone "
+            "without slipping.",
+            "space cone": "the cone of all directions of ω in space.",
+            "I1, I2, I3": "the moments of inertia about the body axes.",
+            "L and M": "the angular momentum and the torque, along the body axes. A prime is the "
+            "rate of change.",
+            "torsion force": "a force that acts like torsion: with it, a free body follows the "
+            "straightest curve instead of the shortest.",
+            "naive law": "L′ = M in body axes. It omits the term Ω × L, which is there because the "
+            "body axes turn.",
+            "nutation": "the angle between body axis 3 and the vertical z; tilt is its value at "
+            "the start.",
+            "attitude": "the matrix R from body axes to the axes x, y, z.",
+            "black dot": "the start of a curve.",
         },
     ),
     "What accuracy costs": Guide(
-        "Each mark is one way to compute the case of another tab: further right is more accurate, "
-        "further down is faster.",
-        "Measure the loop and find the first rule with an error below 1e-12; then make the loop "
-        "smaller on its tab and measure again.",
+        "Each mark is one computation of the loop, the curves or the top of the other tabs: "
+        "further right is more accurate, and further down is faster.",
+        "Measure the loop and find the fastest rule with an error below 1e-12, then make the loop "
+        "smaller on its own tab and measure again.",
         {
-            "error": "the largest deviation relative to the largest component, measured against a "
-            "closed form or a computation with many more digits.",
+            "error": "the largest deviation divided by the largest component, against a closed "
+            "form or a computation with many more digits.",
+            "trapezoid, Gauss": "rules that integrate along the loop; each mark has another number "
+            "of points.",
+            "flux": "the integral of the torsion over the disk inside the loop.",
+            "burgers_vector": "the function of this library: it computes the loop and the flux and "
+            "estimates the error.",
+            "Taylor, RungeKutta": "the two methods of this library that solve equations of motion.",
         },
     ),
     "Any tetrad": Guide(
-        "Each row is a one-form, given by its coefficients of the coordinate differentials, and "
-        "below are the metric, the connections, the torsion and the curvature, computed exactly.",
-        "Start from flat_polar and read its torsion; then type cos(phi) and -r*sin(phi) into row "
-        "1, sin(phi) and r*cos(phi) into row 2: the metric is the same, the torsion is zero.",
+        "Each row of fields holds the coefficients of one one-form, and the page computes the "
+        "metric, the connections, the torsion and the curvature of all rows exactly.",
+        "Start from flat_polar, where the torsion is not zero, then type cos(phi) and -r*sin(phi) "
+        "into row 1, sin(phi) and r*cos(phi) into row 2: the metric stays the same and the torsion "
+        "vanishes.",
         {
-            "tetrad (coframe)": "n one-forms e^1, ..., e^n; they give the components of a step "
-            "along n legs at every point.",
-            "torsion S": "the part of the connection that is antisymmetric in its lower indices: "
-            "two small steps, taken in either order, end at different points.",
-            "contortion K": "the difference between the Cartan and the Levi-Civita connection.",
-            "unknown function": "a function such as a(t); its derivatives stay in the result.",
-            "indices": "coordinates stand for coordinate indices; frame indices are counted from 1 "
-            "and have a hat.",
+            "tetrad (coframe) e": "n one-forms e^1, ..., e^n: they give the components of a step "
+            "along n legs at every point. E are the legs, the inverse matrix.",
+            "signature, η": "the signs of the squares of the legs, and the diagonal matrix of "
+            "these signs.",
+            "torsion S": "the part of the connection that is antisymmetric in its lower indices. "
+            "Two small steps end at different points if their order is changed.",
+            "bar": "marks the Levi-Civita connection and its curvature.",
+            "contortion K": "the Cartan connection minus the Levi-Civita connection.",
+            "unknown function": "a function such as a(t). The result contains its derivatives.",
+            "indices": "the name of a coordinate is a coordinate index. A number with a hat counts "
+            "the legs of the frame from 1.",
         },
     ),
     "Exercises": Guide(
-        "Every equivalent form of an answer is right, and for a wrong answer the page names the "
-        "likely mistake; an answer that cannot be read costs no points.",
-        "Answer, read the verdict, and take a hint; variant 0 is the exercise from the paper, and "
-        "every other number gives another variant of the exercise.",
+        "The page checks your answer exactly, accepts every equivalent form of it, and names the "
+        "likely mistake if it is wrong.",
+        "Type an answer, press Check, and take a hint if you need one; every variant number is "
+        "another task of the same kind, and an unreadable answer costs no points.",
     ),
 }
 
-# The part of the tab for loops that takes a file.
+# Two more parts of the tab for loops.
 ATOMS = Guide(
-    "A square lattice with an edge dislocation, as elasticity bends it. Each bond is read as the "
-    "nearest lattice vector, and the right figure shows the same steps in a perfect lattice: the "
-    "gap of a circuit that closes in the crystal is b, in whole numbers.",
-    "Press Show a circuit. Then click circuits of your own: around the core, near it and far away, "
-    "and beside it. Then choose two opposite dislocations. Go around one, around the other, and "
-    "around both.",
+    "The first figure is a square crystal with an edge dislocation, and the second figure repeats "
+    "your steps in a perfect lattice, where the gap b of a closed circuit is a whole number of "
+    "lattice vectors.",
+    "Press Show a circuit, then click circuits of your own around the core and beside it, and "
+    "choose two opposite dislocations to go around one, the other and both.",
     {
-        "extra half plane": "the column of atoms that ends at the core: on its side a circuit has "
-        "a step more, and that is the step that is missing on the other.",
-        "core": "where the bonds are so bent that no lattice vector is clearly the nearest; "
-        "circuits stay outside of it, and it does not matter which way they take.",
+        "extra half plane": "the column of atoms that ends at the core. A circuit has one more "
+        "step on its side; this step is missing on the other side.",
+        "core": "the region where the bonds are too distorted to read. Circuits stay outside of "
+        "it, and their exact path does not matter.",
     },
 )
 MEASURED = Guide(
-    "A measured map: a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes "
-    f"it), an orientation map ({', '.join(TEXT_MAPS)}) or an image of a lattice (PNG, TIFF, NPY). "
-    "Colours show |b| per area of square circuits of one size, each at its middle; an image is "
-    "shown as it is. "
-    "The square outline is the circuit, and b is given for it. The page takes up to "
-    f"{PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes or {PAGE.pixels:,} pixels. The file stays in "
-    "the memory of the machine that serves this page.",
-    "Put the circuit around a bright spot, then beside it; make it larger and see the noise per "
-    "area fall; lead it across a grain boundary or the edge of a hole, and read what is said; in a "
-    "picture b is made of whole numbers: look where they change.",
+    "Choose a grid of a coframe or distortion (NPZ or CSV, as SampledFrame.save writes it), an "
+    f"orientation map ({', '.join(TEXT_MAPS)}) or a lattice image (PNG, TIFF, NPY). The page draws "
+    "it and reports b for the square circuit. Colours show |b| per area of the circuits of this "
+    f"size, each at its centre. The limits are {PAGE.upload / 1e6:g} MB, {PAGE.nodes:,} nodes and "
+    f"{PAGE.pixels:,} pixels. The file stays in the memory of the machine that serves this page.",
+    "Move the circuit to a bright spot and then beside it. Make it larger and watch the noise per "
+    "area fall. Move it across a grain boundary or the edge of a hole and read the message. In a "
+    "lattice image, look where the whole numbers change.",
     {
-        "whole numbers": "how often the phases of two waves of the lattice turn along the circuit: "
-        "in a picture b is exact, but for the chance that noise turns a phase once more.",
-        "noise": "one standard deviation of each component, from the noise of every node or pixel, "
-        "added up along this very circuit.",
-        "interpolation": "what another order of interpolation between the nodes would change.",
-        "|b| per area": "for an orientation map the density of dislocations that bend the lattice, "
-        "times the length of their Burgers vector.",
+        "whole numbers": "the number of turns of the phases of two lattice waves along the "
+        "circuit. In an image b is exact, unless noise turns a phase once more.",
+        "noise": "one standard deviation of each component, added up from the noise of each node "
+        "or pixel along this circuit.",
+        "interpolation": "the change of b with another order of interpolation between the nodes.",
+        "|b| per area": "for an orientation map, the density of the dislocations that bend the "
+        "lattice times the length of their Burgers vector.",
     },
 )
 
@@ -170,8 +180,8 @@ MEASURED = Guide(
 TABS = {
     "The compass": "A ship on a compass course and one on a great circle.",
     "Loops": "A closed loop whose image in the frame has a gap where there is torsion.",
-    "Straightest and shortest": "Two curves from one start, which torsion drives apart.",
-    "The top": "A turning body: the right law, a wrong one, and the equations that are needed.",
+    "Straightest and shortest": "Two curves with one start, separated by torsion.",
+    "The top": "A turning body: its cones, the right law and a wrong one, and its equations.",
     "What accuracy costs": "Error against time for the case of another tab.",
     "Any tetrad": "Type one-forms; read metric, connections, torsion and curvature, exactly.",
     "Exercises": "Tasks in variants, with verdicts and hints.",
@@ -209,9 +219,12 @@ def header() -> str:
 
 def intro(tab: str, *, still: bool = False) -> str:
     """The displayed objects of a tab, and an action to try if the page has controls."""
-    guide = GUIDES[tab]
+    return wrapped(_guide(GUIDES[tab], still=still))
+
+
+def _guide(guide: Guide, *, still: bool = False) -> str:
     tried = f'<p class="guide"><strong>Try:</strong> {escape(guide.tried)}</p>'
-    return wrapped(f'<p class="guide">{escape(guide.seen)}</p>{"" if still else tried}')
+    return f'<p class="guide">{escape(guide.seen)}</p>{"" if still else tried}'
 
 
 def words(tab: str) -> str:
@@ -262,126 +275,137 @@ def fault(reply: Json, i: int, k: int) -> str:
     return f'<pre class="fault" role="alert">✗ {escape(text)}</pre>' if text else ""
 
 
+def _or_problem(view: Callable[[Json], str]) -> Callable[[Json], str]:
+    """A view that shows the message of a reply without a result instead."""
+
+    @wraps(view)
+    def shown(reply: Json) -> str:
+        return wrapped(problem(reply) or view(reply))
+
+    return shown
+
+
+def _result(text: str, name: str = "") -> str:
+    """The sentence that sums up a result; name: id of its element."""
+    mark = f' id="{name}"' if name else ""
+    return f'<p class="result"{mark}>{text}</p>'
+
+
 def tetrad(reply: Json) -> str:
     """Cards of a tetrad, or its error."""
     faults = len(reply.get("errors", {}))
     message = ""
     if faults:
         entries = "1 entry" if faults == 1 else f"{faults} entries"
-        message = notice(f"{entries} cannot be read; the reason stands beside each.")
+        message = notice(f"{entries} cannot be read. Read the message below each, and correct it.")
     shown = reply.get("html", "")
     return wrapped(problem(reply) + message + shown + (words(TETRAD) if shown else ""))
 
 
+@_or_problem
 def loop(reply: Json) -> str:
     """A loop, its image, and a description of its Burgers vector."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
     pictures = "".join(f"<div>{picture}</div>" for picture in reply["pictures"])
-    said = f'<p class="said" id="loop-said">{escape(reply["sentence"])}</p>'
-    return wrapped(f'<div class="pair" id="loop">{pictures}</div>{said}')
+    result = _result(escape(reply["sentence"]), "loop-result")
+    return f'<div class="pair" id="loop">{pictures}</div>{result}'
 
 
 def loop_below(reply: Json) -> str:
     """The numbers of a loop, and its words."""
-    return wrapped(f'<div class="later">{reply.get("table", "")}{words(LOOPS)}</div>')
+    return _below(reply.get("table", ""), LOOPS)
 
 
+def _below(html: str, tab: str) -> str:
+    """Details and terms of a tab, which a phone shows below the controls."""
+    return wrapped(f'<div class="later">{html}{words(tab)}</div>')
+
+
+@_or_problem
 def atoms(reply: Json) -> str:
     """A crystal with clickable circuits, and an action to try."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
-    text = (
-        f'<h2>From atom to atom</h2><p class="guide">{escape(ATOMS.seen)}</p>'
-        f'<p class="guide"><strong>Try:</strong> {escape(ATOMS.tried)}</p>'
-    )
-    return wrapped(f'<div class="atoms" id="atoms">{text}{framed(reply)}</div>{_terms(ATOMS)}')
+    inner = f"<h2>From atom to atom</h2>{_guide(ATOMS)}{framed(reply)}"
+    return f'<div class="atoms" id="atoms">{inner}</div>{_terms(ATOMS)}'
 
 
 def map_field(field: object) -> str:
     """The purpose of an uploaded map or image, and the field for the file."""
-    text = (
-        f'<h2>A map or an image of your own</h2><p class="guide">{escape(MEASURED.seen)}</p>'
-        f'<p class="guide"><strong>Try:</strong> {escape(MEASURED.tried)}</p>'
-    )
-    return wrapped(f'<div class="measured">{text}<div class="controls">{field}</div></div>')
+    inner = f'<h2>A map or an image of your own</h2>{_guide(MEASURED)}<div class="controls">{field}'
+    return wrapped(f'<div class="measured">{inner}</div></div>')
 
 
-def map_told(facts: Json) -> str:
+def map_description(facts: Json) -> str:
     """Description of a map, or the reason why the file is not one."""
     if facts.get("problem"):
         return wrapped(f'<div class="measured" id="map-problem">{problem(facts)}</div>')
     return wrapped(f'<p class="measured" id="map-facts">{escape(facts["sentence"])}</p>')
 
 
-def measured(reply: Json) -> str:
+def map_circuit(reply: Json) -> str:
     """The picture of a map with a circuit, and its Burgers vector or the reason why it has none."""
     if reply.get("problem"):
-        return wrapped(f'<div class="measured" id="map-problem">{problem(reply)}</div>')
+        return map_description(reply)
     if reply.get("refused"):
         side = notice(reply["refused"])
     else:
-        side = f'<p class="said">{escape(reply["sentence"])}</p>{reply["table"]}'
+        side = _result(escape(reply["sentence"])) + reply["table"]
     picture = f'<div id="map">{reply["picture"]}</div>'
-    both = f'<div class="figures">{picture}<div id="map-said">{side}</div></div>'
+    both = f'<div class="figures">{picture}<div id="map-result">{side}</div></div>'
     return wrapped(f'<div class="measured">{both}{_terms(MEASURED)}</div>')
 
 
+@_or_problem
 def compass(reply: Json) -> str:
     """The globe with both paths."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
-    return wrapped(f'<div class="globe" id="compass">{framed(reply)}</div>')
+    return f'<div class="globe" id="compass">{framed(reply)}</div>'
 
 
+@_or_problem
 def paths(reply: Json) -> str:
     """Two curves and the distance between them."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
-    said = f'<p class="said" id="paths-said">{escape(reply["sentence"])}</p>'
     curves = framed(reply) or reply.get("picture", "")
-    side = f"<div>{said}{reply['distance']}</div>"
-    return wrapped(f'<div class="figures"><div>{curves}</div>{side}</div>')
+    return _figures(curves, _result(escape(reply["sentence"]), "paths-result"), reply["distance"])
+
+
+def _figures(left: str, result: str, chart: str) -> str:
+    """A picture, and beside it the result with a chart."""
+    return f'<div class="figures"><div>{left}</div><div>{result}{chart}</div></div>'
 
 
 def paths_below(reply: Json) -> str:
     """Methods and errors of two curves, and the terms."""
-    return wrapped(f'<div class="later">{reply.get("table", "")}{words(PATHS)}</div>')
+    return _below(reply.get("table", ""), PATHS)
 
 
+@_or_problem
 def costs(reply: Json) -> str:
     """Picture, advice and measurements."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
-    truth = f" Errors against {escape(reply['truth'])}." if "truth" in reply else ""
-    said = f'<p class="said" id="costs-said">{reply["advice"]}{truth}</p>'
-    picture = f'<div class="one">{reply["picture"]}</div>'
-    return wrapped(f"{said}{picture}{reply['table']}{words(COSTS)}")
+    truth = (
+        f" The errors are measured against {escape(reply['truth'])}." if "truth" in reply else ""
+    )
+    result = _result(reply["advice"] + truth, "costs-result")
+    return f'{result}<div class="one">{reply["picture"]}</div>{reply["table"]}{words(COSTS)}'
 
 
+@_or_problem
 def top(reply: Json) -> str:
     """An animation of the top, and the watched quantities, also by the naive law."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
-    said = f'<p class="said" id="top-said">{escape(reply["sentence"])}</p>'
-    side = f"<div>{said}{reply['compared']}</div>"
-    return wrapped(f'<div class="figures"><div>{framed(reply)}</div>{side}</div>')
+    result = _result(escape(reply["sentence"]), "top-result")
+    return _figures(framed(reply), result, reply["compared"])
 
 
 def top_below(reply: Json) -> str:
     """Method and errors of the top, its plan, and the terms."""
     plan = f'<div id="top-plan">{reply["plan"]}</div>' if "plan" in reply else ""
-    return wrapped(f'<div class="later">{reply.get("table", "")}{plan}{words(TOP)}</div>')
+    return _below(reply.get("table", "") + plan, TOP)
 
 
+@_or_problem
 def exercise(reply: Json) -> str:
     """Statement of an exercise."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
     head = f"<h2>{escape(reply['number'])} {escape(reply['title'])}</h2>"
     facts = f"{escape(reply['chapter'])}; {escape(reply['level'])}; variant {reply['seed']}"
     stated = f'<div class="sideways" id="statement">{reply["statement"]}</div>'
-    return wrapped(f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}')
+    return f'{head}<p class="note">{facts}</p>{stated}{reply["copy"]}'
 
 
 _LOOKS = {"right": ("right", "✓"), "wrong": ("wrong", "✗")}
@@ -394,7 +418,7 @@ def verdict(reply: Json | None) -> str:
     if reply.get("problem"):
         return wrapped(problem(reply))
     if not reply["questions"]:
-        return wrapped('<p class="note">Write an answer first.</p>')
+        return wrapped('<p class="note">Type an answer first.</p>')
     parts = []
     for one in reply["questions"]:
         look, sign = _LOOKS.get(one["state"], ("unread", "?"))
@@ -410,14 +434,12 @@ def verdict(reply: Json | None) -> str:
     return wrapped(f'<div class="sideways" id="verdict">{"".join(parts)}</div>')
 
 
+@_or_problem
 def steps(reply: Json) -> str:
     """Hints, in order."""
-    if reply.get("problem"):
-        return wrapped(problem(reply))
     items = "".join(f"<li>{hint}</li>" for hint in reply["hints"])
-    if not items:
-        return wrapped("")
-    return wrapped(f'<div class="sideways"><ol id="hints">{items}</ol></div>{reply["copy"]}')
+    hints = f'<div class="sideways"><ol id="hints">{items}</ol></div>{reply["copy"]}'
+    return hints if items else ""
 
 
 def framed(reply: Json) -> str:

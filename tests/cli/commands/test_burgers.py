@@ -244,7 +244,7 @@ def test_measured_circuits_that_fail(tmp_path) -> None:
     path = wall_file(tmp_path)
     options = ("--threshold", "1.5", "--sigma", "0.01", "--loop", "circle 3.5,3:2")
     message = run(path, *options, code=2).stderr
-    assert "lies in grain 0" in message
+    assert "is in grain 0" in message
     assert "threshold above 1.5" in message
     found = data(path, *options, "--loop", "circle 1.5,2:1", code=1)["results"]
     assert found[0]["kind"] == "OrientationError"

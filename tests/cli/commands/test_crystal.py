@@ -198,7 +198,7 @@ def test_what_is_no_crystal_is_told(tmp_path: Path) -> None:
     cases = {
         "of only": gas + rng.uniform(-2, 2, gas.shape),
         "is not finite": np.vstack([good, [[np.nan] * 3]]),
-        "20 atoms or more": good[:3],
+        "20 or more atoms": good[:3],
     }
     for message, places in cases.items():
         found = run(str(written(tmp_path, places)), code=2)

@@ -17,6 +17,20 @@ def test_equations_of_a_tetrad() -> None:
     assert "rotations: holds" in text
 
 
+def test_unknown_functions_are_named() -> None:
+    """f(T) and its derivatives are printed by the name of the invariant: E = f - 12 H^2 f'."""
+    text = run("gravity", "frw_flat", "-L", "f(T)").stdout
+    assert "E_1^1 = (a(t)^2*f(T) - 12*a'(t)^2*f'(T))/a(t)^2" in text
+    assert "Subs" not in text
+    assert "diff(g(T, T1), T, T1)" in run("gravity", "frw_flat", "-L", "g(T, T1)").stdout
+
+
+def test_invariants_of_one_value_keep_apart() -> None:
+    """R = R6 = 0: a derivative of f(R, R) would not show its argument."""
+    text = run("gravity", "schwarzschild", "-c", "levi-civita", "-L", "f(R, R6)").stdout
+    assert "E_1^1 = f(0, 0)" in text
+
+
 def test_a_solution_is_one_line() -> None:
     """Kerr solves TEGR, Schwarzschild solves R + alpha GB."""
     assert "\nE = 0\n" in run("gravity", "kerr").stdout

@@ -73,7 +73,8 @@ def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
     assert "cannot be read" in run("nothing.data", code=2).stderr
     damaged = tmp_path / "damaged.data"
     damaged.write_text(TRIANGLE.read_text("utf-8").replace("1.5e0", "x"), "utf-8")
-    assert "damaged.data: line 27: a position: a finite number" in run(str(damaged), code=2).stderr
+    said = run(str(damaged), code=2).stderr
+    assert "damaged.data: line 27: a position: expected a finite number, got 'x'" in said
     assert "--unit: expected a positive length" in run(str(TRIANGLE), "--unit", "-1", code=2).stderr
     assert "cubic, hexagonal, none" in run(str(TRIANGLE), "--symmetry", "hcp", code=2).stderr
 

@@ -35,3 +35,18 @@ def test_report_in_a_basis(tmp_path):
     bases = [json.loads(text)["quantities"] for text in texts]
     assert bases[0]["ricci"] != bases[1]["ricci"]
     assert "wrong" in run("report", "s2", "--basis", "wrong", code=2).stderr
+
+
+def test_report_with_field_equations(tmp_path):
+    """With -L: the equations, their Noether identities and the same as data; motions stay."""
+    out = tmp_path / "s2"
+    run("report", "schwarzschild_isotropic", "-L", "f(T)", "-o", str(out))
+    page = (out / "index.html").read_text("utf-8")
+    assert "Field equations" in page
+    assert "No motions" not in page
+    data = json.loads((out / "geometry.json").read_text("utf-8"))
+    assert set(data["field_equations"]["equations"]) == {"E", "E_[ij]"}
+    assert [one["holds"] for one in data["checks"]["Field equations"]] == [True, True]
+    run("report", "torsion_bounce", "-L", "R", "--no-pictures", "-o", str(out))
+    assert "Connection equation" in (out / "index.html").read_text("utf-8")
+    assert "-L" in run("report", "s2", "-c", "cartan", code=2).stderr

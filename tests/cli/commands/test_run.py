@@ -19,8 +19,8 @@ from tests.cli.running import run
 
 SLOW = """\
 watch = ["omega", "energy"]
-t = 400
-accuracy = 1e-10
+t = 1000
+accuracy = 3e-10
 [body]
 moments = [1, 2, 3]
 [[effects]]
@@ -236,7 +236,7 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
     interrupted.process.send_signal(signal.SIGINT)
     code, _, said = interrupted.ended()
     assert code == 130
-    assert "go on with --resume" in said
+    assert "resume with --resume" in said
 
     assert "wrote" in run(*given, "--resume").stdout
     (whole / "slow.toml").write_text(SLOW)
@@ -254,6 +254,20 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
     assert (one.error, one.drift) == (other.error, other.drift)
     tables = [(folder / "out" / "table.csv").read_bytes() for folder in (whole, parts)]
     assert tables[0] == tables[1]
+
+
+def test_interrupted_while_writing(tmp_path, no_pictures, monkeypatch):
+    """Ctrl-C after the last step keeps the run; --resume only writes it."""
+    given = ("run", "lagrange_cusp", "-o", str(tmp_path / "out"))
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("geomtorsion.cli.commands.run.write_run", interrupt)
+        assert "resume with --resume" in run(*given, code=130).stderr
+    assert "wrote" in run(*given, "--resume").stdout
+    assert not (tmp_path / "out" / "checkpoint.npz").exists()
 
 
 def test_proved_prints_certain_digits():

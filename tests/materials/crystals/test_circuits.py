@@ -109,19 +109,19 @@ def test_wrong_circuits_are_told():
         np.linalg.norm((crystal.positions - centre)[:, :2] - [4, 4], axis=1) < 1.2
     )
     for wrong, message in (
-        ([0, 1], "three different ones"),
+        ([0, 1], "expected three or more different atoms for a circuit, got 2"),
         ([0, 1, atoms], f"from 0 to {atoms - 1}"),
         ("abc", "list|whole number"),
     ):
         with pytest.raises(CrystalError, match=message):
             crystal.circuit(atoms=wrong)
-    with pytest.raises(CrystalError, match="another image|three different"):
+    with pytest.raises(CrystalError, match="another image|three or more different"):
         crystal.circuit(atoms=column[crystal.positions[column, 2].argsort()].tolist())
     for point, normal, radius, message in (
         (centre, [0, 0, 0], 5, "a direction"),
         (centre, [0, 0, 1], 1, "distance of neighbours"),
         (centre, [0, 0, 1], -1, "positive"),
-        (centre, [0, 0, 1], 1000, "no atom lies within"),
+        (centre, [0, 0, 1], 1000, "got no atom within"),
         ([0, 0, float("nan")], [0, 0, 1], 5, "finite"),
     ):
         with pytest.raises(CrystalError, match=message):

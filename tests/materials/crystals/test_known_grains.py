@@ -97,7 +97,7 @@ def test_lines_keep_b_and_grains_that_vanish_are_told(tmp_path):
     assert one["grain"] == two["grain"] == 1 - alone
     one, two = (frame["lines"][0] for frame in followed(told)[:2])
     assert (one["track"], one["burgers"]) == (two["track"], two["burgers"])
-    with pytest.raises(CrystalError, match=rf"number: that of a grain was needed \({alone}, 2\)"):
+    with pytest.raises(CrystalError, match=rf"expected the number of a grain \({alone}, 2\)"):
         crystals[3].grain(1 - alone)
     # A run that ends after two frames is taken up again, and gives the same to the last bit.
     folder = tmp_path / "frames"

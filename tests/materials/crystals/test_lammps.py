@@ -180,7 +180,7 @@ def test_species_on_the_command_line(tmp_path: Path):
     shown = run("crystal", str(path), "--species", "1", "--format", "json")
     (frame,) = json.loads(shown.stdout)["frames"]
     assert (frame["atoms"], frame["lattice"], frame["lines"]) == (256, "fcc", [])
-    assert "expected some of those in the file (1, 2), got 'U'" in run(
+    assert "expected species of the file (1, 2), got 'U'" in run(
         "crystal", str(path), "--species", "U", code=2
     ).stderr.replace("\n", " ").replace("  ", " ")
 
@@ -234,14 +234,14 @@ REFUSED = [
     ("net.data", NETWORK, "expected atoms, got a network of dislocation lines"),
     ("box.data", NO_BOX, "expected the box of the atoms .ylo yhi."),
     ("side.data", BAD_BOX, "line 6: ylo yhi: expected 2 numbers, got '0 wide'"),
-    ("mixed.data", MIXED, "expected 256 atoms, as this line says, got 257 rows"),
-    ("short.data", SHORT, "line 167: expected a row like the others, of 5 columns"),
+    ("mixed.data", MIXED, "expected 256 atoms, as this line declares, got 257 rows"),
+    ("short.data", SHORT, "line 167: expected 5 columns as in the other rows"),
     ("odd.data", "hello\nworld\n", "form=... .--read-as."),
-    ("style.data", data("{k} {t} {x} {y} {z}", " # charge"), "6 columns or more"),
+    ("style.data", data("{k} {t} {x} {y} {z}", " # charge"), "expected 6 or more columns"),
     ("word.data", data("{k} {t} {x} {y} {z}", " # smd"), "style of the atoms .*got 'smd'"),
     ("a.xyz", "1\nProperties=species:S:1\nCu\n", "expected pos:R:3"),
     ("b.xyz", "1\nx\nCu 1 2\n", "got rows of 3 columns"),
-    ("c.xyz", '1\nLattice="1 0 0 0 1 0 0 0 1" pbc="yes"\nCu 1 2 3\n', "pbc: expected three"),
+    ("c.xyz", '1\nLattice="1 0 0 0 1 0 0 0 1" pbc="yes"\nCu 1 2 3\n', "pbc: expected T or F"),
 ]
 
 

@@ -159,7 +159,7 @@ def test_killed_and_resumed(tmp_path):
         chunk = again.file(number)
         chunk.write_bytes(chunk.read_bytes()[:100])
         chunk.with_suffix(".0.partial").write_bytes(b"0")
-        with pytest.raises(CheckpointError, match="expected 16 blocks, got 15"):
+        with pytest.raises(CheckpointError, match="expected 16 finished blocks, got 15"):
             again.read()
         found = blocked_map(source, tmp_path / "a", (1, 1), 10, 3)
         assert np.array_equal(found.read(), whole.read())
@@ -215,7 +215,7 @@ def test_zarr(tmp_path):
     said = json.loads(meta.read_text())
     for key, value in (("compressor", {"id": "pickle"}), ("filters", [{"id": "pickle"}])):
         meta.write_text(json.dumps(said | {key: value}))
-        with pytest.raises(FileFormatError, match="packed by 'pickle'"):
+        with pytest.raises(FileFormatError, match="expected a supported codec .* got 'pickle'"):
             blocked_map(tmp_path / "a2.zarr", tmp_path / "no", STEPS, 11)
 
 
@@ -282,7 +282,7 @@ def test_damaged_chunks_of_zarr_are_errors_of_ours(tmp_path, version, content):
     path = tmp_path / "a.zarr"
     chunk = zarr_array(path, version)[5]
     chunk.write_bytes(chunk.read_bytes()[:100] if content is None else content)
-    with pytest.raises(FileFormatError, match=r"a.zarr: it cannot be read, it is truncated"):
+    with pytest.raises(FileFormatError, match=r"a.zarr: the file cannot be read: it is truncated"):
         blocked_map(path, tmp_path / "out", STEPS, 11, 4)
     (path / ".zarray" if version == 2 else path / "zarr.json").write_text("[1]")
     with pytest.raises(FileFormatError, match="expected a table"):
@@ -312,11 +312,11 @@ def test_an_array_of_another_run_is_refused(tmp_path):
     blocked_map(FLAT, path, STEPS, 20, 2)
     for arguments, word in (((STEPS, 20, 3), "size"), ((STEPS, 10, 2), "block"),
                             (((0.3, 0.8), 20, 2), "steps")):  # fmt: skip
-        with pytest.raises(CheckpointError, match=f"another run: {word}.* differ"):
+        with pytest.raises(CheckpointError, match=f"another run, which differs in {word}"):
             blocked_map(FLAT, path, *arguments)
     found = blocked_map(FLAT, path, STEPS, 20, 2)
     found.file(found.numbers[1]).unlink()
-    with pytest.raises(CheckpointError, match="expected 4 blocks, got 3"):
+    with pytest.raises(CheckpointError, match="expected 4 finished blocks, got 3"):
         found.read()
     meta = path / "zarr.json"
     kept = meta.read_text()
@@ -327,7 +327,7 @@ def test_an_array_of_another_run_is_refused(tmp_path):
         with pytest.raises(CheckpointError, match="Name another path"):
             blocked_map(FLAT, path, STEPS, 20, 2)
     (tmp_path / "file").write_text("")
-    with pytest.raises(CheckpointError, match="got something else"):
+    with pytest.raises(CheckpointError, match="got other files"):
         blocked_map(FLAT, tmp_path / "file", STEPS, 20, 2)
 
 
@@ -345,7 +345,9 @@ def test_other_values_of_the_same_size_are_another_field(tmp_path, kind):
     arguments = (tmp_path / "a", STEPS, 20, 2)
     first = blocked_map(source(FLAT), *arguments).read()
     assert np.array_equal(blocked_map(source(FLAT), *arguments).read(), first)
-    with pytest.raises(CheckpointError, match="another run: digest differ"):
+    with pytest.raises(
+        CheckpointError, match="got the map of another run, which differs in digest"
+    ):
         blocked_map(source(other), *arguments)
 
 
@@ -363,15 +365,16 @@ COMPLEX = da.from_array(FLAT, chunks=10).map_blocks(lambda x: x + 1j, dtype=floa
         (FLAT, {"steps": (1, 0)}, r"steps\[1\]: expected a positive number"),
         (FLAT, {"steps": (1,)}, "steps: expected 2 numbers"),
         (FLAT, {"block": 0}, "block: expected a whole number from 1"),
-        (FLAT, {"block": (1, 2, 3)}, "block: one number or 2"),
+        (FLAT, {"block": (1, 2, 3)}, "block: expected one number or 2"),
         (FLAT, {"size": 40}, "size: expected a whole number from 0 to 36"),
-        (FLAT, {"size": (0, 2)}, "size: 0 for both"),
+        (FLAT, {"size": (0, 2)}, "size: expected 0 for both"),
         (FLAT, {"plane": (0, 0)}, "two different axes"),
-        (FLAT, {"sigma": -1}, "sigma: 0 or more"),
+        (FLAT, {"plane": (0.0, 1.0)}, "two different axes"),
+        (FLAT, {"sigma": -1}, "sigma: expected 0 or more"),
         (FLAT, {"stride": 0}, "stride: expected a whole number from 1"),
-        (FLAT[:, :, :4], {}, "axis x: 5 points or more"),
+        (FLAT[:, :, :4], {}, "axis x: expected 5 points or more"),
         (FLAT.astype(complex), {}, "real numbers"),
-        (INFINITE, {}, r"infinite at node \(20, 3\)"),
+        (INFINITE, {}, r"got infinity at node \(20, 3\)"),
         (LYING, {}, r"source: expected real numbers of shape .*, got float64 of shape"),
         (COMPLEX, {}, "source: expected real numbers of shape .*, got complex128"),
     ],

@@ -237,7 +237,7 @@ def test_another_coframe_is_not_that_of_the_displacement():
     """A frame whose values are replaced would have the circuits of those before."""
     grid = SampledFrame.from_displacement([AXIS, AXIS], edge(X, Y), branch=B)
     assert replace(grid, unit="nm").burgers(Loop.circle([0, 0], 2)).unit == "nm"
-    with pytest.raises(GridError, match="coframe: expected that of the displacement"):
+    with pytest.raises(GridError, match="expected the coframe of the displacement, got another"):
         replace(grid, coframe=2 * grid.coframe)
 
 
@@ -273,15 +273,19 @@ def test_holes_and_periods():
 @pytest.mark.parametrize(
     ("u", "options", "message"),
     [
-        (np.zeros((2, 5, 60)), {}, r"displacement: shape \(rows, 60, 60\) was needed"),
-        (np.zeros((60, 60)), {}, "displacement: shape"),
-        ("u", {}, "displacement: an array of real numbers"),
-        (edge(X, Y), {"branch": [[1, 0], [2, 0]]}, "branch: a length, or up to 2 independent"),
+        (np.zeros((2, 5, 60)), {}, r"displacement: expected shape \(rows, 60, 60\)"),
+        (np.zeros((60, 60)), {}, "displacement: expected shape"),
+        ("u", {}, "displacement: expected an array of real numbers"),
+        (
+            edge(X, Y),
+            {"branch": [[1, 0], [2, 0]]},
+            "branch: expected a length, or up to 2 independent",
+        ),
         (edge(X, Y), {"branch": [[1, 0, 0]]}, "vectors of 2 components"),
-        (edge(X, Y), {"branch": 0}, "branch: a length"),
-        (edge(X, Y), {"branch": "a"}, "branch: an array of real numbers"),
-        (edge(X, Y) * np.nan, {}, "nothing is known"),
-        (edge(X, Y), {"sigma": -1}, "sigma: standard deviations"),
+        (edge(X, Y), {"branch": 0}, "branch: expected a length"),
+        (edge(X, Y), {"branch": "a"}, "branch: expected an array of real numbers"),
+        (edge(X, Y) * np.nan, {}, "got none: every node is masked"),
+        (edge(X, Y), {"sigma": -1}, "sigma: expected standard deviations"),
     ],
 )
 def test_displacements_that_are_none(u, options, message):

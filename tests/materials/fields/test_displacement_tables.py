@@ -80,11 +80,11 @@ FAR = ["x,y,u,v", *(f"{k * 7919 + k % 3},{k * 6007 + k % 2},0,0" for k in range(
 REFUSED = {
     "short.csv": ([*TABLES["a.csv"][:5], "1,2"], "line 6: expected 4 fields.*got 2"),
     "words.csv": ([*TABLES["a.csv"][:5], "1,2,x,3"], "line 6: expected numbers"),
-    "none.csv": (["x,y,u,v"], "no nodes below the header"),
+    "none.csv": (["x,y,u,v"], "expected nodes below the header, got none"),
     "names.txt": (["a b c d", "1 2 3 4"], "expected a row of names such as x, y, u, v"),
     "wide.txt": ([DAVIS, "1 2 3 4 5"], "expected a row of names such as x, y, u, v"),
-    "twice.csv": ([*TABLES["a.csv"], TABLES["a.csv"][1]], "are of the same node"),
-    "random.csv": (FAR, "make no regular grid"),
+    "twice.csv": ([*TABLES["a.csv"], TABLES["a.csv"][1]], "expected each node once"),
+    "random.csv": (FAR, "are not on a regular grid"),
 }
 
 
@@ -106,7 +106,7 @@ def test_few_nodes_far_apart(tmp_path: Path):
 def test_such_files_are_read_only(tmp_path: Path):
     """Another format is named for writing."""
     field = SampledFrame.read(written(tmp_path, "a.csv", TABLES["a.csv"]))
-    with pytest.raises(GridError, match=r"read only. Save it as .npz or .csv"):
+    with pytest.raises(GridError, match=r"read-only. Save the data as .npz or .csv"):
         field.save(tmp_path / "a.txt")
 
 

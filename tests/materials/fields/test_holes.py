@@ -145,12 +145,12 @@ def test_circuits_in_three_dimensions_surround_tubes():
     ("call", "message"),
     [
         (lambda g: g.loop_around(7), "hole: expected a whole number from 0 to 1"),
-        (lambda g: g.loop_around(), "which of 2 holes"),
+        (lambda g: g.loop_around(), "expected the number of one of 2 holes, got none"),
         (lambda g: g.loop_around(0, 30), "reaches the edge"),
         (lambda g: g.loop_around(0, 8), r"touches another hole at node \(30, 21\)"),
         (lambda g: g.loop_around(0, 0), "margin: expected a whole number from 1"),
         (lambda g: g.loop_around(0, plane=(0, 0)), "two different axes"),
-        (lambda g: g.cochain, "the grid has holes"),
+        (lambda g: g.cochain, "got a grid with holes"),
     ],
 )
 def test_circuits_that_there_are_not(call, message):
@@ -168,7 +168,7 @@ def test_circuits_that_there_are_not(call, message):
 )
 def test_masks_that_are_none(mask):
     """Truth values of the shape of the grid, and nothing else."""
-    with pytest.raises(GridError, match="mask: truth values of shape"):
+    with pytest.raises(GridError, match="mask: expected truth values of shape"):
         SampledFrame(AXES, smooth(), mask=mask)
 
 

@@ -234,10 +234,10 @@ def test_correlated_noise_is_told():
 @pytest.mark.parametrize(
     ("covariance", "message"),
     [
-        (np.eye(3), r"covariance: shape \(2, 2, 2, 2\) or \(4, 4\), with or without"),
-        (np.triu(np.ones((4, 4))), "symmetric matrices without negative eigenvalues"),
-        (np.ones((4, 4)) - 2 * np.eye(4), "but the least one is -"),
-        (np.full((4, 4), np.inf), "covariance: finite numbers"),
+        (np.eye(3), r"covariance: expected shape \(2, 2, 2, 2\) or \(4, 4\), optionally followed"),
+        (np.triu(np.ones((4, 4))), "got entries that differ from their transpose by 1. "),
+        (np.ones((4, 4)) - 2 * np.eye(4), "got the eigenvalue -"),
+        (np.full((4, 4), np.inf), "covariance: expected finite numbers"),
         ("guess", "covariance: expected one of estimate"),
     ],
 )
@@ -245,7 +245,7 @@ def test_covariances_that_are_none(covariance, message):
     """Each with its own message; and not both."""
     with pytest.raises(GridError, match=message):
         SampledFrame(AXES, smooth(), covariance=covariance)
-    with pytest.raises(GridError, match="one of them says it all"):
+    with pytest.raises(GridError, match="expected either sigma or covariance, got both"):
         SampledFrame(AXES, smooth(), covariance=np.eye(4), sigma=0.1)
 
 
@@ -318,13 +318,13 @@ def test_sigma_of_nodes_may_differ():
 @pytest.mark.parametrize(
     ("sigma", "message"),
     [
-        (-0.1, "sigma: standard deviations of 0 or more were needed, but -0.1"),
-        (np.nan, "0 or more were needed, but nan"),
-        (np.inf, "0 or more were needed, but inf"),
-        (np.where(X > 0.5, -1.0, 1.0), r"but -1 came at node \(23, 0\)"),
+        (-0.1, "sigma: expected standard deviations of 0 or more, got -0.1"),
+        (np.nan, "0 or more, got nan"),
+        (np.inf, "0 or more, got inf"),
+        (np.where(X > 0.5, -1.0, 1.0), r"got -1 at node \(23, 0\)"),
         (np.ones(3), r"shape \(31, 29\) \(nodes\), \(2, 2\) \(components\)"),
         ("guess", "sigma: expected one of estimate"),
-        ([["1"]], "sigma: an array of real numbers"),
+        ([["1"]], "sigma: expected an array of real numbers"),
     ],
 )
 def test_sigmas_that_are_none(sigma, message):

@@ -197,11 +197,11 @@ def test_broken_files_are_refused(tmp_path, wavy):
             SampledFrame.read(bad)
     for name, arrays, message in (
         ("a", {"axis_x": [0, 1]}, "exactly one of coframe and distortion"),
-        ("b", {"coframe": grid.coframe}, "no axes"),
+        ("b", {"coframe": grid.coframe}, "expected arrays axis_x, axis_y, ..., got coframe"),
         (
             "c",
             {"coframe": grid.coframe, "names": ["x", "y"], "axis_x": [0, 1]},
-            "axis_y is missing",
+            "expected an array axis_y, because names lists",
         ),
         ("d", {"coframe": np.array([{}], dtype=object), "axis_x": [0, 1]}, "cannot be read"),
     ):
@@ -228,19 +228,29 @@ HOLE[1, 0, 3, 2] = np.inf
 @pytest.mark.parametrize(
     ("axes", "values", "order", "message"),
     [
-        (AXES, GOOD[:, :, :, :6], 4, r"shape \(rows, 2, 9, 7\) was needed"),
+        (AXES, GOOD[:, :, :, :6], 4, r"expected shape \(rows, 2, 9, 7\)"),
         (AXES, GOOD[:, :1], 4, "frame index, coordinate index"),
-        (AXES, HOLE, 4, r"coframe\[1, 0\] is not finite at x = 0.375, y = 0.333333"),
-        (AXES, GOOD, 8, "axis y: 9 points or more"),
-        (AXES, GOOD, 3, "order: one of"),
+        (
+            AXES,
+            HOLE,
+            4,
+            r"coframe\[1, 0\]: expected finite values, got infinity at x = 0.375, y = 0.333333",
+        ),
+        (AXES, GOOD, 8, "axis y: expected 9 points or more"),
+        (AXES, GOOD, 3, "order: expected one of"),
         (AXES, GOOD.astype(complex), 4, "real numbers"),
         (AXES, "abc", 4, "real numbers"),
         (AXES[:1], GOOD, 4, "two axes or more"),
-        (AXES, GOOD * np.nan, 4, "nothing is known: every node is masked"),
-        ([AXES[0] ** 2, AXES[1]], GOOD, 4, "axis x: equal steps"),
-        ([AXES[0] * np.nan, AXES[1]], GOOD, 4, "axis x: finite"),
-        ([AXES[0] * 0, AXES[1]], GOOD, 4, "axis x: equal steps"),
-        ([AXES[0][None], AXES[1]], GOOD, 4, "axis x: a list"),
+        (AXES, GOOD * np.nan, 4, "got none: every node is masked"),
+        ([AXES[0] ** 2, AXES[1]], GOOD, 4, "axis x: expected equal steps"),
+        (
+            [AXES[0] * np.nan, AXES[1]],
+            GOOD,
+            4,
+            "axis x: expected finite numbers, got nan at entry 0",
+        ),
+        ([AXES[0] * 0, AXES[1]], GOOD, 4, "axis x: expected equal steps"),
+        ([AXES[0][None], AXES[1]], GOOD, 4, "axis x: expected a list"),
     ],
 )
 def test_bad_grids_are_refused(axes, values, order, message):
@@ -255,10 +265,13 @@ def test_loops_that_leave_the_grid_are_refused(wavy):
     with pytest.raises(GridError, match=r"leaves the grid at .*axis x runs from -1 to 1"):
         grid.burgers(Loop.circle([0.5, 0.5, 0.5], 0.6))
     assert grid.burgers(Loop.circle([0, 0.5, 0.5], 1)).error < 0.1
-    with pytest.raises(GridError, match="2 coordinates, the grid 3"):
+    with pytest.raises(
+        GridError, match="expected 3 coordinates, one for each axis of the grid, got 2"
+    ):
         grid.burgers(Loop.circle([0, 0], 0.1))
-    with pytest.raises(GridError, match="plane: two different axes"):
-        grid.plaquettes((0, 0))
+    for plane in ((0, 0), (0, 3), (0.0, 1.0), (0,), 1):
+        with pytest.raises(GridError, match="plane: expected two different axes from 0 to 2, got"):
+            grid.plaquettes(plane)
     with pytest.raises(GridError, match="one axis for each of 3"):
         SampledFrame.from_frame(wavy, AXES)
     line = spaces.load("screw_dislocation").frame
@@ -320,7 +333,7 @@ def test_samples_where_a_frame_was_asked_for(wavy):
         assert np.abs(one.vector - two.vector).max() <= two.error < 1e-3
     with pytest.raises(NetworkError, match="node rule compares"):
         rough.node_rule()
-    with pytest.raises(GridError, match=r"the edge leaves the grid at .*Choose a smaller edge"):
+    with pytest.raises(GridError, match=r"the edge leaves the grid at .*Stay inside the grid"):
         _ = Network(grid, EdgeList(3 * places, net.pairs)).integrals
     with pytest.raises(ArgumentError, match=r"Use burgers_vector\(grid, loop\)"):
         develop(grid, loop)

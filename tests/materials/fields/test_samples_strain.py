@@ -49,10 +49,14 @@ ODD[0, 1, 3, 4] = 0.5
 @pytest.mark.parametrize(
     ("strain", "rotation", "message"),
     [
-        (ODD, X, r"strain: symmetric matrices were needed, but at node \(3, 4\) \[0, 1\] is 0.5"),
-        (NONE, ODD, r"rotation: antisymmetric matrices .* node \(3, 4\)"),
-        (X, X, "strain: shape"),
-        (NONE, X[:4], r"rotation: shape \(2, 2, 50, 50\) \(matrix\) or \(50, 50\) \(angle\)"),
+        (ODD, X, r"strain: expected symmetric matrices, got \[0, 1\] = 0.5 .* at node \(3, 4\)"),
+        (NONE, ODD, r"rotation: expected antisymmetric matrices, .* node \(3, 4\)"),
+        (X, X, "strain: expected shape"),
+        (
+            NONE,
+            X[:4],
+            r"rotation: expected shape \(2, 2, 50, 50\) \(matrix\) or \(50, 50\) \(angle\)",
+        ),
         (np.zeros((3, 3, 50, 50)), X, r"or \(3, 50, 50\) \(vector\)"),
     ],
 )

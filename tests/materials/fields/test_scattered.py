@@ -226,7 +226,7 @@ def test_holes_by_length_and_by_boundary():
     assert len(two.holes) == 2
     sizes = [two.burgers(two.loop_around(k)).vector[0] for k in (0, 1)]
     assert sorted(np.abs(sizes)) == pytest.approx([0, B], abs=0.1 * B)
-    with pytest.raises(GeomtorsionError, match="which of 2 holes"):
+    with pytest.raises(GeomtorsionError, match="expected the number of one of 2 holes, got none"):
         two.loop_around()
 
 
@@ -265,7 +265,9 @@ def test_a_screw_in_space():
     assert np.abs(times).sum() > 20
     assert np.abs(faces.vectors[2]) == pytest.approx(B * np.abs(times), abs=1e-12)
     for call in (lambda: frame.holes, frame.loop_around, lambda: frame.burgers_map(1)):
-        with pytest.raises(GeomtorsionError, match="points of a plane only"):
+        with pytest.raises(
+            GeomtorsionError, match="expected points in a plane, got points in space"
+        ):
             call()
 
 
@@ -286,36 +288,67 @@ FLAT = np.ones((1, 2, len(X)))
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ScatteredFrame.from_coframe(POINTS[:, :1], FLAT), r"shape \(N, 2\) or \(N, 3\)"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT[:, :, 1:]), r"coframe: shape \(rows, 2"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: 2 or 4"),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS[:, :1], FLAT),
+            r"shape \(N, 2\) with N > 2 or \(N, 3\)",
+        ),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT[:, :, 1:]),
+            r"coframe: expected shape \(rows, 2",
+        ),
+        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, order=3), "order: expected 2 or 4"),
         (
             lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=-1),
             "longest: expected a positive",
         ),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=1e-3), "no triangle is left"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.nan), "no triangle is left"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.inf), "infinite at point 0"),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT, longest=1e-3),
+            "expected at least one triangle, got none",
+        ),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.nan),
+            "expected at least one triangle, got none",
+        ),
+        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT * np.inf), "got infinity at point 0"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, shape=3), "option"),
         (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, boundary=[[0, 1]]), "three corners"),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, sigma=-1), "sigma: standard"),
+        (
+            lambda: ScatteredFrame.from_coframe(
+                POINTS, FLAT, boundary=[[0, 0], [1, 0], [1, np.nan]]
+            ),
+            "boundary: expected polygons with finite corners",
+        ),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT).burgers_map(plane=1),
+            "plane: expected two different axes from 0 to 1, got 1",
+        ),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT, sigma=-1),
+            "sigma: expected standard deviations",
+        ),
         (
             lambda: ScatteredFrame.from_coframe(POINTS, FLAT, sigma=1, covariance=np.eye(2)),
-            "one of them says it all",
+            "expected either sigma or covariance, got both",
         ),
-        (lambda: ScatteredFrame.from_coframe(POINTS, FLAT, mask=[1]), "mask: truth values"),
-        (lambda: ScatteredFrame.from_coframe(POINTS * [1, 0], FLAT), "do not lie on one line"),
+        (
+            lambda: ScatteredFrame.from_coframe(POINTS, FLAT, mask=[1]),
+            "mask: expected truth values",
+        ),
+        (lambda: ScatteredFrame.from_coframe(POINTS * [1, 0], FLAT), "not all on one line"),
         (
             lambda: ScatteredFrame.from_coframe(
                 np.concatenate([POINTS, POINTS[:1]]), np.ones((1, 2, len(X) + 1))
             ),
-            "lie at one place",
+            "expected different points, got points",
         ),
-        (lambda: ScatteredFrame.from_distortion(POINTS, FLAT[0]), "distortion: shape"),
-        (lambda: ScatteredFrame.from_displacement(POINTS, FLAT), "displacement: shape"),
-        (lambda: ScatteredFrame.from_displacement(POINTS, FLAT[0], branch=[0, 0]), "branch: a"),
+        (lambda: ScatteredFrame.from_distortion(POINTS, FLAT[0]), "distortion: expected shape"),
+        (lambda: ScatteredFrame.from_displacement(POINTS, FLAT), "displacement: expected shape"),
+        (
+            lambda: ScatteredFrame.from_displacement(POINTS, FLAT[0], branch=[0, 0]),
+            "branch: expected a length",
+        ),
     ],
-    ids=range(17),
+    ids=range(19),
 )
 def test_points_that_are_none(make, message):
     """Each with its own message."""
@@ -328,12 +361,12 @@ def test_points_that_are_none(make, message):
     [
         (Loop.circle([0, 0], 0.2), "touches a hole between point"),
         (Loop.circle([0, 0], 3), "leaves the points"),
-        (Loop.circle([0, 0, 0], 1), "the loop has 3 coordinates, the points 2"),
+        (Loop.circle([0, 0, 0], 1), "expected 2 coordinates, as the points have, got 3"),
         (Loop.circle([1, 1], 1e-3), "surrounds no triangle"),
         ([0, 1], "three points or more"),
         ([0, 1, 1600], "there is no edge"),
         ([0, 1, -1], "node -1 is not in the network"),
-        ({0: 1}, "the edges do not close"),
+        ({0: 1}, "expected a closed chain of edges"),
         ({-1: 1}, "edge: expected a whole number from 0"),
         ({0: 0.5}, r"circuit\[0\]: expected a whole number"),
         ("here", "circuit"),

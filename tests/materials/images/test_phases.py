@@ -162,9 +162,9 @@ def test_equal_calls_give_equal_bits():
     ("spots", "match"),
     [
         ([[0.7, 0], [0, 0.1]], "at most 0.5 per px"),
-        ([[0, 0], [0, 0.1]], "6 periods across the image or more were needed, but a spot has 0"),
-        ([[0.02, 0], [0, 0.02]], "but a spot has 5.12: it lies at the origin"),
-        ([[0.1, 0], [0.2, 0]], "both lie on one line"),
+        ([[0, 0], [0, 0.1]], "expected 6 periods across the image or more, got 0"),
+        ([[0.02, 0], [0, 0.02]], "got 5.12: the spot is too close to the origin"),
+        ([[0.1, 0], [0.2, 0]], "got both in one direction"),
         ([[0.1, 0]], r"expected shape \(2, 2\)"),
         ([[0.1, "x"], [0, 1]], "expected an array of real numbers"),
         ([[0.1, np.nan], [0, 1]], "is not finite"),

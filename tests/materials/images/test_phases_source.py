@@ -50,8 +50,9 @@ def test_a_survey_holds_the_dislocation_where_it_is(field):
     outside = survey.known & ~survey.significant
     assert (sizes[outside] > 0.2).sum() < 0.02 * outside.sum()
     assert not survey.known.all()
-    with pytest.raises(ImageError, match="plane: an image has one plane"):
-        field.burgers_map(4, (1, 0))
+    for plane in ((1, 0), 1):
+        with pytest.raises(ImageError, match="the only plane of an image, got"):
+            field.burgers_map(4, plane)
 
 
 def test_what_lies_below_is_the_picture(field):

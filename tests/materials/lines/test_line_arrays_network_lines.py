@@ -43,5 +43,5 @@ def test_lines_without_positions_say_so():
     """Kinds are known without places, lengths are not."""
     net = DislocationNetwork.of_lines([("a", "b", (1, 0))], surface="a")
     assert net.lines[0].kind == "surface"
-    with pytest.raises(NetworkError, match="its nodes have no positions"):
+    with pytest.raises(NetworkError, match="expected positions of its nodes, got none"):
         _ = net.lines[0].length

@@ -104,7 +104,7 @@ def test_names_decide_and_others_are_paradis(tmp_path: Path) -> None:
     net.save(tmp_path / "chains")
     assert (tmp_path / "chains").read_text().startswith("dataFileVersion")
     net.save(tmp_path / "a.vtk")
-    with pytest.raises(FileFormatError, match="VTK files of lines hold none"):
+    with pytest.raises(FileFormatError, match="got a VTK file, which holds no box"):
         DislocationNetwork.read(tmp_path / "a.vtk")
     with pytest.raises(ArgumentError, match="name of a file"):
         net.save(3)
@@ -133,11 +133,11 @@ def test_what_a_file_cannot_hold_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('"format": "geomtorsion', '"format": "other', "was needed, but .*other"),
+        ('"format": "geomtorsion', '"format": "other', "expected .*, got .*other"),
         ('"1/2"', '"1/0"', 'a fraction such as "1/2"'),
         ('"1/2"', '"__import__(1)"', 'a fraction such as "1/2"'),
         ('"constraint": 0', '"constraint": "x"', "whole number"),
-        ('"image"', '"other"', "has no image"),
+        ('"image"', '"other"', "expected image as in other lines, got none"),
         ('"position": [', '"position": [1.0, ', "lists of equal lengths"),
         ("}", "", "no JSON"),
     ],

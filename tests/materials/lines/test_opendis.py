@@ -62,10 +62,14 @@ def test_rings_keep_their_images():
 @pytest.mark.parametrize(
     ("table", "change", "message"),
     [
-        ("segs", {"burgers": None}, "segs: burgers is missing.*export_data"),
+        ("segs", {"burgers": None}, "segs: expected burgers, got a table without.*export_data"),
         ("cell", {"h": np.eye(2)}, "h: expected shape"),
         ("nodes", {"positions": [[0, 0]]}, "positions: expected shape"),
-        ("nodes", {"tags": [[0, 0]] * 5}, "same tag"),
+        (
+            "nodes",
+            {"tags": [[0, 0]] * 5},
+            "expected a different tag for each node, got one tag twice",
+        ),
         ("nodes", {"constraints": ["a"] * 5}, "constraints: expected whole numbers"),
         ("segs", {"nodeids": [[0, 99]] * 4}, "node numbers from 0 to 4"),
         ("segs", {"burgers": [[0, 0, 0]] * 4}, "b = 0"),
@@ -80,5 +84,5 @@ def test_bad_tables_are_refused(table, change, message):
 def test_no_tables_no_network():
     """What is no mapping, or lacks a table."""
     for data in ([], {"cell": 1}, {"nodes": {}}):
-        with pytest.raises(NetworkError, match="is missing"):
+        with pytest.raises(NetworkError, match="expected .*, got a table without"):
             DislocationNetwork.of_opendis(data)

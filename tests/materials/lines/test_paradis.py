@@ -50,7 +50,7 @@ def test_pinned_and_surface_nodes(small):
     ends = " 0,0 -1 0 0 1 7\n 0,1 0 0 1 0 0 1\n 0,1 1 0 0 1 8\n 0,0 0 0 -1 0 0 1\n"
     (violation,) = small(one + ends).node_rule()
     assert violation.missing == (0, 0, -1)
-    assert str(violation) == "node (0, 0) (it is pinned): b out minus b in = (0, 0, 1)"
+    assert str(violation) == "node (0, 0) (pinned): b out minus b in = (0, 0, 1)"
 
 
 def test_what_is_written_reads_back_to_the_last_digit(tmp_path):
@@ -83,7 +83,10 @@ def test_what_such_a_file_cannot_hold_is_refused(tmp_path):
     for lines, message in (
         (LineArrays(places, pair, [[1, 0, 0]]), "box along the coordinates"),
         (LineArrays(places, pair, [[1, 0, 0]], Box([[1, 1, 0], [0, 1, 0], [0, 0, 1]])), "along"),
-        (LineArrays(places, pair, [[1, 0, 0]], box, [[0, 0, 0]]), "longer than half a period"),
+        (
+            LineArrays(places, pair, [[1, 0, 0]], box, [[0, 0, 0]]),
+            "at most half a period.* got the longer line 0 -> 1",
+        ),
         (LineArrays(places, pair, [[1, 0]], box), "three components"),
     ):
         with pytest.raises(NetworkError, match=message):
@@ -110,28 +113,33 @@ def test_the_real_network(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "later", "message"),
     [
-        ("nodeCount = 3", "nodeCount = 4", 21, "node 4 of 4 was needed, but the file ends"),
-        ("nodeCount = 3", "nodeCount = 2", 18, "says 2 nodes, but more follows"),
-        ("nodeCount = 3", "nodeCount = three", 0, "a whole number was needed"),
+        ("nodeCount = 3", "nodeCount = 4", 21, "expected node 4 of 4, got the end of the file"),
+        ("nodeCount = 3", "nodeCount = 2", 18, "after 2 nodes .nodeCount., got '0,7"),
+        ("nodeCount = 3", "nodeCount = three", 0, "expected a whole number, got 'three'"),
         ("nodeCount = 3", "nodeCount = -1", 0, "expected 0 or more"),
-        ("numFileSegments = 1", "numFileSegments = 2", 0, "stands in 2 files"),
-        (" 0,1 1 0 0 2 7", " 0,1 1 0 nan 2 7", 0, "a finite number was needed, but 'nan'"),
+        ("numFileSegments = 1", "numFileSegments = 2", 0, "in 1 file, got one in 2"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 nan 2 7", 0, "expected a finite number, got 'nan'"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 1e999 2 7", 0, "finite number"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 1_0 2 7", 0, "finite number"),
-        (" 0,1 1 0 0 2 7", " 0,0 1 0 0 2 7", 0, "stands in the file twice"),
-        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 3 7", 5, "a node such as 0,12|an arm has b"),
-        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 1 7", 3, "number of arms|a node .* was needed"),
+        (" 0,1 1 0 0 2 7", " 0,0 1 0 0 2 7", 0, "expected each node once, got node 0,0 again"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 3 7", 5, "expected a node such as 0,12|six numbers, got"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0 0 1 7", 3, "number of arms|expected a node"),
         (" 0,1 1 0 0 2 7", " 0,1 1 0 0 -1 7", 0, "zero or more"),
-        (" 0,1 1 0 0 2 7", " 0,1 1 0", 0, "4 words came|3 words came"),
+        (" 0,1 1 0 0 2 7", " 0,1 1 0", 0, "got 4 words|got 3 words"),
         ("   0,1 0 0 1\n", "   0,1 0 0 0\n", 0, "b = 0"),
         ("   0,1 0 0 1\n", "   0,0 0 0 1\n", 0, "to itself"),
-        ("   0,1 0 0 1\n", "   0,9 0 0 1\n", 0, "node 0,9, which is not in the file"),
-        ("   0,1 0 0 1\n", "   0,1 0 1 1\n", 0, "minus the first"),
-        ("   0,7 0 0 1.\n", "   0,0 0 0 1.\n", -6, "1 arms to 0,1, which has 2 back"),
+        ("   0,1 0 0 1\n", "   0,9 0 0 1\n", 0, "an arm to a node of the file, got one to 0,9"),
+        ("   0,1 0 0 1\n", "   0,1 0 1 1\n", 0, "expected opposite b at both nodes"),
+        (
+            "   0,7 0 0 1.\n",
+            "   0,0 0 0 1.\n",
+            -6,
+            "from node 0,0 to 0,1 as back, got 1 and 2 back",
+        ),
     ],
 )
 def test_damage_is_named_by_its_line(small, old, new, later, message):
-    """File, line, what was needed and what came."""
+    """File, line, the expected and the given value."""
     line = SMALL[: SMALL.index(old)].count("\n") + 1 + later
     with pytest.raises(FileFormatError, match=rf"small.data: line {line}: .*({message})"):
         small(SMALL.replace(old, new, 1))
@@ -140,10 +148,10 @@ def test_damage_is_named_by_its_line(small, old, new, later, message):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("minCoordinates", "lowCoordinates", "minCoordinates is missing"),
-        ("nodalData", "nodes", "nodalData was needed, but the file ends"),
-        ("[ 2 2 2 ]", "[ 2 2 -2 ]", "highest corner above its lowest"),
-        ("[ 2 2 2 ]", "[ 2 2 ]", "3 numbers were needed, but 2 came"),
+        ("minCoordinates", "lowCoordinates", "expected minCoordinates above nodalData"),
+        ("nodalData", "nodes", "expected nodalData, got the end of the file"),
+        ("[ 2 2 2 ]", "[ 2 2 -2 ]", "a highest corner above the lowest"),
+        ("[ 2 2 2 ]", "[ 2 2 ]", "expected 3 numbers, got 2"),
         ("[ 2 2 2 ]", "[ 2 2 2", "maxCoordinates|nodalData"),
     ],
 )
@@ -188,9 +196,9 @@ def test_two_lines_between_the_same_nodes(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("2 0", "2.0 0", "a whole number was needed"),
-        ("1.0 0.0 0.0", "1_0 0.0 0.0", "a finite number was needed"),
-        ("1.0 0.0 0.0", "1e999 0.0 0.0", "a finite number was needed"),
+        ("2 0", "2.0 0", "expected a whole number, got '2.0'"),
+        ("1.0 0.0 0.0", "1_0 0.0 0.0", "expected a finite number, got '1_0'"),
+        ("1.0 0.0 0.0", "1e999 0.0 0.0", "expected a finite number, got '1e999'"),
         ("0,1", "0,1e0", "a node such as"),
     ],
 )
@@ -223,7 +231,7 @@ def test_a_network_without_nodes(tmp_path: Path):
     assert "0 nodes, 0 lines" in shown.stdout
     assert (tmp_path / "out" / "network.json").exists()
     path.write_text(f"{head}nodeCount = 0\nnodalData =\n0,0 1 1 1 0 0\n")
-    with pytest.raises(FileFormatError, match="more follows"):
+    with pytest.raises(FileFormatError, match="expected the end of the file after 0 nodes"):
         DislocationNetwork.read(path)
 
 

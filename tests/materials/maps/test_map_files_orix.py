@@ -84,7 +84,7 @@ DATA = "crystal_map/data/"
         (lambda path: changed(path, DATA + "phi1", np.degrees), "Angles are quite high"),
         (
             lambda path: changed(path, "crystal_map/header/scan_unit", np.bytes_(["px"])),
-            "steps in angstrom, nm, .* were needed, but they are in 'px'. Set steps and scan_unit",
+            "expected steps in angstrom or nm .*, got steps in 'px'. Set steps and scan_unit",
         ),
         (lambda path: changed(path, "manufacturer", np.bytes_(["no"])), "begins with crystal_map"),
     ],

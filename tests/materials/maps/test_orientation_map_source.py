@@ -33,7 +33,7 @@ def test_a_tilt_wall():
 
 def test_a_plane_is_refused():
     """A map has one plane."""
-    with pytest.raises(OrientationError, match="plane: an orientation map has one plane"):
+    with pytest.raises(OrientationError, match="plane: expected x and y, the only plane"):
         wall(2.0, (20, 30), 0.5, sigma=0).burgers_map(2, (1, 0))
 
 

@@ -36,13 +36,15 @@ def test_lattices():
 
 def test_what_is_no_lattice():
     """Angles that close no cell, negative lengths, unknown constants."""
-    with pytest.raises(OrientationError, match="make no lattice"):
+    with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("a", "-1", (1, 1, 1), (30, 30, 170))
     with pytest.raises(OrientationError, match="positive lengths"):
         Phase("a", "-1", (-1, 1, 1))
-    with pytest.raises(OrientationError, match="lattice constants are not known. Give lengths"):
+    with pytest.raises(
+        OrientationError, match="expected lattice constants, got none. Give lengths"
+    ):
         _ = Phase("a", "m-3m").lattice
-    with pytest.raises(OrientationError, match="but 0 came"):
+    with pytest.raises(OrientationError, match="expected a vector different from zero, got 0"):
         NICKEL.family((0, 0, 0))
 
 
@@ -52,7 +54,7 @@ FLAT = [(60, 60, 120), (30, 30, 60), (120, 120, 120), (80, 50, 130), (40.1, 50.2
 @pytest.mark.parametrize("angles", FLAT)
 def test_edges_in_one_plane_are_no_lattice(angles):
     """Up to rounding, too: what is flat was no error, or one of NumPy."""
-    with pytest.raises(OrientationError, match="make no lattice"):
+    with pytest.raises(OrientationError, match="expected angles of a cell with a volume"):
         Phase("flat", "-1", (3, 4, 5), angles)
 
 
@@ -72,7 +74,7 @@ def test_a_lattice_without_the_symmetry_of_its_group():
     """Of zinc without its angles nothing that is turned by 60 degrees is a lattice vector."""
     odd = Phase("zinc", "6/mmm", ZINC[0])
     for ask in (lambda: odd.family((1, 0, 0)), lambda: slip_families(odd, "hcp")):
-        with pytest.raises(OrientationError, match="a lattice of the symmetry 6/mmm was needed"):
+        with pytest.raises(OrientationError, match="expected a lattice of the symmetry 6/mmm"):
             ask()
     hardly = Phase("tetragonal", "m-3m", (3.0, 3.0, 3.05))
     assert len(hardly.family((0.5, 0.5, 0))) == 6
@@ -87,5 +89,5 @@ def test_what_is_nearer_to_a_lattice_vector_than_to_none_is_one(edge, angle, fit
     if fits:
         assert len(phase.family((1, 0, 0))) == 3
         return
-    with pytest.raises(OrientationError, match="a lattice of the symmetry m-3m was needed"):
+    with pytest.raises(OrientationError, match="expected a lattice of the symmetry m-3m"):
         phase.family((1, 0, 0))

@@ -76,31 +76,33 @@ def test_densities_make_up_b(phase, structure):
 
 def test_what_is_no_slip_system():
     """A vector out of the plane, four indices of a cube, none at all, a family that is none."""
-    with pytest.raises(OrientationError, match=r"leaves it. Give u, v, w with h u \+ k v"):
+    with pytest.raises(OrientationError, match=r"which is not in it. Give u, v, w with h u \+ k v"):
         SlipFamily.of(IRON, (1, 1, 0), (1, 1, 0))
-    with pytest.raises(OrientationError, match="four indices belong to hexagonal"):
+    with pytest.raises(OrientationError, match="only in a hexagonal or trigonal cell.* for m-3m"):
         SlipFamily.of(IRON, (1, 1, -2, 0), (0, 0, 1))
-    with pytest.raises(OrientationError, match="the first three add up to zero"):
+    with pytest.raises(OrientationError, match="a sum of 0 for the first three, got .1, 1, 1, 0."):
         SlipFamily.of(ZINC, (1, 1, 1, 0), (0, 0, 1))
-    with pytest.raises(OrientationError, match="three indices were needed"):
+    with pytest.raises(OrientationError, match="expected three indices"):
         SlipFamily.of(ZINC, (1, 1), (0, 0, 1))
     with pytest.raises(OrientationError, match="structure"):
         slip_families(IRON, "bct")
     crystal = OrientationMap.from_euler(bent((12, 12), 0.1), 0.5, IRON, sigma=0)
     b = crystal.burgers(Circuit.square((1, 1), 8))
-    with pytest.raises(OrientationError, match="a SlipFamily was needed, but none came"):
+    with pytest.raises(OrientationError, match="expected at least one SlipFamily, got none"):
         b.slip()
     olivine = Phase("olivine", "mmm", (4.76, 10.2, 5.98))
     turned = OrientationMap.from_euler(bent((12, 12), 0.1), 0.5, olivine, sigma=0)
-    with pytest.raises(OrientationError, match="do not make up this b"):
+    with pytest.raises(OrientationError, match="expected edges and screws that add up to b"):
         turned.burgers(Circuit.square((1, 1), 8)).slip(SlipFamily.of(olivine, (0, 1, 0), (1, 0, 0)))
 
 
 def test_planes_and_vectors_of_zero_are_refused():
     """They have no direction; systems were not a number."""
-    with pytest.raises(OrientationError, match="plane: indices were needed"):
+    with pytest.raises(OrientationError, match="plane: expected indices that are not all 0"):
         SlipFamily.of(IRON, (0, 0, 0), (1, 0, 0))
-    with pytest.raises(OrientationError, match="Burgers vector: indices were needed"):
+    with pytest.raises(
+        OrientationError, match="Burgers vector: expected indices that are not all 0"
+    ):
         SlipFamily.of(ZINC, (0, 0, 0, 1), (0, 0, 0, 0))
 
 
@@ -110,5 +112,7 @@ def test_a_circuit_without_an_area_has_no_density():
         crystal = OrientationMap.from_euler(bent((5, 8), 0.5), step, IRON, sigma=0)
         found = crystal.burgers(Circuit.of_cells([[1, 0, 0], [0, 1, -2]], (1, 1)))
         assert found.area == 0
-        with pytest.raises(OrientationError, match="circuit: an area was needed"):
+        with pytest.raises(
+            OrientationError, match="circuit: expected a circuit that encloses an area"
+        ):
             found.slip(*slip_families(IRON, "bcc"))

@@ -55,25 +55,27 @@ def test_a_crystal_is_clicked(standing: Watched):
     """In a browser: a circuit of one's own by four clicks and by arrow keys; it fits a phone."""
     page = standing.tab("Loops")
     frame: Any = page.frame_locator("#atoms iframe")
-    said = frame.locator("#said")
+    said = frame.locator("#result")
     frame.locator("#example").click()
-    assert "b = (−1, 0) is missing" in said.inner_text()
-    frame.locator("#anew").click()
+    assert "Its gap from start to end is b = (−1, 0)" in said.inner_text()
+    frame.locator("#restart").click()
     around = (-4, -2), (4, 3)
     for atom in corners("one edge dislocation", *around):
         frame.locator(f'circle[data-atom="{atom}"]').click()
     assert closure("one edge dislocation", ring("one edge dislocation", *around)) == [-1, 0]
-    assert re.search(r"anticlockwise: closed in the crystal.*b = \(−1, 0\)", said.inner_text())
-    frame.locator("#which").select_option("none")
+    assert re.search(
+        r"anticlockwise: the circuit closes in the crystal, but.*b = \(−1, 0\)", said.inner_text()
+    )
+    frame.locator("#which").select_option("no dislocation")
     frame.locator("#crystal").focus()
     for key in ("ArrowUp", "ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown"):
         page.keyboard.press(key)
     assert (
-        "4 steps, anticlockwise: closed in the crystal and in the perfect lattice"
+        "4 steps, anticlockwise: the circuit closes in the crystal and in the perfect lattice"
         in said.inner_text()
     )
     page.keyboard.press("Backspace")
-    assert "3 steps, so far (0, 1)" in said.inner_text()
+    assert "3 steps with the sum (0, 1)" in said.inner_text()
     content = page.locator("#atoms iframe").element_handle().content_frame()
     for width in (400, 1280):
         page.set_viewport_size({"width": width, "height": 800})

@@ -22,9 +22,9 @@ READY = {
     "The compass": "#compass iframe",
     "Any tetrad": "#torsion math",
     "Loops": "#loop svg",
-    "Straightest and shortest": "#paths-said",
+    "Straightest and shortest": "#paths-result",
     "The top": "#top-plan table",
-    "What accuracy costs": "#costs-said",
+    "What accuracy costs": "#costs-result",
     "Exercises": "#statement",
 }
 
@@ -119,20 +119,20 @@ def test_a_slider_moves_the_loop(standing: Watched):
         page.keyboard.press("ArrowRight")
     frame = spaces.load("so3").frame
     b = burgers_vector(frame, Loop.circle((0.3, 1.0, 0.2), 0.45, (0, 1)))
-    standing.says("#loop-said", f"|b| = {b.magnitude:.6g}")
+    standing.says("#loop-result", f"|b| = {b.magnitude:.6g}")
     # The table is drawn after what is said.
     standing.says("table.numbers tbody", f"{b.vector[0]:.6g}")
     cells = page.locator("table.numbers tbody tr td:nth-child(2)").all_inner_texts()
     assert np.allclose([number(text) for text in cells], b.vector, atol=1e-6)
     for _ in range(3):
         page.keyboard.press("ArrowLeft")
-    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
+    standing.says("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
 
 
 def test_the_curves_can_be_turned(standing: Watched):
     """Arrow keys turn the picture in space; the film runs to its end."""
     page = standing.tab("Straightest and shortest")
-    standing.says("#paths-said", "separate by at most")
+    standing.says("#paths-result", "separate by at most")
     frame = page.frame_locator("iframe")
     canvas = frame.locator("#space")
     canvas.wait_for()
@@ -153,11 +153,11 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
     page.get_by_label("space", exact=True).select_option(
         label="screw_dislocation: screw dislocation along z"
     )
-    standing.says("#loop-said", "all of b comes from the line inside the loop")
+    standing.says("#loop-result", "all of b comes from the line inside the loop")
     slider = page.get_by_role("slider", name="radius")
     slider.focus()
     page.keyboard.press("ArrowRight")
-    standing.says("#loop-said", f"Area A = {np.pi * 0.35**2:.6g}")
+    standing.says("#loop-result", f"Area A = {np.pi * 0.35**2:.6g}")
     page.wait_for_url("**radius=*")
     assert set(parse_qs(urlsplit(page.url).query)) == {"tab", "loop", "radius"}
     blank(standing)
@@ -185,7 +185,7 @@ def test_a_reload_keeps_tab_and_input(standing: Watched):
     page.locator("#torsion mfrac").first.wait_for()
     assert page.get_by_label("row 2, dφ", exact=True).input_value().strip() == "r"
     standing.tab("Loops")
-    assert f"Area A = {np.pi * 0.35**2:.6g}" in standing.says("#loop-said", "|b| = 0.48")
+    assert f"Area A = {np.pi * 0.35**2:.6g}" in standing.says("#loop-result", "|b| = 0.48")
 
 
 def test_back_leaves_the_lab(watched: Watched, address: str):
@@ -250,12 +250,12 @@ def test_a_link_with_nonsense_opens_the_page(watched: Watched, address: str):
     page.goto(f"{address}?{urlencode(query)}")
     page.wait_for_selector(READY["The compass"])
     watched.tab("Any tetrad")
-    page.get_by_text("is no name").wait_for()
+    page.get_by_text("expected names, got").wait_for()
     assert page.get_by_label("row 1, dr", exact=True).input_value() == attack
     assert page.locator("img[src=x]").count() == 0
     lab_tab = watched.tab("Loops")
     lab_tab.wait_for_selector("#loop svg")
-    assert "0.282743" in watched.says("#loop-said", "Area A")
+    assert "0.282743" in watched.says("#loop-result", "Area A")
     watched.tab("The top").wait_for_selector("#top-plan table")
 
 
@@ -431,16 +431,16 @@ def test_names_and_values_for_readers(standing: Watched):
     assert radius.get_attribute("aria-valuetext") == "0.3"
     radius.focus()
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function("document.querySelector('#loop-said').innerText.includes('0.19635')")
+    page.wait_for_function("document.querySelector('#loop-result').innerText.includes('0.19635')")
     assert radius.get_attribute("aria-valuetext") == "0.25"
     page.keyboard.press("ArrowRight")
-    standing.says("#loop-said", f"Area A = {np.pi * 0.3**2:.6g}")
+    standing.says("#loop-result", f"Area A = {np.pi * 0.3**2:.6g}")
     assert page.get_by_role("slider", name="φ2 in rad").count() == 1
     standing.tab("The top")
     page.wait_for_selector(READY["The top"])
-    for name in ("I1 in kg m²", "ω3 in rad/s", "tilt in rad", "time in s"):
+    for name in ("I1 in kg m²", "Ω3 in rad/s", "tilt of axis 3 in rad", "time in s"):
         assert page.get_by_role("slider", name=name).count() == 1
-    assert page.locator("iframe").get_attribute("title") == "Film: body cone and space cone"
+    assert page.locator("iframe").get_attribute("title") == "Animation: Body cone and space cone"
     standing.tab("Exercises")
     page.wait_for_selector(READY["Exercises"])
     assert page.get_by_role("textbox", name="variant", exact=True).count() == 1
@@ -466,17 +466,26 @@ def test_dark_and_narrow(standing: Watched):
         e = e.parentElement; } }"""
     assert page.locator("#top-plan").evaluate(dark)
     light = "(e) => Math.min(...getComputedStyle(e).color.match(/[0-9]+/g).map(Number)) > 150"
-    assert page.locator("#top-said").evaluate(light)
+    assert page.locator("#top-result").evaluate(light)
     assert "invert" in page.locator("iframe").evaluate("(e) => getComputedStyle(e).filter")
     # Parts come one by one: the film may be there before what stood in its place is gone.
     expect(page.locator("iframe")).to_be_in_viewport(timeout=PATIENCE)
     film = page.locator("iframe").bounding_box()
     # What moves the picture stays in sight below it while one looks at the picture.
-    watch = page.get_by_label("to watch")
+    watch = page.get_by_label("quantity in the chart")
     expect(watch).to_be_in_viewport()
     plan = page.locator("#top-plan").bounding_box()
     assert film["y"] < 800
     assert film["y"] < watch.bounding_box()["y"] < plan["y"]
+    # Also while the page is scrolled and a finger is on the picture.
+    page.mouse.move(200, film["y"] + 20)
+    page.mouse.wheel(0, 300)
+    on_top = """e => { const box = e.getBoundingClientRect();
+        return e.contains(document.elementFromPoint(box.x + 9, box.y + box.height / 2)); }"""
+    panel = page.locator(".controls.after")
+    page.wait_for_function("document.querySelector('#App').scrollTop === 300")
+    expect(panel).to_be_in_viewport()
+    assert panel.evaluate(on_top)
     assert too_wide(page) == []
     page.emulate_media(color_scheme="light")
 
@@ -484,28 +493,28 @@ def test_dark_and_narrow(standing: Watched):
 def test_what_is_watched_is_drawn(standing: Watched):
     """Another choice of what to watch changes the graph as well as the plan."""
     page = standing.tab("The top")
-    page.get_by_label("nutation angle over time: right, and naive").wait_for()
-    page.get_by_label("to watch").select_option(label="energy")
-    page.get_by_label("energy over time: right, and naive").wait_for()
-    page.locator("#top-plan").get_by_text("To watch energy").wait_for()
-    page.get_by_label("to watch").select_option(label="nutation angle")
-    page.get_by_label("nutation angle over time: right, and naive").wait_for()
+    page.get_by_label("nutation angle over time, by both laws").wait_for()
+    page.get_by_label("quantity in the chart").select_option(label="energy")
+    page.get_by_label("energy over time, by both laws").wait_for()
+    page.locator("#top-plan").get_by_text("needed for the energy: ").wait_for()
+    page.get_by_label("quantity in the chart").select_option(label="nutation angle")
+    page.get_by_label("nutation angle over time, by both laws").wait_for()
 
 
 def test_effects_are_switched(standing: Watched):
     """Gravity alone changes nothing that is watched; with a fixed point it is in the equations."""
     page = standing.tab("The top")
     plan = page.locator("#top-plan")
-    plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
+    plan.get_by_text("needed for the nutation angle: 6").wait_for()
     page.get_by_label(re.compile("^gravity")).check()
-    plan.locator("tr", has_text=re.compile(r"^\s*left out.*gravity", re.DOTALL)).first.wait_for()
+    plan.locator("tr", has_text=re.compile(r"^\s*omitted.*gravity", re.DOTALL)).first.wait_for()
     page.get_by_label(re.compile("^fixed point")).check()
-    plan.locator("tr", has_text=re.compile(r"^\s*in.*gravity", re.DOTALL)).first.wait_for()
-    standing.says("#top-said", "the angular momentum changes in space")
+    plan.locator("tr", has_text=re.compile(r"^\s*included.*gravity", re.DOTALL)).first.wait_for()
+    standing.says("#top-result", "the angular momentum changes in space")
     for effect, left in (("fixed point", "gravity"), ("gravity", "nothing")):
         page.get_by_label(re.compile(f"^{effect}")).uncheck()
         page.wait_for_url(lambda url, left=left: ("effects" in url) == (left != "nothing"))
-    plan.get_by_text("To watch nutation angle: 6 equations").wait_for()
+    plan.get_by_text("needed for the nutation angle: 6").wait_for()
 
 
 def test_another_space_and_what_it_costs(standing: Watched):
@@ -515,7 +524,7 @@ def test_another_space_and_what_it_costs(standing: Watched):
     spaces_offered = page.get_by_label("space", exact=True)
     usual = spaces_offered.input_value()
     spaces_offered.select_option(label="heisenberg: the Heisenberg group (Nil)")
-    assert f"|b| = {np.pi * 0.3**2:.6g}" in standing.says("#loop-said", "in x and y")
+    assert f"|b| = {np.pi * 0.3**2:.6g}" in standing.says("#loop-result", "in the plane of x and y")
     standing.tab("What accuracy costs")
     page.get_by_label("A circle of radius 0.3 in heisenberg").wait_for()
     page.get_by_label("the top", exact=True).click()
@@ -523,7 +532,7 @@ def test_another_space_and_what_it_costs(standing: Watched):
     page.get_by_role("radio", name="the loop").check()
     standing.tab("Loops")
     spaces_offered.select_option(usual)
-    standing.says("#loop-said", "in φ")
+    standing.says("#loop-result", "in the plane of φ")
 
 
 def test_an_exercise_is_answered(standing: Watched):

@@ -134,7 +134,7 @@ def test_the_first_loop_goes_round_the_axis_of_a_disclination(name):
         assert "does not close" in found["pictures"][1]
     else:
         assert found["b"] == pytest.approx([0, 0, 0], abs=1e-12)
-        assert "The legs come back as they were" in found["sentence"]
+        assert "The legs come back unchanged" in found["sentence"]
     # Beside the axis a loop is a circle in the coordinates, as elsewhere, and both are regular.
     assert known["loop_ranges"][0][0] == 0
     beside = closure_failure(name, [1.0, 1.0, 0.0], 0.3, known["planes"][0])
@@ -157,8 +157,8 @@ def test_a_loop_that_leaves_the_coordinates_is_told(name, centre, condition):
 def test_a_path_that_ends_is_named():
     """Which of the two the sentence is about, and why it ends."""
     said = paths("s2", [1.0, 1.0], 5.0)["sentence"]
-    assert "The straightest path: the motion stops at t = 1.24159" in said
-    assert "The shortest path" not in said
+    assert "The straightest curve: the motion stops at t = 1.24159" in said
+    assert "The shortest curve:" not in said
 
 
 def test_a_core_is_seen_from_its_middle():
@@ -189,7 +189,7 @@ def test_equal_moments_make_one_curve_of_two():
     """On SO(3) straightest and shortest agree for equal moments, and part for unequal ones."""
     velocity = [0.4, 0.3, 1.0]
     assert paths("so3", velocity, 5.0)["largest"] < 1e-9
-    assert "are one curve" in paths("so3", velocity, 5.0, [2, 2, 2])["sentence"]
+    assert "curve coincide here" in paths("so3", velocity, 5.0, [2, 2, 2])["sentence"]
     assert paths("so3", velocity, 5.0, [1, 2, 3])["largest"] > 0.1
 
 
@@ -235,22 +235,22 @@ def test_a_symmetric_top_precesses():
 
 
 def test_the_naive_law_is_right_for_equal_moments():
-    """Where all moments are equal both laws say the same."""
-    assert "both laws say the same" in top([2, 2, 2], [0.5, 1, 2], 0.3, 5.0)["sentence"]
+    """Where all moments are equal both laws agree."""
+    assert "Both laws agree here" in top([2, 2, 2], [0.5, 1, 2], 0.3, 5.0)["sentence"]
 
 
 def test_the_plan_follows_the_switches():
-    """Gravity alone is left out where the nutation is watched; with a fixed point it is in."""
+    """For the nutation, gravity is omitted without a fixed point, and included with one."""
 
     def row(effects: list[str]) -> str:
         plan = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, effects, ["nutation"])["plan"]
         [found] = [line for line in plan.split("<tr>") if ">gravity<" in line]
         return found
 
-    assert "left out" in row(["gravity"])
-    assert "left out" not in row(["gravity", "pivot"])
+    assert "omitted" in row(["gravity"])
+    assert "omitted" not in row(["gravity", "pivot"])
     alone = top([1, 2, 3], [0.1, 2, 0.1], 0.3, 1.0, [], ["omega"])["plan"]
-    assert "3 equations" in alone
+    assert "body axes: 3<" in alone
 
 
 def test_what_cannot_be_is_refused():

@@ -18,7 +18,7 @@ import pytest
 
 from geomtorsion.errors import LimitError
 from geomtorsion.teaching.lab import controls
-from geomtorsion.teaching.lab.kept import Kept
+from geomtorsion.teaching.lab.query import Query
 from geomtorsion.teaching.lab.server import (
     FIRST,
     LETTERS,
@@ -37,19 +37,13 @@ from tests.teaching.lab.session import run
 
 def test_the_first_requests_are_those_of_the_tabs():
     """Equal as text, since that is by what an answer is kept."""
-    kept = Kept()
+    query = Query()
     facts = space_info(controls.FIRST_LOOP)
     # What controls hold has no type of its own in marimo.
-    centre: Any = controls.centre(marimo, facts, kept).value
-    body: Any = controls.body(marimo, kept).value
-    switches: Any = controls.switches(marimo, kept).value
-    loop = controls.loop_case(
-        controls.FIRST_LOOP,
-        centre,
-        controls.radius(marimo, kept).value,
-        controls.plane(marimo, facts, kept).value,
-    )
-    top = controls.top_case(body, switches, controls.watched(marimo, kept).value)
+    place: Any = controls.place(marimo, facts, query).value
+    body: Any = controls.top(marimo, query).value
+    loop = controls.loop_case(facts, place, controls.radius(marimo, query).value)
+    top = controls.top_case(body)
     asked = {json.dumps([name, arguments]) for name, arguments in FIRST}
     assert json.dumps(["loop", loop]) in asked
     assert json.dumps(["top", top]) in asked

@@ -22,7 +22,7 @@ async def student(url: str, place: int) -> float:
     async with Session(url) as session:
         await session.shown('id="compass"')
         await session.set(session.element("marimo-tabs"), "1")
-        await session.shown('id="loop-said"')
+        await session.shown('id="loop-result"')
         radius = session.element("marimo-slider", "radius")
         session.outputs.clear()
         await session.set(radius, place)

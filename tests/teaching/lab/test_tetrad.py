@@ -85,11 +85,11 @@ def test_several_faults_at_once():
     [
         ({"entries": [["1", "0"], ["1", "0"]]}, "singular"),
         ({"coordinates": "r"}, "coordinates"),
-        ({"coordinates": "r, 2x"}, "'2x' is no name"),
+        ({"coordinates": "r, 2x"}, "expected names, got '2x'"),
         ({"coordinates": ""}, "at least one name"),
-        ({"parameters": "r"}, "stands twice"),
+        ({"parameters": "r"}, "got r twice"),
         ({"signature": "-++"}, "2 signs"),
-        ({"coordinates": "a b c d e f g"}, f"up to {PAGE.dimensions}"),
+        ({"coordinates": "a b c d e f g"}, f"at most {PAGE.dimensions}, got 7"),
     ],
 )
 def test_what_is_wrong_with_the_whole(changes, message):
@@ -118,13 +118,13 @@ def test_unknown_functions():
 @pytest.mark.parametrize(
     ("functions", "message"),
     [
-        ("a", "with its arguments"),
-        ("a(", "with its arguments"),
-        ("a()", "depends on nothing"),
-        ("a(x)", "depends on x"),
-        ("a(r), a(phi)", "stands twice"),
-        ("r(phi)", "stands twice"),
-        ("a(r) + 1", "'\\+1' is no function"),
+        ("a", "functions with arguments, got"),
+        ("a(", "functions with arguments, got"),
+        ("a()", "as arguments of a, got none"),
+        ("a(x)", "as arguments of a, got x"),
+        ("a(r), a(phi)", "got a twice"),
+        ("r(phi)", "got r twice"),
+        ("a(r) + 1", "functions with arguments, got '\\+1'"),
     ],
 )
 def test_odd_functions_are_refused(functions, message):
@@ -145,7 +145,7 @@ def test_entries_as_on_paper(entry):
     [
         ("sin r phi", "Write sin(r)*phi or sin(r*phi)."),
         ("1/2r", "can be read in two ways"),
-        ("sqrt(-1)", "this page takes real entries"),
+        ("sqrt(-1)", "give real entries"),
         ("2 rr", "rr is neither a coordinate nor a declared parameter"),
         ("r' phi", "r' is neither a coordinate nor a declared parameter"),
         ("|r - 2", "'|' is not part of an expression"),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geomtorsion.pictures.style import SERIES
@@ -47,21 +49,21 @@ def test_a_film_takes_its_time(film: Any):
     play = film.locator("#play")
     play.click()
     assert play.inner_text() == "Pause"
-    film.clock.run_for(500 * PAGE.film)
+    film.clock.run_for(500 * PAGE.duration)
     assert picture(film) in HALF
     play.click()
     assert play.inner_text() == "Play"
     film.clock.run_for(1000)
     assert picture(film) in HALF
     play.click()
-    film.clock.run_for(500 * PAGE.film + 100)
+    film.clock.run_for(500 * PAGE.duration + 100)
     assert (picture(film), play.inner_text()) == (TIMES - 1, "Play")
 
 
 def test_a_film_that_is_begun_again_runs_once(film: Any):
     """However often the button was pressed before a picture was drawn."""
     film.locator("#play").evaluate("e => { for (let k = 0; k < 7; k++) e.click(); }")
-    film.clock.run_for(500 * PAGE.film)
+    film.clock.run_for(500 * PAGE.duration)
     assert picture(film) in HALF
 
 
@@ -77,3 +79,23 @@ def test_keys_of_the_browser_stay_its_own(film: Any):
         film.keyboard.press(key)
         assert canvas.evaluate(INK) != shown
         shown = canvas.evaluate(INK)
+
+
+def test_a_cone_is_filled_once(browser: Any, tmp_path: Path):
+    """A cone is a pale surface, which does not darken where its curve runs around twice."""
+    shades = []
+    for turns in (1, 2):
+        angles = [turns * k * 2 * math.pi / 80 for k in range(81)]
+        rim = Curve([(math.cos(a), math.sin(a), 1) for a in angles], SERIES[0], cone=True)
+        path = tmp_path / f"cone{turns}.html"
+        path.write_text(turnable(Film("cone", "A cone", ("", "", ""), (rim,))), "utf-8")
+        page = browser.new_page(viewport=WINDOW)
+        page.goto(path.as_uri())
+        ink = page.locator("#space").evaluate(
+            "e => [...e.getContext('2d').getImageData(0, 0, e.width, e.height).data]"
+        )
+        # A pixel of the surface only: 18 % of full opacity.
+        shades.append(np.count_nonzero(np.array(ink[3::4]) == round(0.18 * 255)))
+        page.close()
+    assert shades[0] > 5000
+    assert shades[1] == pytest.approx(shades[0], rel=0.02)

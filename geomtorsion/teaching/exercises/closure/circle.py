@@ -40,15 +40,15 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"For the forms\n\n$${tex.forms(frame)}$$\n\na circle of radius $R$ about "
-            f"$(x, y, z) = ({centre}, 0, 0)$ runs once round in the coordinate plane $x, y$, from "
-            "$x$ towards $y$."
+            f"Consider the one-forms\n\n$${tex.forms(frame)}.$$\n\nA circle of radius $R$ about "
+            f"$(x, y, z) = ({centre}, 0, 0)$ in the coordinate plane $x, y$ is traversed once, "
+            "from $x$ towards $y$."
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt=r"Its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$, exactly, "
+                prompt=r"Find its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$ exactly, "
                 "with `R` for the radius.",
                 domain=domain,
                 answer=vector,
@@ -58,8 +58,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         from_centre(),
-                        "That is the torsion at the centre times the area; the torsion varies over "
-                        "the circle.",
+                        "That is the torsion at the centre times the area. But the torsion varies "
+                        "over the disk.",
                     ),
                 ],
                 shape=(3,),
@@ -68,11 +68,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Only one form is not closed.",
-            "By Stokes its loop integral is an integral over the disk of "
-            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$.",
-            r"Put $x = x_0 + \rho\cos\alpha$; odd powers of the cosine average to zero, "
-            r"$\overline{\cos^2} = \tfrac12$.",
+            "Only $e^3$ is not closed.",
+            "By Stokes' theorem its loop integral is the integral of "
+            f"${tex.tex(cartan(frame).torsion.T.in_frame()[0, 1, 2])}$ over the disk.",
+            r"Substitute $x = x_0 + \rho\cos\alpha$. Over a full turn, odd powers of the cosine "
+            r"average to zero, and $\cos^2\alpha$ averages to $\tfrac12$.",
         ),
         worked=lambda: _worked(frame, centre, radius),
     )
@@ -87,13 +87,15 @@ def _worked(frame: Frame, centre: int, radius: sp.Symbol) -> tuple[Step, ...]:
     ring = sp.integrate(inner, (alpha, 0, 2 * sp.pi))
     flux = sp.expand(sp.integrate(ring, (rho, 0, radius)))
     return (
-        Step(f"Only one form is not closed: $${by_hand.differentials(frame)}.$$"),
+        Step(f"Only $e^3$ is not closed: $${by_hand.differentials(frame)}.$$"),
         Step(
-            f"On the disk $x = {centre} + \\rho\\cos\\alpha$; over the angle, with the "
-            f"$\\rho$ of the area, the integral is ${tex.tex(ring)}$."
+            f"On the disk $x = {centre} + \\rho\\cos\\alpha$, and the area element is "
+            r"$\rho\,\mathrm{d}\rho\,\mathrm{d}\alpha$. The integral over $\alpha$ is "
+            f"${tex.tex(ring)}$."
         ),
         Step(
-            f"Over $\\rho$ from $0$ to $R$: $b^3 = {tex.tex(flux)}$; the others vanish.",
+            f"The integral over $\\rho$ from $0$ to $R$ gives $b^3 = {tex.tex(flux)}$. The other "
+            "components vanish.",
             "burgers",
             {(2,): flux},
         ),

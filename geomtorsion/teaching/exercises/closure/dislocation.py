@@ -29,7 +29,6 @@ def make(draw: Draw) -> Variant:
     around = Loop.circle([0, 0, 0], radius, plane=(0, 1))
     winding = around.times(turns)
     next_to_it = Loop.circle([away, 0, 0], sp.Rational(radius, 2), plane=(0, 1))
-    way = "from $x$ towards $y$" if turns > 0 else "from $y$ towards $x$"
 
     @cache
     def vector(loop: Loop) -> dict[tuple[int, ...], sp.Expr]:
@@ -38,17 +37,17 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            "The legs of a crystal with a screw dislocation along the $z$ axis have the forms\n\n"
+            "A crystal has a screw dislocation along the $z$ axis. Its coframe is\n\n"
             r"$$e^1 = \mathrm{d}x,\quad e^2 = \mathrm{d}y,\quad e^3 = \mathrm{d}z + "
             r"\frac{b}{2\pi}\,\frac{x\,\mathrm{d}y - y\,\mathrm{d}x}{x^2+y^2}.$$"
-            "\n\nTheir torsion vanishes everywhere off the axis."
+            "\n\nThe torsion vanishes everywhere off the axis."
         ),
         questions=(
             Question(
                 name="around",
                 kind="components",
-                prompt=f"The Burgers vector of a circle of radius ${radius}$ about the axis that "
-                f"is run through {abs(turns)} times, {way}.",
+                prompt=f"Find the Burgers vector of a circle of radius ${radius}$ about the axis, "
+                f"traversed {_turning(turns)}.",
                 domain=Domain((b,)),
                 answer=lambda: vector(winding),
                 errors=lambda: [
@@ -56,12 +55,13 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         scaled(vector(around), 1 if turns > 0 else -1),
-                        "How often does the loop go round?",
+                        "How many times does the loop wind around the axis?",
                     ),
                     Mistake(
                         "forgotten",
                         {},
-                        "The torsion vanishes along the loop, but not on the axis inside.",
+                        "The torsion vanishes on the loop, but not on the axis, which the loop "
+                        "encloses.",
                     ),
                 ],
                 shape=(3,),
@@ -70,7 +70,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="beside",
                 kind="components",
-                prompt=f"The same for a circle of half that radius about $({away}, 0, 0)$, once.",
+                prompt="Find the Burgers vector of a circle of half that radius about "
+                f"$({away}, 0, 0)$, traversed once.",
                 domain=Domain((b,)),
                 answer=lambda: vector(next_to_it),
                 errors=lambda: [
@@ -81,11 +82,19 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"Off the axis $x\,\mathrm{d}y - y\,\mathrm{d}x = (x^2+y^2)\,\mathrm{d}\phi$.",
-            r"So $e^3$ is $\mathrm{d}(z + b\phi/2\pi)$; what does $\phi$ grow by on the loop?",
+            r"Off the axis, with the polar angle $\phi$, "
+            r"$x\,\mathrm{d}y - y\,\mathrm{d}x = (x^2+y^2)\,\mathrm{d}\phi$.",
+            r"So $e^3 = \mathrm{d}(z + b\phi/2\pi)$. By how much does $\phi$ change along the "
+            "loop?",
         ),
         worked=lambda: _worked(turns, b),
     )
+
+
+def _turning(turns: int) -> str:
+    """How often and in which sense the loop winds around the axis."""
+    times = "once" if abs(turns) == 1 else f"{abs(turns)} times"
+    return f"{times} from " + ("$x$ towards $y$" if turns > 0 else "$y$ towards $x$")
 
 
 def _worked(turns: int, b: sp.Symbol) -> tuple[Step, ...]:
@@ -93,19 +102,18 @@ def _worked(turns: int, b: sp.Symbol) -> tuple[Step, ...]:
     return (
         Step(
             r"With $x = \rho\cos\phi$ and $y = \rho\sin\phi$ the last form is "
-            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$: closed, but $\phi$ grows by "
-            r"$2\pi$ on each turn round the axis."
+            r"$e^3 = \mathrm{d}z + \frac{b}{2\pi}\,\mathrm{d}\phi$. It is closed, but $\phi$ "
+            r"changes by $2\pi$ on each turn around the axis."
         ),
         Step(
-            f"The loop goes round {abs(turns)} times, from "
-            + ("$x$ towards $y$" if turns > 0 else "$y$ towards $x$")
-            + rf": $\phi$ changes by ${2 * turns}\,\pi$, $z$ not at all, $b^3 = "
+            f"The loop winds around the axis {_turning(turns)}: "
+            rf"$\phi$ changes by ${2 * turns}\,\pi$ and $z$ does not change, so $b^3 = "
             f"{tex.tex(turns * b)}$.",
             "around",
             {(2,): turns * b},
         ),
         Step(
-            r"The other circle does not enclose the axis: $\phi$ comes back to where it was, and "
+            r"The other circle does not enclose the axis: $\phi$ returns to its initial value, and "
             "the Burgers vector vanishes.",
             "beside",
             {},

@@ -1,7 +1,7 @@
 """5.5: a vector that is transported around a loop on the sphere comes back rotated."""
 
 from functools import cache
-from math import cos, pi
+from math import cos
 
 from geomtorsion.geometry import cartan, levi_civita
 from geomtorsion.loops import Loop, develop
@@ -22,17 +22,19 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            r"On the unit sphere, $e^1 = \mathrm{d}\theta$, $e^2 = \sin\theta\,\mathrm{d}\phi$, a "
-            f"loop runs along $\\phi = 0$ from $\\theta = {low:g}$ to ${high:g}$, then along the "
-            f"circle of latitude to $\\phi = {width:g}$, back to $\\theta = {low:g}$ and back to "
-            "the start. A vector is carried parallel along it."
+            r"The unit sphere has the coframe $e^1 = \mathrm{d}\theta$, $e^2 = "
+            r"\sin\theta\,\mathrm{d}\phi$. A loop runs along the meridian $\phi = 0$ from "
+            f"$\\theta = {low:g}$ to $\\theta = {high:g}$, then along the circle of latitude to "
+            f"$\\phi = {width:g}$, back along this meridian to $\\theta = {low:g}$, and along the "
+            "circle of latitude back to its start. A vector is parallel transported along it."
         ),
         questions=(
             Question(
                 name="riemann",
                 kind="number",
-                prompt="By which angle (in radians) is the vector turned, if it is carried by the "
-                r"**Levi-Civita** connection? Positive: from $e_\theta$ towards $e_\phi$.",
+                prompt="By which angle (in radians) is the vector rotated if it is transported by "
+                "the **Levi-Civita** connection? A rotation from the direction of increasing "
+                r"$\theta$ towards increasing $\phi$ is positive.",
                 unit="rad",
                 answer=lambda: angle(loop),
                 errors=lambda: [
@@ -41,7 +43,7 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         (high - low) * width,
-                        r"That is the area in the coordinates; on the sphere it is "
+                        r"That is the area in the coordinate plane. On the sphere the area is "
                         r"$\int\sin\theta\,\mathrm{d}\theta\,\mathrm{d}\phi$.",
                     ),
                 ],
@@ -51,7 +53,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="cartan",
                 kind="number",
-                prompt="And by the **Cartan** connection of the two legs?",
+                prompt="By which angle is it rotated if it is transported by the **Cartan** "
+                "connection, in which the two legs are parallel?",
                 unit="rad",
                 answer=lambda: angle(loop, cartan),
                 errors=lambda: [Mistake("levi-civita", angle(loop))],
@@ -60,11 +63,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "On a surface the angle is the integral of Gauss's curvature over what is enclosed.",
-            f"The area is $(\\cos {low:g} - \\cos {high:g})\\cdot {width:g}$; it must be below "
-            f"{2 * pi:.4f}.",
-            "The legs themselves are parallel for the Cartan connection: they come back as they "
-            "went.",
+            "On a surface the angle is the integral of the Gaussian curvature over the enclosed "
+            "area.",
+            f"The enclosed area is $(\\cos {low:g} - \\cos {high:g})\\cdot {width:g}$.",
+            "The legs are parallel for the Cartan connection: each leg returns unchanged.",
         ),
         worked=lambda: _worked(low, high, width),
     )
@@ -75,8 +77,8 @@ def _worked(low: float, high: float, width: float) -> tuple[Step, ...]:
     area = (cos(low) - cos(high)) * width
     return (
         Step(
-            "On the unit sphere Gauss's curvature is 1: the angle is the area enclosed, positive "
-            r"as the loop runs from $e_\theta$ towards $e_\phi$."
+            "On the unit sphere the Gaussian curvature is 1, so the angle equals the enclosed "
+            r"area. It is positive because the loop runs from $\theta$ towards $\phi$."
         ),
         Step(
             r"The area is $\int\sin\theta\,\mathrm{d}\theta\,\mathrm{d}\phi = "
@@ -85,8 +87,8 @@ def _worked(low: float, high: float, width: float) -> tuple[Step, ...]:
             area,
         ),
         Step(
-            "For the Cartan connection the legs are parallel, so that every vector comes back as "
-            "it went: the angle is 0.",
+            "For the Cartan connection the legs are parallel, so every vector returns unchanged: "
+            "the angle is 0.",
             "cartan",
             0,
         ),

@@ -16,9 +16,9 @@ from geomtorsion.teaching.exercises.authoring import (
 
 SIDES = {
     "above": "above the line",
-    "below": "below it",
-    "left": "to its left",
-    "right": "to its right",
+    "below": "below the line",
+    "left": "to the left of the line",
+    "right": "to the right of the line",
 }
 OPPOSITE = {"above": "below", "below": "above", "left": "right", "right": "left"}
 STEPS = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -47,16 +47,16 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            "A picture of a square lattice, seen along an edge dislocation: $x$ to the right, $y$ "
-            f"up. A circuit from atom to atom takes {sides}, and is back at the atom from which it "
-            "started; the line lies inside."
+            "A square lattice is viewed along an edge dislocation, with $x$ to the right and $y$ "
+            f"up. A circuit from atom to atom takes {sides}. It returns to the atom from which it "
+            "started, and the dislocation line is inside."
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt="The sum of its steps in the perfect lattice, from start to finish: $b$ in "
-                "lattice constants.",
+                prompt="Find the Burgers vector $b$ in lattice constants: the sum of these steps, "
+                "taken in the perfect lattice from start to finish.",
                 answer=closure,
                 errors=lambda: [
                     Mistake("direction", scaled(closure(), -1)),
@@ -69,26 +69,36 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="place",
                 kind="choice",
-                prompt="Where does the extra half plane of atoms lie?",
+                prompt="On which side of the line are the extra half planes of atoms (one or "
+                "more)?",
                 answer=lambda: place,
                 errors=lambda: [
-                    Mistake("direction", OPPOSITE[place], "Which of two opposite sides is longer?")
+                    Mistake(
+                        "direction",
+                        OPPOSITE[place],
+                        "Which of the two opposite sides of the circuit is longer?",
+                    )
                 ],
                 options=SIDES,
             ),
             Question(
                 name="larger",
                 kind="number",
-                prompt=f"A larger circuit round the same line has ${larger}$ steps "
-                f"{WAYS[given]}. How many steps {WAYS[asked]} must it have?",
+                prompt=f"A larger circuit around the same line has ${larger}$ steps "
+                f"{WAYS[given]}. How many steps {WAYS[asked]} does it need to return to its start?",
                 answer=needed,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
                         10 * counts[asked],
-                        "The gap does not grow with the circuit: it counts half planes.",
+                        "The difference does not grow with the circuit: it is the number of half "
+                        "planes.",
                     ),
-                    Mistake("forgotten", larger, "Then it would close in the perfect lattice."),
+                    Mistake(
+                        "forgotten",
+                        larger,
+                        "With this number the circuit would close in the perfect lattice.",
+                    ),
                     Mistake("sign", 2 * larger - needed()),
                 ],
                 tolerance=1e-3,
@@ -96,8 +106,8 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Add the steps: what goes there and back cancels.",
-            "A side that crosses the half plane has one atom more for each of them.",
+            "Add the steps: opposite steps cancel.",
+            "A side that crosses the half planes has one more step for each of them.",
             "However large the circuit is, it crosses the same half planes.",
         ),
         worked=lambda: _worked(place, planes, counts, larger, asked),
@@ -125,7 +135,7 @@ def _worked(
 ) -> tuple[Step, ...]:
     """Steps that cancel, the longer side, and the same excess anywhere."""
     right, up, left, down = counts
-    longer = {"above": "above", "below": "below", "left": "on the left", "right": "on the right"}
+    longer = {"above": "upper", "below": "lower", "left": "left", "right": "right"}
     excess = planes if place in ("above", "left") else -planes
     return (
         Step(
@@ -134,10 +144,14 @@ def _worked(
             "burgers",
             [right - left, up - down],
         ),
-        Step("Opposite sides would be equally long without the dislocation."),
-        Step(f"The circuit is longer {longer[place]}: there the half plane lies.", "place", place),
+        Step("Without the dislocation, opposite sides would have the same number of steps."),
         Step(
-            f"The larger circuit crosses the same half planes, ${planes}$ in number: "
+            f"The {longer[place]} side of the circuit has more steps: the half planes are there.",
+            "place",
+            place,
+        ),
+        Step(
+            f"The larger circuit crosses the same half planes. Their number is ${planes}$: "
             f"${larger} {'+' if excess > 0 else '-'} {planes} = {larger + excess}$ steps "
             f"{WAYS[asked]}.",
             "larger",

@@ -33,16 +33,18 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"In the frame of a body, $$e = {tex.coframe(frame)},$$ a circle of radius "
-            f"${radius:g}$ about $\\phi = ({', '.join(f'{x:g}' for x in centre)})$ runs once round "
-            f"in the plane of $\\phi_{one}$ and $\\phi_{two}$, from the first towards the second."
+            "The body-fixed frame of a rigid body has the coframe "
+            f"$$e = {tex.coframe(frame)}.$$ In the plane of the angles $\\phi_{one}$ and "
+            f"$\\phi_{two}$, a circle of radius ${radius:g}$ about "
+            f"$\\phi = ({', '.join(f'{x:g}' for x in centre)})$ is traversed once, from "
+            f"$\\phi_{one}$ towards $\\phi_{two}$."
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="number",
-                prompt=r"The three components of $b^k = \oint e^k{}_\mu\,\mathrm{d}\phi^\mu$ in "
-                "the frame, to three digits, as `[b1, b2, b3]`.",
+                prompt="Find the three frame components of the Burgers vector "
+                r"$b^k = \oint e^k{}_\mu\,\mathrm{d}\phi^\mu$ to three digits, as `[b1, b2, b3]`.",
                 answer=lambda: burgers_vector(frame, loop).vector,
                 errors=lambda: [
                     Mistake("direction", burgers_vector(frame, loop.reversed()).vector),
@@ -50,8 +52,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         estimate(),
-                        "That is the torsion at the centre times the area: the loop is too large "
-                        "for that.",
+                        "That is the torsion at the centre times the area. The loop is too large "
+                        "for this estimate.",
                     ),
                 ],
                 shape=(3,),
@@ -61,10 +63,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"Put the circle in: $\phi(s)$ with its derivative, and integrate $s$ from $0$ to "
-            r"$2\pi$, numerically.",
-            "The sum over equally many steps of a periodic function is already very accurate with "
-            "a few dozen of them.",
+            r"Insert the circle $\phi(s)$ and its derivative, and integrate numerically over $s$ "
+            r"from $0$ to $2\pi$.",
+            "For a smooth periodic function, a sum over equal steps is very accurate: a few dozen "
+            "steps are enough.",
             "In Python: `gt.burgers_vector(frame, gt.Loop.circle(centre, radius, plane=...))`.",
         ),
         worked=lambda: _worked(centre, radius, plane),
@@ -92,15 +94,16 @@ def _worked(centre: list[float], radius: float, plane: tuple[int, int]) -> tuple
     return (
         Step(
             f"On the circle $\\phi_{one} = {centre[plane[0]]:g} + {radius:g}\\cos s$ and "
-            f"$\\phi_{two} = {centre[plane[1]]:g} + {radius:g}\\sin s$; the third angle is "
-            "constant. Both derivatives with respect to $s$ are put into "
+            f"$\\phi_{two} = {centre[plane[1]]:g} + {radius:g}\\sin s$; the remaining angle is "
+            "constant. Insert the derivatives with respect to $s$ into "
             r"$b^k = \int_0^{2\pi} e^k{}_\mu\,\phi'^\mu\,\mathrm{d}s$."
         ),
         Step(
             r"The sum over $N$ equal steps, $\frac{2\pi}{N}\sum_k e^i{}_\mu\phi'^\mu(s_k)$, is "
-            "the vector "
-            + "; ".join(f"$({vector})$ with $N = {count}$" for count, vector in sums.items())
+            + "; ".join(f"$({vector})$ for $N = {count}$" for count, vector in sums.items())
             + "."
         ),
-        Step("It has settled: three digits are right with twelve steps.", "burgers", total(48)),
+        Step(
+            "The sum has converged: three digits are right with twelve steps.", "burgers", total(48)
+        ),
     )

@@ -47,26 +47,30 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             "In a crystal of iron (bcc, lattice constant $a$) a circuit runs from atom to atom "
-            f"round a dislocation line along ${_vector(along)}$, right-handed about it, and comes "
-            "back to the atom from which it started. Each bond is read as the nearest lattice "
-            f"vector; in units of $a$ these are {listed}, and one last time ${_vector(last)}$."
+            f"around a dislocation line along ${_vector(along)}$, right-handed about the line, and "
+            "returns to the atom from which it started. Each step is replaced by the nearest "
+            "vector of the perfect lattice. In units of $a$ these vectors are "
+            f"{listed}, and finally once ${_vector(last)}$."
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt="The Burgers vector $b$ in units of $a$: the sum of all steps, from start "
-                "to finish.",
+                prompt="Find the Burgers vector $b$ in units of $a$: the sum of all steps, from "
+                "start to finish.",
                 answer=closure,
                 errors=lambda: [
                     Mistake("direction", scaled(closure(), -1)),
                     Mistake(
-                        "factor", scaled(closure(), 2), "Is it a whole lattice vector, or half?"
+                        "factor",
+                        scaled(closure(), 2),
+                        "Is $b$ a vector of the type $[111]$, or half of one?",
                     ),
                     Mistake(
                         "forgotten",
                         list(up),
-                        "The last step differs from the others along that side, and it counts.",
+                        "The last step differs from the other steps of its side, and must be added "
+                        "as well.",
                     ),
                 ],
                 shape=(3,),
@@ -76,20 +80,23 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="length",
                 kind="expression",
-                prompt="How long is $b$, in units of $a$, exactly?",
+                prompt="Find the exact length of $b$ in units of $a$.",
                 answer=lambda: sp.sqrt(sum(x**2 for x in closure())),
                 errors=lambda: [
                     Mistake("factor", sp.sqrt(3)),
                     Mistake(
-                        "forgotten", HALF, "Add the squares of the three components, then the root."
+                        "forgotten",
+                        HALF,
+                        "Add the squares of the three components, then take the root.",
                     ),
                 ],
             ),
             Question(
                 name="handed",
                 kind="choice",
-                prompt="Who follows the lattice round a right-handed screw climbs along the line, "
-                "and has to step down again to the atom of the start. Which screw is this?",
+                prompt="A path along the lattice planes, once around a right-handed screw "
+                "dislocation, advances along the line. A step back against the line then leads to "
+                "the starting atom. Which screw does the circuit above enclose?",
                 answer=lambda: "left" if _along(closure(), along) > 0 else "right",
                 errors=lambda: [
                     Mistake("direction", "right" if _along(closure(), along) > 0 else "left")
@@ -98,10 +105,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Steps there and back cancel, however many there are.",
-            f"What remains is ${_vector(up)}$ and the last step.",
+            "Opposite steps cancel, however many there are.",
+            f"Two steps remain: ${_vector(up)}$ and the last step.",
             "In Python: `gt.Cochain.of_edges(pairs, steps).around(nodes)` adds whole numbers: "
-            "count in units of $a/2$.",
+            "use units of $a/2$.",
         ),
         worked=lambda: _worked(sides, along),
     )
@@ -146,18 +153,18 @@ def _worked(sides: Sequence[Side], along: sp.Matrix) -> tuple[Step, ...]:
     size = sp.sqrt(sum(x**2 for x in b))
     return (
         Step(
-            f"The steps ${_vector(sides[0][1])}$ there and back cancel; of the steps along "
-            f"${_vector(up)}$ one is left."
+            f"The steps ${_vector(sides[0][1])}$ and their opposites cancel. One of the steps "
+            f"${_vector(up)}$ remains."
         ),
         Step(
-            f"With the last step that is ${_vector(up)} + {_vector(last)} = {_vector(b)}$.",
+            f"Together with the last step, $b = {_vector(up)} + {_vector(last)} = {_vector(b)}$.",
             "burgers",
             list(b),
         ),
         Step(f"Its length is ${tex.tex(size)}$ lattice constants.", "length", size),
         Step(
-            f"It points {'along' if climbs else 'against'} the line: the way back to the start "
-            f"led {'up' if climbs else 'down'}. This is {HANDED['left' if climbs else 'right']}.",
+            f"$b$ is the step back to the start, and it points {'along' if climbs else 'against'} "
+            f"the line. This is {HANDED['left' if climbs else 'right']}.",
             "handed",
             "left" if climbs else "right",
         ),

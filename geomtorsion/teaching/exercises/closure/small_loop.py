@@ -31,16 +31,17 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a very small "
-            f"loop runs in the plane of the legs $E_{i + 1}$ and $E_{j + 1}$, from the first "
-            "towards the second, and encloses the area $A$, measured in the frame. What it fails "
-            r"to close by is its Burgers vector $b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$."
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$. A very small loop in the plane of the legs $E_{i + 1}$ and "
+            f"$E_{j + 1}$ runs from the first leg towards the second and encloses the area $A$, "
+            "measured in the frame. Its closure failure is the Burgers vector "
+            r"$b^k = \oint e^k{}_\mu\,\mathrm{d}q^\mu$."
         ),
         questions=(
             Question(
                 name="burgers",
                 kind="components",
-                prompt="The three components $b^k$, to leading order in `A`.",
+                prompt="Find the three components $b^k$ to leading order in `A`.",
                 domain=Domain((area,)),
                 answer=burgers,
                 errors=lambda: [
@@ -48,8 +49,9 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "factor",
                         scaled(burgers(), sp.Rational(1, 2)),
-                        "A factor 2 is missing: $b^k = S_{ij}{}^k A^{ij}$ sums over both orders "
-                        "of $i$ and $j$, so that $b^k = 2S_{12}{}^k A$.",
+                        "A factor 2 is missing: the sum $b^k = S_{ij}{}^k A^{ij}$ contains each "
+                        "pair of indices in both orders, so "
+                        f"$b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$.",
                     ),
                 ],
                 shape=(3,),
@@ -57,9 +59,9 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"Stokes: $\oint e^k = \int \mathrm{d}e^k$.",
+            r"Stokes' theorem: $\oint e^k = \int \mathrm{d}e^k$.",
             r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$, and $e^i\wedge e^j$ "
-            "measures the area in the plane of two legs.",
+            "measures the area in the plane of the legs $E_i$ and $E_j$.",
         ),
         worked=lambda: _worked(frame, i, j, area),
     )
@@ -72,13 +74,13 @@ def _worked(frame: Frame, i: int, j: int, area: sp.Symbol) -> tuple[Step, ...]:
     pairs = {(i, j, k): table.get((i, j, k), sp.S.Zero) for k in range(3)}
     return (
         Step(
-            r"By Stokes $b^k = \oint e^k = \int\mathrm{d}e^k$, and "
+            r"By Stokes' theorem $b^k = \oint e^k = \int\mathrm{d}e^k$, and "
             f"$${by_hand.differentials(frame)}.$$"
         ),
         Step(
-            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all products but "
-            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$ "
-            f"vanishes, and that is the area $A$: $b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
+            f"In the plane of $E_{i + 1}$ and $E_{j + 1}$ all products of forms vanish except "
+            f"$e^{{{i + 1}}}\\wedge e^{{{j + 1}}}$, whose integral is the area $A$: "
+            f"$b^k = 2S_{{{i + 1}{j + 1}}}{{}}^k A$ with "
             f"$${by_hand.listed('2S', pairs)}.$$"
         ),
         Step(f"So $b = ({', '.join(map(tex.tex, vector))})$.", "burgers", vector),

@@ -39,29 +39,30 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            r"A circle of radius $\rho = 10^{-" + str(decades) + r"}$ about $\phi = (0.3, "
-            rf"{middle:g}, 0.2)$ runs round in the plane of $\phi_{one}$ and $\phi_{two}$, angles "
-            r"of a rigid body with the attitude $R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$. Its Burgers "
-            r"vector, about $\pi\rho^2$, is computed in double precision (16 digits) as the sum of "
-            r"$e^i{}_\mu\,\Delta\phi^\mu$ along the circle. The terms are of the size of $\rho$."
+            r"A rigid body has the attitude $R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$. In the plane of "
+            rf"its angles $\phi_{one}$ and $\phi_{two}$, a circle has the radius $\rho = 10^{{-"
+            rf"{decades}}}$ and the centre $\phi = (0.3, {middle:g}, 0.2)$. The size of its "
+            r"Burgers vector is about $\pi\rho^2$. It is computed in double precision (16 digits) "
+            r"as the sum of $e^i{}_\mu\,\Delta\phi^\mu$ along the circle. The terms of the sum "
+            r"have the size of $\rho$."
         ),
         questions=(
             Question(
                 name="line",
                 kind="number",
-                prompt="How many digits of the sum are right, about?",
+                prompt="About how many digits of the sum are right?",
                 answer=by_line,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
                         max(ALL_DIGITS - 2 * decades, 0) or 0.5,
-                        "Rounding errors are not of size 1 but of the size of the terms, "
-                        "$10^{-16}\\rho$; compare that with $\\rho^2$.",
+                        "The rounding errors are proportional to the terms: they have the size "
+                        "$10^{-16}\\rho$, not $10^{-16}$. Compare that with $\\rho^2$.",
                     ),
                     Mistake(
                         "forgotten",
                         ALL_DIGITS,
-                        "The terms nearly cancel: each is right to 16 digits, the sum is not.",
+                        "The terms nearly cancel. Each is right to 16 digits, but the sum is not.",
                     ),
                 ],
                 tolerance=0.9 / (ALL_DIGITS - decades),
@@ -70,13 +71,14 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="flux",
                 kind="number",
-                prompt="And if it is computed as the flux of torsion through the disk, by Stokes?",
+                prompt="About how many digits are right if the vector is computed as the flux of "
+                "torsion through the disk, by Stokes' theorem?",
                 answer=by_flux,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
                         by_line(),
-                        "The flux has nothing to cancel: the torsion has one sign on the disk.",
+                        "Nothing cancels in the flux: the torsion has one sign on the disk.",
                     )
                 ],
                 tolerance=0.15,
@@ -85,8 +87,9 @@ def make(draw: Draw) -> Variant:
         ),
         hints=steps(
             "Rounding gives each term a relative error of $10^{-16}$.",
-            r"Error $10^{-16}\rho$ against result $\rho^2$: which share is that?",
-            "In Python: `gt.burgers_vector(frame, loop).check` holds both routes.",
+            r"The error is $10^{-16}\rho$, and the result is about $\rho^2$. How large is the "
+            "relative error?",
+            "In Python: `gt.burgers_vector(frame, loop).check` has the results of both methods.",
         ),
         worked=lambda: _worked(decades),
     )
@@ -100,15 +103,14 @@ def _worked(decades: int) -> tuple[Step, ...]:
             f"about $10^{{-{ALL_DIGITS}}}\\rho = 10^{{-{ALL_DIGITS + decades}}}$."
         ),
         Step(
-            f"The result has the size $\\rho^2 = 10^{{-{2 * decades}}}$: the error is a share of "
-            f"$10^{{-{ALL_DIGITS - decades}}}$ of it, and about {ALL_DIGITS - decades} digits are "
-            "right.",
+            f"The result has the size $\\rho^2 = 10^{{-{2 * decades}}}$. The relative error is "
+            f"$10^{{-{ALL_DIGITS - decades}}}$, so about {ALL_DIGITS - decades} digits are right.",
             "line",
             ALL_DIGITS - decades,
         ),
         Step(
-            "The torsion has one sign on the disk: nothing cancels in its flux, which has nearly "
-            f"all {ALL_DIGITS} digits.",
+            "The torsion has one sign on the disk, so nothing cancels in its flux: nearly all "
+            f"{ALL_DIGITS} digits are right.",
             "flux",
             ALL_DIGITS,
         ),

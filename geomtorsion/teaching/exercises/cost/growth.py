@@ -1,4 +1,4 @@
-"""7.3: how an error grows along a shortest line."""
+"""7.3: how an error grows along a geodesic."""
 
 from collections.abc import Callable
 from functools import cache
@@ -21,7 +21,7 @@ from geomtorsion.teaching.exercises.authoring import (
 
 SURFACES = {
     "hyperbolic": ("the hyperbolic plane", sp.sinh),
-    "round": ("the unit sphere", sp.sin),
+    "sphere": ("the unit sphere", sp.sin),
     "flat": ("the plane", lambda r: r),
 }
 
@@ -35,7 +35,7 @@ def make(draw: Draw) -> Variant:
     frame = Frame(
         (r, phi),
         [[1, 0], [0, length(r)]],
-        domain=(r > 0, r < (sp.pi if kind == "round" else 4)),
+        domain=(r > 0, r < (sp.pi if kind == "sphere" else 4)),
         name=name,
     )
 
@@ -50,27 +50,27 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"On {name} in polar coordinates, ${tex.forms(frame)}$, a geodesic leaves from "
-            f"$r = {begin:g}$ straight outwards with speed 1. A computer makes a tiny error "
-            r"$\delta\phi$ in the angle at the start and none afterwards: it follows a "
-            "neighbouring geodesic through the same origin."
+            f"On {name} in polar coordinates, with ${tex.forms(frame)}$, a geodesic starts at "
+            f"$r = {begin:g}$ and runs radially outwards with speed 1. A computer makes a small "
+            r"error $\delta\phi$ in the initial angle and no error afterwards: it follows a "
+            "neighbouring geodesic, which also comes from the origin."
         ),
         questions=(
             Question(
                 name="length",
                 kind="number",
-                prompt="By which factor has the error, measured as a **length**, grown at "
+                prompt="The error is measured as a **length**. By which factor has it grown at "
                 f"$t = {last:g}$?",
                 answer=factor,
                 errors=lambda: [
                     Mistake(
                         "basis",
                         deviation(),
-                        r"That is the error $\delta\phi$ in the coordinate, which stays; its "
-                        r"length is $f(r)\,\delta\phi$.",
+                        r"That is the factor for the coordinate error $\delta\phi$, which is "
+                        r"constant. The length of the error is $f(r)\,\delta\phi$.",
                     ),
                     *(
-                        Mistake("another", factor(f), f"That would be so on {other}.")
+                        Mistake("another", factor(f), f"That is the factor on {other}.")
                         for other, f in SURFACES.values()
                         if other != name
                     ),
@@ -81,19 +81,25 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="twice",
                 kind="number",
-                prompt="Two such errors, one twice the other, are carried along. What is the "
-                "quotient of their lengths in the end?",
+                prompt="Two such errors are compared; the first is twice as large as the second. "
+                "What is the ratio of their lengths at the end?",
                 answer=lambda: deviation(2.0) / deviation(),
-                errors=lambda: [Mistake("another", 2 * factor(), "Both grow by this factor.")],
+                errors=lambda: [
+                    Mistake(
+                        "another",
+                        2 * factor(),
+                        "Both errors grow by the same factor, which cancels.",
+                    )
+                ],
                 tolerance=1e-3,
                 generic=(),
             ),
         ),
         hints=steps(
-            r"The neighbour runs along another ray: $\delta\phi$ is constant.",
-            r"The length is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
-            "It grows as $e^t$ where curvature is negative, as $t$ in the plane, and is bounded "
-            "on a sphere: that is what makes some motions dear to compute.",
+            r"The neighbouring geodesic is another ray: $\delta\phi$ is constant.",
+            r"The length of the error is $f(r)\,\delta\phi$ with $r = r_0 + t$.",
+            "The error grows like $e^t$ in the hyperbolic plane and like $t$ in the plane, and it "
+            "is bounded on a sphere. Exponential growth makes a motion expensive to compute.",
         ),
         worked=lambda: _worked(length, begin, last),
     )
@@ -105,16 +111,19 @@ def _worked(length: Callable[[sp.Expr], sp.Expr], begin: float, last: float) -> 
     factor = float(length(sp.Float(begin + last)) / length(sp.Float(begin)))
     return (
         Step(
-            r"The neighbour follows another ray from the origin: $\delta\phi$ is constant, and the "
-            f"distance is $f(r)\\,\\delta\\phi$ with $f = {tex.tex(length(r))}$."
+            r"The neighbouring geodesic is another ray from the origin: $\delta\phi$ is constant, "
+            f"and the distance is $f(r)\\,\\delta\\phi$ with $f = {tex.tex(length(r))}$."
         ),
         Step(
-            f"The geodesic goes from $r = {begin:g}$ to $r = {begin + last:g}$: the error grows by "
-            f"$f({begin + last:g})/f({begin:g}) = {factor:.6g}$.",
+            f"The geodesic runs from $r = {begin:g}$ to $r = {begin + last:g}$: the error grows by "
+            f"the factor $f({begin + last:g})/f({begin:g}) = {factor:.6g}$.",
             "length",
             factor,
         ),
         Step(
-            "Deviations obey a linear equation: twice the error stays twice the error.", "twice", 2
+            "The deviation obeys a linear equation, so an error that is twice as large stays twice "
+            "as large.",
+            "twice",
+            2,
         ),
     )

@@ -1,4 +1,4 @@
-"""7.4: how many numbers describe a motion."""
+"""7.4: how many variables describe a motion."""
 
 from itertools import permutations
 
@@ -22,9 +22,9 @@ def make(draw: Draw) -> Variant:
     alone = geodesic(frame, frame_velocity=speeds, metric=inertia)
     whole = geodesic(frame, start, frame_velocity=speeds, metric=inertia)
     straight = autoparallel(cartan(frame), start, frame_velocity=speeds)
-    moves = "turns and flies freely" if flying else "turns freely about a fixed point"
-    rates = "velocities in the body (of turning and of flying)" if flying else "angular velocity"
-    place = "attitude and place are" if flying else "the attitude is"
+    moves = "rotates and moves freely" if flying else "rotates freely about a fixed point"
+    rates = "the angular velocity and the velocity" if flying else "only the angular velocity"
+    place = "attitude and position" if flying else "attitude"
 
     def ask(name: str, prompt: str, right: CurveProblem, chart: str | None, *wrong) -> Question:
         return Question(
@@ -39,47 +39,68 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"A body with the moments of inertia ${moments}$ {moves}. Its motion is solved as "
-            r"$\dot q^\mu = E_i{}^\mu u^i$, $\dot u^k = \ldots$ of first order. Nothing is computed"
-            " that nobody asked for."
+            f"A body with the moments of inertia ${moments}$ {moves}. Its motion is solved as a "
+            r"system of first order, $\dot q^\mu = E_i{}^\mu u^i$, $\dot u^k = \ldots$ The solver "
+            "integrates only the variables that the requested quantities depend on."
         ),
         questions=(
             ask(
                 "omega",
-                f"How many numbers does the solver follow if only the {rates} are asked for?"
-                if flying
-                else "How many numbers does the solver follow if only the angular velocity in the "
-                "body is asked for?",
+                f"You request {rates} along the axes of the body"
+                f"{', but no coordinates' * flying}. How many variables does the solver integrate?",
                 alone,
                 None,
-                ("forgotten", whole, name, "On a group the velocities need no coordinates."),
+                (
+                    "forgotten",
+                    whole,
+                    name,
+                    "On a group the equations of the velocities contain no coordinates.",
+                ),
             ),
             ask(
                 "angles",
-                f"How many if {place} asked for as well, the attitude by three angles?",
+                f"How many variables does the solver integrate if you also request the {place}, "
+                "with three angles for the attitude?",
                 whole,
                 name,
-                ("forgotten", alone, None, "The angles have to be followed, too."),
-                ("another", whole, "quaternion", "So many if the attitude is a quaternion."),
+                ("forgotten", alone, None, "The coordinates must also be integrated."),
+                (
+                    "another",
+                    whole,
+                    "quaternion",
+                    "That is the number with a quaternion for the attitude.",
+                ),
             ),
             ask(
                 "quaternion",
-                "How many with the attitude as a quaternion, which needs no change of charts?",
+                "How many variables are there if a quaternion, which needs no change of charts, "
+                "describes the attitude instead of the angles?",
                 whole,
                 "quaternion",
-                ("forgotten", whole, name, "A quaternion has one component more than angles."),
+                (
+                    "forgotten",
+                    whole,
+                    name,
+                    "A quaternion has four components, one more than three angles.",
+                ),
             ),
             ask(
                 "straightest",
-                "How many for the **straightest** line of the body-fixed frame, by three angles?",
+                "How many variables are there for an autoparallel (**straightest** line) of the "
+                "body-fixed frame, with three angles for the attitude?",
                 straight,
                 name,
-                ("levi-civita", whole, name, "On it the frame velocities are constant."),
+                (
+                    "levi-civita",
+                    whole,
+                    name,
+                    "On an autoparallel the frame velocities are constant.",
+                ),
             ),
         ),
         hints=steps(
-            r"Euler's equations contain $\Omega$ alone.",
-            "What is constant need not be followed.",
+            r"Euler's equations contain only $\Omega$, not the angles.",
+            "Constant quantities need not be integrated.",
             "In Python: `gt.geodesic(...).equations().system.states`.",
         ),
         worked=lambda: _worked(flying),
@@ -94,23 +115,23 @@ def states(problem: CurveProblem, chart: str | None) -> int:
 def _worked(flying: bool) -> tuple[Step, ...]:
     """Counting velocities and coordinates."""
     n = 6 if flying else 3
-    moved = "three of turning and three of flying" if flying else "three of turning"
+    moved = "three of rotation and three of translation" if flying else "three of rotation"
     return (
         Step(
-            f"The frame has {n} velocities, {moved}; on a group their equations contain no "
-            f"coordinates: {n} numbers.",
+            f"The frame has {n} velocities, {moved}. On a group their equations contain no "
+            f"coordinates: {n} variables.",
             "omega",
             n,
         ),
-        Step(f"The coordinates are {n} more: {2 * n} numbers.", "angles", 2 * n),
+        Step(f"The {n} coordinates are added: {2 * n} variables.", "angles", 2 * n),
         Step(
-            f"A quaternion has four components in the place of three angles: {2 * n + 1} numbers.",
+            f"A quaternion has four components instead of three angles: {2 * n + 1} variables.",
             "quaternion",
             2 * n + 1,
         ),
         Step(
-            "On the straightest line the frame velocities are constant; what is followed are the "
-            f"{n} coordinates.",
+            "On the autoparallel the frame velocities are constant. Only the "
+            f"{n} coordinates are integrated.",
             "straightest",
             n,
         ),

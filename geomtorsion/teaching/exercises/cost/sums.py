@@ -48,11 +48,10 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"The Burgers vector of a circle of radius ${radius:g}$ about "
-            f"$\\phi = ({first:g}, {middle:g}, 0.2)$, in the plane of $\\phi_1$ and $\\phi_2$ of "
-            f"the rigid body with the coframe $$e = {tex.coframe(frame)},$$ is added up in two "
-            "ways from $N$ "
-            "points $\\phi_k$ at equal steps of the angle round the circle:\n\n"
+            f"The body-fixed frame of a rigid body has the coframe $$e = {tex.coframe(frame)}.$$ "
+            f"A circle in the plane of $\\phi_1$ and $\\phi_2$ has the radius ${radius:g}$ and the "
+            f"centre $\\phi = ({first:g}, {middle:g}, 0.2)$. Its Burgers vector is computed in two "
+            "ways from $N$ points $\\phi_k$ at equal angles around the circle:\n\n"
             r"- **chords**: $\sum_k e^i{}_\mu(\text{midpoint of the chord})\,"
             r"(\phi^\mu_{k+1}-\phi^\mu_k)$,"
             "\n"
@@ -63,11 +62,12 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="order",
                 kind="number",
-                prompt="The order of the chords: the error falls as $N^{-p}$. What is $p$?",
+                prompt="The error of the sum over **chords** decreases like $N^{-p}$. What is the "
+                "order $p$?",
                 answer=lambda: log2(error(COARSE, True) / error(2 * COARSE, True)),
                 errors=lambda: [
-                    Mistake("forgotten", 1, "The midpoint is better than either end."),
-                    Mistake("another", 4, "That is for Simpson's rule."),
+                    Mistake("forgotten", 1, "The midpoint is more accurate than either end."),
+                    Mistake("another", 4, "That is the order of Simpson's rule."),
                 ],
                 tolerance=0.05,
                 generic=(),
@@ -75,15 +75,15 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="points",
                 kind="number",
-                prompt="How many points does the **trapezoid** need for a relative error below "
-                "$10^{-10}$ (of the largest component)? A fifth more or less will do.",
+                prompt="How many points does the **trapezoid** sum need for an error below "
+                "$10^{-10}$ of the largest component? Your answer may differ by a fifth.",
                 answer=needed,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
                         by_chords(),
-                        "So many are needed with chords; for a smooth periodic function the "
-                        "trapezoid converges faster than any power.",
+                        "That is the number for the chords. For a smooth periodic function the "
+                        "trapezoid sum converges faster than any power of $1/N$.",
                     )
                 ],
                 tolerance=0.21,
@@ -92,11 +92,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Try $N = 64$ and $N = 128$: the quotient of the errors is $2^p$.",
-            "The trapezoid sum over a period is exact for all harmonics below $N$; what is left "
-            "out falls as fast as the harmonics of the coframe do.",
-            "In Python: `gt.numpy_function` makes the coframe a function of arrays; some ten to "
-            "twenty points will do.",
+            "Try $N = 64$ and $N = 128$: the ratio of the errors is $2^p$.",
+            "The trapezoid sum over a period is exact for all harmonics below $N$. The error comes "
+            "from the higher harmonics of the integrand, which decrease rapidly.",
+            "In Python: `gt.numpy_function` makes the coframe a function of arrays. Ten to twenty "
+            "points are enough.",
         ),
         worked=lambda: _worked(error, needed),
     )
@@ -136,16 +136,16 @@ def _worked(error: Callable[[int, bool], float], needed: Callable[[], int]) -> t
     count = needed()
     steps = "; ".join(f"$N = {n}$: {error(n, False):.2g}" for n in range(count - 4, count + 1, 2))
     return (
-        Step(f"The errors of the chords are {shown}."),
+        Step(f"The errors of the sum over chords are {shown}."),
         Step(
-            "Twice as many points make the error four times smaller, $2^p = 4$: the order is 2, "
-            "that of the midpoint rule.",
+            "Twice as many points make the error four times smaller, $2^p = 4$. The order is 2, as "
+            "for the midpoint rule.",
             "order",
             2,
         ),
         Step(
-            f"The errors of the trapezoid are {steps}. They fall faster than any power, and "
-            f"with {count} points they are below $10^{{-10}}$ of the largest component.",
+            f"The errors of the trapezoid sum are {steps}. They decrease faster than any power of "
+            f"$1/N$. With {count} points the error is below $10^{{-10}}$ of the largest component.",
             "points",
             count,
         ),

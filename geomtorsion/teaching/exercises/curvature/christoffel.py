@@ -32,16 +32,18 @@ def make(draw: Draw) -> Variant:
     bar, straight = levi_civita(frame), cartan(frame)
     return Variant(
         statement=(
-            f"A surface is made of circles: the one at $\\phi_2$, $0 < \\phi_2 < {tex.tex(end)}$, "
-            f"has the length $2\\pi f$ with $f = {tex.tex(f)}$, and $\\phi_2$ is the length across "
-            f"them. The legs along and across the circles are dual to ${tex.forms(frame)}$. "
-            r"Their metric is $g = e^T e$, and $\bar\Gamma$ is its Levi-Civita connection."
+            "A surface consists of circles. The circle at $\\phi_2$, with "
+            f"$0 < \\phi_2 < {tex.tex(end)}$, has the length $2\\pi f$ with $f = {tex.tex(f)}$; "
+            "$\\phi_2$ is the distance measured across the circles. The legs along and across the "
+            f"circles are dual to ${tex.forms(frame)}$. "
+            r"The metric is $g = e^T e$, and $\bar\Gamma$ is its Levi-Civita connection."
         ),
         questions=(
             Question(
                 name="christoffel",
                 kind="expression",
-                prompt=r"$\bar\Gamma_{12}{}^1$, where 1 and 2 stand for $\phi_1$ and $\phi_2$.",
+                prompt=r"Find $\bar\Gamma_{12}{}^1$. The indices 1 and 2 belong to $\phi_1$ and "
+                r"$\phi_2$.",
                 domain=Domain.of(frame),
                 answer=lambda: bar[0, 1, 0],
                 errors=lambda: [
@@ -49,8 +51,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "inverse",
                         bar.coefficients.lowered(2)[0, 1, 0],
-                        r"That is $\bar\Gamma_{121}$: the last index is still to be raised with "
-                        "the inverse metric.",
+                        r"That is $\bar\Gamma_{121}$. Raise the last index with the inverse "
+                        "metric.",
                     ),
                     Mistake("permuted", bar[0, 0, 1], r"That is $\bar\Gamma_{11}{}^2$."),
                 ],
@@ -73,12 +75,12 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     return (
         Step(f"The metric is diagonal: $g_{{11}} = {tex.tex(f**2)}$, $g_{{22}} = 1$."),
         Step(
-            r"Of $\bar\Gamma_{12}{}^1 = \tfrac12 g^{11}(\partial_1 g_{21} + \partial_2 g_{11} - "
-            r"\partial_1 g_{12})$ the middle term remains: "
+            r"In $\bar\Gamma_{12}{}^1 = \tfrac12 g^{11}(\partial_1 g_{21} + \partial_2 g_{11} - "
+            r"\partial_1 g_{12})$ only the middle term is nonzero: "
             f"$\\partial_2 g_{{11}} = {tex.tex(slope)}$."
         ),
         Step(
-            f"Times $g^{{11}}/2 = {tex.tex(1 / (2 * f**2))}$: "
+            f"Multiplied by $g^{{11}}/2 = {tex.tex(1 / (2 * f**2))}$, it gives "
             rf"$\bar\Gamma_{{12}}{{}}^1 = {tex.tex(value)}$.",
             "christoffel",
             value,

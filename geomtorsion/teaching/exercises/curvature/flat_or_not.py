@@ -32,37 +32,40 @@ def make(draw: Draw) -> Variant:
     straight, short = cartan(frame), levi_civita(frame)
     return Variant(
         statement=(
-            f"Two connections belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
-            f"in ${tex.symbols(frame)}$: the Cartan connection, in which the legs are parallel, "
-            "and the Levi-Civita connection of the metric in which they are orthonormal."
+            f"Two connections belong to the one-forms\n\n$${tex.forms(frame)}$$\n\n"
+            f"in the coordinates ${tex.symbols(frame)}$: the Cartan connection, in which the legs "
+            "are parallel, and the Levi-Civita connection of the metric in which the legs are "
+            "orthonormal."
         ),
         questions=(
             _question(
                 "cartan",
-                "The curvature of the **Cartan** connection:",
+                "Does the curvature of the **Cartan** connection vanish?",
                 lambda: straight.curvature.is_zero,
                 lambda: short.curvature.is_zero,
                 "levi-civita",
             ),
             _question(
                 "riemann",
-                "The curvature of the **Levi-Civita** connection:",
+                "Does the curvature of the **Levi-Civita** connection vanish?",
                 lambda: short.curvature.is_zero,
                 lambda: straight.curvature.is_zero,
                 "cartan",
             ),
             _question(
                 "torsion",
-                "The torsion of the **Cartan** connection:",
+                "Does the torsion of the **Cartan** connection vanish?",
                 lambda: straight.torsion.S.is_zero,
                 lambda: short.torsion.S.is_zero,
                 "levi-civita",
             ),
         ),
         hints=steps(
-            "What is carried parallel round a loop comes back turned if there is curvature.",
-            "Are there vector fields that are parallel everywhere? Then nothing comes back turned.",
-            "For the metric: is it that of a plane or of flat space in other coordinates?",
+            "If there is curvature, a vector that is parallel transported around a loop returns "
+            "rotated.",
+            "Does a connection have a basis of vector fields that are parallel everywhere? Then "
+            "every vector returns unchanged.",
+            "Is the metric a metric of flat space in curvilinear coordinates?",
         ),
         worked=lambda: _worked(frame),
     )
@@ -86,24 +89,28 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     flat, twisted = by_hand.is_flat(frame), bool(by_hand.curls(frame))
     e = matrix_of(frame.coframe)
     metric = (e.T * e).applyfunc(by_hand.tidy).tolist()
-    said = f"The forms are not all closed: $${by_hand.differentials(frame)}.$$"
+    said = f"Not all forms are closed: $${by_hand.differentials(frame)}.$$"
     return (
         Step(
-            "The legs are parallel everywhere, so that nothing that is carried round comes back "
-            "turned: the curvature of the Cartan connection vanishes.",
+            "The legs are parallel everywhere, so every vector that is transported around a loop "
+            "returns unchanged: the curvature of the Cartan connection vanishes.",
             "cartan",
             "zero",
         ),
         Step(
-            f"The metric is $$g = {tex.matrix(metric)}.$$ Its Ricci tensor, worked out from the "
-            f"Christoffel symbols, {'vanishes, and with it, ' if flat else 'does not vanish: '}"
-            + ("in so few dimensions, all curvature." if flat else "the metric is curved."),
+            f"The metric is $$g = {tex.matrix(metric)}.$$ Its Ricci tensor, computed from the "
+            f"Christoffel symbols, {'vanishes. ' if flat else 'does not vanish: '}"
+            + (
+                "In at most three dimensions the whole curvature then vanishes."
+                if flat
+                else "the metric is curved."
+            ),
             "riemann",
             "zero" if flat else "not zero",
         ),
         Step(
             (said if twisted else "All forms are closed. ")
-            + r" The torsion is $2S_{ij}{}^k e^i\wedge e^j/2 = \mathrm{d}e^k$, so that it "
+            + r" Since $\mathrm{d}e^k = S_{ij}{}^k\,e^i\wedge e^j$, the torsion "
             + ("does not vanish." if twisted else "vanishes."),
             "torsion",
             "not zero" if twisted else "zero",

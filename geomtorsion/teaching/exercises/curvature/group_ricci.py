@@ -21,16 +21,17 @@ def make(draw: Draw) -> Variant:
     curvature, straight = levi_civita(frame).curvature, cartan(frame)
     return Variant(
         statement=(
-            f"The forms, in ${tex.symbols(frame)}$, are\n\n$${tex.forms(frame)},$$\n\n"
-            "and $\\eta = 1$. The Cartan curvature vanishes; the Levi-Civita connection of the "
-            "metric has a curvature of its own, made of the torsion: in the frame all its "
-            "components are constant."
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$, with the frame metric $\\eta = 1$. The curvature of the "
+            "Cartan connection vanishes. The curvature of the Levi-Civita connection follows from "
+            "the torsion, and all its components in the frame are constant."
         ),
         questions=(
             Question(
                 name="ricci",
                 kind="components",
-                prompt=r"The Ricci tensor $\bar R_{ij}$ in the **frame**.",
+                prompt=r"Find the components $\bar R_{ij}$ of the Ricci tensor of the Levi-Civita "
+                "connection in the **frame**.",
                 domain=Domain.of(frame),
                 answer=curvature.ricci.in_frame,
                 errors=lambda: [
@@ -45,7 +46,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="scalar",
                 kind="expression",
-                prompt=r"The curvature scalar $\bar R$.",
+                prompt=r"Find the curvature scalar $\bar R$ of the Levi-Civita connection.",
                 domain=Domain.of(frame),
                 answer=lambda: curvature.scalar[()],
                 errors=lambda: [
@@ -60,9 +61,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "With constant $C_{ij}{}^k$ the connection in the frame is constant too: "
+            r"With constant $C_{ij}{}^k$, where $\mathrm{d}e^k = \tfrac12 C_{ij}{}^k\,e^i\wedge "
+            "e^j$, the connection coefficients in the frame are constant: "
             r"$\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + C_{kij})$.",
-            "The curvature is then a sum of products of two of these, without any derivative.",
+            "The curvature then contains no derivatives: it is a sum of products of these "
+            "coefficients with each other and with $C$.",
             f"The torsion scalar is ${tex.tex(straight.torsion.scalar[()])}$.",
         ),
         worked=lambda: _worked(frame),
@@ -81,11 +84,11 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             f"$${by_hand.listed('C', half)}.$$"
         ),
         Step(
-            r"With $\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + C_{kij})$ and all indices "
-            rf"below: $${by_hand.listed('omega_bar', connection, 0)}.$$"
+            r"With all indices lowered, $\bar\omega_{ijk} = -\tfrac12(C_{ijk} - C_{jki} + "
+            rf"C_{{kij}})$ gives $${by_hand.listed('omega_bar', connection, 0)}.$$"
         ),
         Step(
-            r"All are constant, so that $\bar R_{jk} = \bar\omega_{jkm}\bar\omega_{imi} - "
+            r"All coefficients are constant, so $\bar R_{jk} = \bar\omega_{jkm}\bar\omega_{imi} - "
             r"\bar\omega_{ikm}\bar\omega_{jmi} + C_{ijm}\bar\omega_{mki}$, summed over $i$ and "
             f"$m$: $$\\bar R = {tex.matrix(ricci.tolist())}.$$",
             "ricci",

@@ -23,16 +23,16 @@ def make(draw: Draw) -> Variant:
     curvature = levi_civita(frame).curvature
     return Variant(
         statement=(
-            f"A surface has the forms ${tex.forms(frame)}$: its circles $r = \\mathrm{{const}}$ "
-            "have the length $2\\pi f(r)$, and $r$ is the length across them. "
-            r"The conventions are $R_{nl} = R_{mnl}{}^m$, positive for spheres, and "
-            r"$R = g^{nl}R_{nl}$, all of the Levi-Civita connection."
+            f"A surface has the one-forms ${tex.forms(frame)}$. Its circles "
+            "$r = \\mathrm{const}$ have the length $2\\pi f(r)$, and $r$ is the distance measured "
+            r"across them. The Levi-Civita connection has the Ricci tensor $R_{nl} = R_{mnl}{}^m$, "
+            r"positive for spheres, and the curvature scalar $R = g^{nl}R_{nl}$."
         ),
         questions=(
             Question(
                 name="ricci",
                 kind="components",
-                prompt=r"The Ricci tensor $R_{ab}$ in the coordinates.",
+                prompt=r"Find the Ricci tensor $R_{ab}$ in the coordinates.",
                 domain=Domain.of(frame),
                 answer=lambda: curvature.ricci,
                 errors=lambda: [
@@ -41,7 +41,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "sign",
                         -curvature.ricci,
-                        "The sign is that of books in which spheres have negative curvature.",
+                        "The sign is wrong. Some books use the opposite sign, but here spheres "
+                        "have positive curvature.",
                     ),
                 ],
                 shape=(2, 2),
@@ -51,7 +52,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="scalar",
                 kind="expression",
-                prompt="The curvature scalar $R$.",
+                prompt="Find the curvature scalar $R$.",
                 domain=Domain.of(frame),
                 answer=lambda: curvature.scalar[()],
                 errors=lambda: [
@@ -59,13 +60,13 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "factor",
                         curvature.scalar[()] / 2,
-                        "That is Gauss's curvature $K$; in two dimensions $R = 2K$.",
+                        "That is the Gaussian curvature $K$. In two dimensions $R = 2K$.",
                     ),
                 ],
             ),
         ),
         hints=steps(
-            r"For $\mathrm{d}r^2 + f(r)^2\mathrm{d}\phi^2$ Gauss's curvature is $K = -f''/f$.",
+            r"For $\mathrm{d}r^2 + f(r)^2\mathrm{d}\phi^2$ the Gaussian curvature is $K = -f''/f$.",
             "In two dimensions $R_{ab} = K g_{ab}$.",
             f"Here $f = {tex.tex(frame.coframe[1, 1])}$.",
         ),
@@ -82,7 +83,7 @@ def _sphere() -> Frame:
 
 
 def _worked(frame: Frame) -> tuple[Step, ...]:
-    """Gauss's curvature, and the Ricci tensor that follows from it in two dimensions."""
+    """Gaussian curvature, and the Ricci tensor that follows from it in two dimensions."""
     f, r = frame.coframe[1, 1], frame.coordinates[0]
     gauss, ricci, scalar = by_hand.surface_ricci(frame)
     return (
@@ -90,7 +91,7 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             f"The metric is $\\mathrm{{d}}r^2 + f^2\\,\\mathrm{{d}}\\phi^2$ with "
             f"$f = {tex.tex(f)}$, and $f'' = {tex.tex(f.diff(r, 2))}$."
         ),
-        Step(f"Gauss's curvature is $K = -f''/f = {tex.tex(gauss)}$."),
+        Step(f"The Gaussian curvature is $K = -f''/f = {tex.tex(gauss)}$."),
         Step(
             f"In two dimensions $R_{{ab}} = K g_{{ab}}$: $$R = {tex.matrix(ricci)}.$$",
             "ricci",

@@ -52,8 +52,9 @@ def _cells(title: str, exercises: Sequence[Exercise]) -> Iterator[Json]:
     """Title, import, and each exercise with its questions."""
     yield _text(
         "title",
-        f'# {title}\n\nEach answer is a text in quotes, such as `"2*sin(r)"`. Indices are counted '
-        "from 1; the first lower index of a connection is the direction of differentiation; "
+        f'# {title}\n\nWrite each answer as text in quotes, such as `"2*sin(r)"`. Indices are '
+        "counted from 1; the first lower index of a connection is the direction of differentiation;"
+        " "
         "$S = T/2$.",
     )
     yield code_cell("imports", "import geomtorsion as gt", _marked("imports", locked=True))

@@ -133,16 +133,16 @@ class Part:
         names = [maxima_name(symbol.name) for symbol in question.domain.symbols]
         listed = f" in {', '.join(names)}" if names else ""
         rates = any(symbol.name.endswith("_d") for symbol in question.domain.symbols)
-        prime = " A d before a name stands for its dot or prime." if rates else ""
+        prime = " The d before a name means a derivative (its dot or prime)." if rates else ""
         if self.kind == "choice":
             return "Choose one."
         if self.kind == "number":
             text = how_to_answer(question)
             return f"Answer: {text.replace(' `[x, y, ...]`', ', one in each box')}."
         if self.kind == "equations":
-            return f"Answer: what stands on the right{listed}.{prime}"
+            return f"Answer: the right-hand side of each equation{listed}.{prime}"
         if self.shape:
-            return f"Answer: a component in each box{listed}; zeros stay.{prime}"
+            return f"Answer: one component in each box{listed}. Leave 0 for zero components.{prime}"
         return f"Answer: an expression{listed}.{prime}"
 
     # -- values ---------------------------------------------------------------------------------

@@ -72,7 +72,7 @@ def tasks(numbers: Sequence[str] | None, seeds: Sequence[int]) -> tuple[Task, ..
         values = list(checks.entries(given, subject, ArgumentError))
         if not values or len({str(value) for value in values}) < len(values):
             raise ArgumentError(
-                f"{subject}: at least one was needed, each once, but {checks.shown(given)} came. "
+                f"{subject}: expected at least one, and none twice, got {checks.shown(given)}. "
                 "List each once."
             )
     return tuple(Task(tuple(load(number, seed) for seed in seeds)) for number in wanted)

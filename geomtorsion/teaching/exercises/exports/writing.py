@@ -32,17 +32,17 @@ class Export:
 
 def _stack(found: Sequence[Task]) -> tuple[Files, str]:
     note = (
-        "Import geomtorsion-stack.xml into a question bank of Moodle as Moodle XML. Seeds are "
-        "deployed systematically: STACK must know stack_seed. Each part is right or wrong as a "
-        "whole."
+        "Import geomtorsion-stack.xml into a question bank of Moodle as Moodle XML. The variants "
+        "use stack_seed, which your version of STACK must support. Each part is graded as a whole: "
+        "single components earn no points."
     )
     return {"geomtorsion-stack.xml": stack_quiz(found)}, note
 
 
 def _nbgrader(found: Sequence[Task]) -> tuple[Files, str]:
     note = (
-        "The folder is a course of nbgrader: nbgrader generate_assignment makes what students get, "
-        "nbgrader autograde grades it. Both need geomtorsion in their kernel."
+        "The folder is an nbgrader course. nbgrader generate_assignment writes the notebooks for "
+        "students, and nbgrader autograde grades them. Both need geomtorsion in their kernel."
     )
     return course_files(found), note
 

@@ -22,10 +22,9 @@ def make(draw: Draw) -> Variant:
     n = frame.dimension
     return Variant(
         statement=(
-            f"Given are, in the coordinates ${tex.symbols(frame)}$, the one-forms"
-            f"\n\n$${tex.forms(frame)}.$$\n\n"
-            "They are not all closed. How much each fails to be is written in the frame itself:"
-            "\n\n"
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$. Not all of them are closed. Their exterior derivatives, "
+            "expressed in the frame, define the object of anholonomy $C_{ij}{}^k$:\n\n"
             r"$$\mathrm{d}e^k = \tfrac{1}{2}\,C_{ij}{}^k\,e^i\wedge e^j,\qquad "
             r"C_{ij}{}^k = -C_{ji}{}^k.$$"
         ),
@@ -33,22 +32,23 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="anholonomy",
                 kind="components",
-                prompt=r"All components $C_{ij}{}^k$ that do not vanish, those with $i<j$ at "
-                "least, indices in the frame, in the order $i, j, k$.",
+                prompt=r"Find the nonzero components $C_{ij}{}^k$ in the frame, with the indices "
+                "in the order $i, j, k$. Those with $i<j$ are enough.",
                 domain=Domain.of(frame),
                 answer=lambda: frame.anholonomy,
                 errors=lambda: [
                     Mistake(
                         "sign",
                         -frame.anholonomy,
-                        "The sign is wrong: these are the structure constants of the legs, "
-                        "$[E_i, E_j] = -C_{ij}{}^k E_k$.",
+                        "The sign is wrong: these are $-C_{ij}{}^k$, the structure coefficients of "
+                        "the legs, from $[E_i, E_j] = -C_{ij}{}^k E_k$.",
                     ),
                     Mistake(
                         "factor",
                         frame.anholonomy / 2,
-                        "That is half of it: $S$ rather than $C = 2S$. The half in "
-                        "$\\tfrac12 C_{ij}{}^k e^i\\wedge e^j$ only counts each pair once.",
+                        "That is half of it: $S$ instead of $C = 2S$. The factor $\\tfrac12$ is "
+                        "there because the sum $C_{ij}{}^k e^i\\wedge e^j$ contains each pair "
+                        "twice.",
                     ),
                     Mistake("basis", cartan(frame).torsion.T),
                 ],
@@ -67,7 +67,7 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "another",
                         frame.dimension - closed_forms(frame),
-                        "That is how many are not.",
+                        "That is how many are not closed.",
                     )
                 ],
                 generic=(),
@@ -76,17 +76,17 @@ def make(draw: Draw) -> Variant:
         ),
         hints=steps(
             r"$\mathrm{d}(f\,\mathrm{d}x) = \partial_\mu f\,\mathrm{d}q^\mu\wedge\mathrm{d}x$.",
-            r"Write each $\mathrm{d}q^\mu\wedge\mathrm{d}q^\nu$ by the forms: "
+            r"Express each $\mathrm{d}q^\mu\wedge\mathrm{d}q^\nu$ in the one-forms $e^i$: "
             r"$\mathrm{d}q^\mu = E_i{}^\mu e^i$.",
-            r"In $\tfrac12 C_{ij}{}^k e^i\wedge e^j$ each pair occurs twice: what stands before "
-            r"$e^1\wedge e^2$ is $C_{12}{}^k$.",
+            r"The sum $\tfrac12 C_{ij}{}^k e^i\wedge e^j$ contains each pair twice, so the "
+            r"coefficient of $e^1\wedge e^2$ is $C_{12}{}^k$.",
         ),
         worked=lambda: _worked(frame),
     )
 
 
 def closed_forms(frame: Frame) -> int:
-    """How many forms have no derivative."""
+    """Number of closed forms."""
     return frame.dimension - len({k for _, _, k in frame.anholonomy.nonzero()})
 
 
@@ -97,14 +97,14 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     half = {key: value for key, value in table.items() if key[0] < key[1]}
     closed = frame.dimension - len(open_forms)
     return (
-        Step(f"The derivatives that do not vanish are $${by_hand.differentials(frame)}.$$"),
-        Step(f"All others vanish: {closed} of the forms are closed.", "closed", closed),
+        Step(f"The nonzero exterior derivatives are $${by_hand.differentials(frame)}.$$"),
+        Step(f"The number of closed forms is {closed}.", "closed", closed),
         Step(
-            r"The coordinates are written by the forms, $\mathrm{d}q^\mu = E_i{}^\mu e^i$ with "
-            f"$$E = {tex.matrix(by_hand.legs(frame).tolist())},$$ one leg per column."
+            r"The differentials, expressed in the forms, are $\mathrm{d}q^\mu = E_i{}^\mu e^i$ "
+            f"with $$E = {tex.matrix(by_hand.legs(frame).tolist())},$$ one leg per column."
         ),
         Step(
-            r"What stands before $e^i\wedge e^j$ with $i<j$ is $C_{ij}{}^k$: "
+            r"The coefficient of $e^i\wedge e^j$ with $i<j$ is $C_{ij}{}^k$: "
             f"$${by_hand.listed('C', half)}.$$",
             "anholonomy",
             table,

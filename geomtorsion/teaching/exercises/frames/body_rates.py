@@ -27,30 +27,30 @@ def make(draw: Draw) -> Variant:
         wanted, other = other, wanted
     rates = [sp.Symbol(f"{symbol}_d", real=True) for symbol in body.angles]
     turns = r"\,".join(rf"R_{axis}({tex.tex(n * angle)})" for axis, angle, n in body.turns)
-    axes = "space" if in_space else "body"
+    axes, confused = ("space", "body") if in_space else ("body", "space")
     said = ", ".join(f"`{symbol}'`" for symbol in body.angles)
     return Variant(
         statement=(
-            f"The attitude of a body (from body to space) is $R = {turns}$, with $R_a(\\alpha)$ "
-            r"the right-handed turn by $\alpha$ about axis $a$. Its angular velocity is "
-            r"$\Omega = (R^T\dot R)^\vee$ along the axes of the body, and "
-            r"$\omega = (\dot R\,R^T)^\vee$ along the axes of space, where $\vee$ makes the "
-            r"vector of an antisymmetric matrix, $A^\vee = (A_{32}, A_{13}, A_{21})$."
+            f"The rotation matrix $R = {turns}$ is the attitude of a body: it maps body components "
+            r"to space components. $R_a(\alpha)$ is the right-handed rotation by $\alpha$ about "
+            r"axis $a$. The angular velocity is $\Omega = (R^T\dot R)^\vee$ along the body axes "
+            r"and $\omega = (\dot R\,R^T)^\vee$ along the space axes, where $\vee$ maps an "
+            r"antisymmetric matrix to its vector, $A^\vee = (A_{32}, A_{13}, A_{21})$."
         ),
         questions=(
             Question(
                 name="rates",
                 kind="components",
-                prompt=f"The three components of the angular velocity along the axes of the "
-                f"**{axes}**, linear in the rates {said} of the angles.",
+                prompt="Find the three components of the angular velocity along the "
+                f"**{axes}** axes, linear in the rates {said} of the angles.",
                 domain=Domain.of(body.frame, *rates),
                 answer=lambda: applied(wanted, rates),
                 errors=lambda: [
                     Mistake(
                         "axes",
                         applied(other, rates),
-                        f"These are components along the axes of the "
-                        f"{'body' if in_space else 'space'}; asked are those of the {axes}.",
+                        f"These are components along the {confused} axes. The question is about "
+                        f"the {axes} axes.",
                     ),
                     Mistake("inverse", applied(wanted, rates, legs=True)),
                 ],
@@ -61,8 +61,9 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="lock",
                 kind="expression",
-                prompt=r"The function of the angles that vanishes where the rates cannot be read "
-                r"off the angular velocity (gimbal lock): $\det e$.",
+                prompt=r"Find $\det e$, the determinant of the coefficients of the rates, with "
+                f"the angles in the order ${tex.symbols(body.frame)}$. It vanishes where the "
+                "angular velocity does not determine the rates (gimbal lock).",
                 domain=Domain.of(body.frame),
                 answer=lambda: body.frame.determinant[()],
                 errors=lambda: [
@@ -75,11 +76,11 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "Each angle turns about one axis; angular velocities of turns one after the other add "
-            "up, if all are seen from the same axes.",
-            "Seen from the body, the last factor on the right turns about its own axis; each "
-            "factor further left is seen through the transposed turns to its right.",
-            f"Here, with all matrices: the attitude is $${tex.matrix(body.rotation().tolist())}.$$",
+            "Each angle rotates the body about one axis. The angular velocities of successive "
+            "rotations add, if all have components along the same axes.",
+            "Along the body axes: the last factor on the right rotates about its own axis. The "
+            "axis of a factor further left is multiplied by the transposed rotations to its right.",
+            f"Multiplied out, the attitude is $${tex.matrix(body.rotation().tolist())}.$$",
         ),
         worked=lambda: _worked(body, in_space),
     )
@@ -106,14 +107,15 @@ def _worked(body: Body, in_space: bool) -> tuple[Step, ...]:
     return (
         Step(f"Multiplied out, the attitude is $$R = {tex.matrix(rotation.tolist())}.$$"),
         Step(
-            f"${formula}$ is antisymmetric; from its components 32, 13 and 21, with $v_k$ for the "
-            f"rate of the angle $k$ in the order ${tex.symbols(body.frame)}$, "
+            f"${formula}$ is antisymmetric. Let $v_k$ be the rate of the $k$-th angle in the order "
+            f"${tex.symbols(body.frame)}$. The components 32, 13 and 21 give "
             f"$${letter} = {tex.matrix([[x] for x in shown])}.$$",
             "rates",
             omega,
         ),
         Step(
-            "The rates can be read off unless the determinant of their coefficients vanishes: "
+            "The angular velocity determines the rates unless their coefficients have the "
+            "determinant zero: "
             f"$\\det e = {tex.tex(lock)}$.",
             "lock",
             lock,

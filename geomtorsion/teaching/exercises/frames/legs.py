@@ -22,17 +22,17 @@ def make(draw: Draw) -> Variant:
     n = frame.dimension
     return Variant(
         statement=(
-            f"In the coordinates ${tex.symbols(frame)}$ a coframe "
-            r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ is given by the matrix (rows: forms)"
-            f"\n\n$${tex.coframe(frame)}.$$\n\n"
-            r"The legs $E_i = E_i{}^\mu\,\partial_\mu$ are dual to it: "
+            f"In the coordinates ${tex.symbols(frame)}$, the coframe "
+            r"$e^i = e^i{}_\mu\,\mathrm{d}q^\mu$ has the matrix"
+            f"\n\n$${tex.coframe(frame)},$$\n\nwith one form per row. "
+            r"The legs $E_i = E_i{}^\mu\,\partial_\mu$ are the vectors dual to it: "
             r"$e^i{}_\mu E_j{}^\mu = \delta^i_j$."
         ),
         questions=(
             Question(
                 name="legs",
                 kind="components",
-                prompt=r"The matrix $E_i{}^\mu$ with one leg per **column**: "
+                prompt=r"Find the matrix $E_i{}^\mu$ with one leg per **column**: "
                 r"row $\mu$, column $i$.",
                 domain=Domain.of(frame),
                 answer=lambda: frame.legs,
@@ -50,9 +50,9 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"Duality says $e\,E = 1$ as matrices, if $E$ has the legs as columns.",
-            r"For two rows: exchange the diagonal, change the sign of the rest, divide by "
-            r"$\det e$.",
+            r"Duality means $e\,E = 1$ as matrices, where the columns of $E$ are the legs.",
+            "For a matrix with two rows: exchange the diagonal entries, change the sign of the "
+            r"other two, and divide by $\det e$.",
             f"Here the determinant is ${tex.tex(frame.determinant[()])}$.",
         ),
         worked=lambda: _worked(frame),
@@ -65,15 +65,15 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     determinant = by_hand.tidy(e.det())
     return (
         Step(
-            r"Duality is $e\,E = 1$ as matrices: the legs are the columns of the inverse of $e$. "
-            f"Its determinant is $\\det e = {tex.tex(determinant)}$."
+            r"Duality means $e\,E = 1$ as matrices: the legs are the columns of the inverse. "
+            f"The determinant is $\\det e = {tex.tex(determinant)}$."
         ),
         Step(
-            "For two rows: the diagonal exchanged, the sign of the rest changed, "
+            "Exchange the diagonal entries and change the sign of the other two: "
             f"$${tex.matrix(e.adjugate().tolist())}.$$"
         ),
         Step(
-            f"Divided by the determinant: $$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$",
+            f"Divide by the determinant: $$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$",
             "legs",
             by_hand.legs(frame),
         ),

@@ -37,7 +37,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="metric",
                 kind="components",
-                prompt=r"The metric $g_{\mu\nu} = e^i{}_\mu\,\eta_{ij}\,e^j{}_\nu$.",
+                prompt=r"Find the metric $g_{\mu\nu} = e^i{}_\mu\,\eta_{ij}\,e^j{}_\nu$.",
                 domain=Domain.of(frame),
                 answer=lambda: frame.metric,
                 errors=lambda: [
@@ -45,8 +45,8 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "permuted",
                         wrong_side(),
-                        "That is $e\\,e^T$, summed over coordinates; needed is $e^T e$, summed "
-                        "over the frame.",
+                        "That is $e\\,e^T$, a sum over the coordinates. The metric is $e^T e$, a "
+                        "sum over the frame index.",
                     ),
                 ],
                 shape=(n, n),
@@ -56,7 +56,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="volume",
                 kind="expression",
-                prompt=r"The volume element $\det e$ (with its sign).",
+                prompt=r"Find the volume element $\det e$ (with its sign).",
                 domain=Domain.of(frame),
                 answer=lambda: frame.determinant[()],
                 errors=lambda: [
@@ -68,15 +68,15 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "another",
                         frame.determinant[()] ** 2,
-                        "That is the determinant of the metric; $\\det e$ is a root of it.",
+                        "That is the determinant of the metric, $\\det g = (\\det e)^2$.",
                     ),
                 ],
             ),
         ),
         hints=steps(
-            "As matrices the metric is $e^T e$: scalar products of the columns.",
-            r"Squares of sine and cosine of one angle add up to one; most of the entries vanish.",
-            r"$\det g = (\det e)^2$ checks the one against the other.",
+            "As a matrix the metric is $e^T e$: its entries are scalar products of the columns.",
+            r"Use $\sin^2 + \cos^2 = 1$ for each angle.",
+            r"Check your results with $\det g = (\det e)^2$.",
         ),
         worked=lambda: _worked(frame),
     )
@@ -91,13 +91,13 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     return (
         Step(f"The columns of the coframe are $${columns}.$$"),
         Step(
-            r"$g_{\mu\nu}$ is the scalar product of columns $\mu$ and $\nu$; squares of sine and "
-            f"cosine add up to one: $$g = e^T e = {tex.matrix(g.tolist())}.$$",
+            r"$g_{\mu\nu}$ is the scalar product of columns $\mu$ and $\nu$. With "
+            f"$\\sin^2 + \\cos^2 = 1$: $$g = e^T e = {tex.matrix(g.tolist())}.$$",
             "metric",
             g,
         ),
         Step(
-            f"Expanded, the determinant is $\\det e = {tex.tex(determinant)}$; its square is "
+            f"The determinant is $\\det e = {tex.tex(determinant)}$. Its square is "
             f"$\\det g = {tex.tex(by_hand.tidy(g.det()))}$, as it must be.",
             "volume",
             determinant,

@@ -28,8 +28,8 @@ def make(draw: Draw) -> Variant:
     said = (
         "No force acts on it."
         if not any(push)
-        else f"A thruster fixed in it pushes with $F = ({', '.join(map(str, push))})$ along the "
-        "axes of the body, through its centre of mass."
+        else "A thruster fixed in the body exerts a force on the centre of mass, with the "
+        f"components $F = ({', '.join(map(str, push))})$ along the axes of the body."
     )
 
     def rates(principle: str = "closed_in_coordinates", force: bool = True) -> list[sp.Expr]:
@@ -48,33 +48,34 @@ def make(draw: Draw) -> Variant:
             Mistake(
                 "principle",
                 rates("closed_in_image"),
-                "These are the autoparallels of the six-dimensional frame, screws; a body that is "
-                "left alone flies straight on.",
+                "These are the autoparallels of the six-dimensional frame, on which the body moves "
+                "like a screw. A free body moves on a straight line.",
             ),
             Mistake(
                 "axes",
                 turned,
-                "The sign of $\\Omega\\times V$ is that of axes turning the other way.",
+                "The sign of $\\Omega\\times V$ is wrong: it belongs to axes that rotate in the "
+                "opposite direction.",
             ),
             Mistake("forgotten", cross, "The force is missing."),
             Mistake(
                 "forgotten",
                 [term + mass * (right - term) for right, term in zip(rates(), cross, strict=True)],
-                "The force is still to be divided by the mass.",
+                "Divide the force by the mass.",
             ),
         ]
 
     return Variant(
         statement=(
-            "A body of mass $M$ turns with the angular velocity $\\Omega$ and moves with the "
-            "velocity $V$ of its centre of mass, both taken along the axes of the **body**. " + said
+            "A body of mass $M$ has the angular velocity $\\Omega$, and its centre of mass has the "
+            "velocity $V$. The components of both are along the axes of the **body**. " + said
         ),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Three equations for `V1'`, `V2'`, `V3'` in `V1`, `V2`, `V3`, `Omega1`, "
-                "`Omega2`, `Omega3` and `M`, separated by semicolons.",
+                prompt="Give three equations for `V1'`, `V2'`, `V3'` in `V1`, `V2`, `V3`, "
+                "`Omega1`, `Omega2`, `Omega3` and `M`, separated by semicolons.",
                 domain=Domain((*turns, *speeds, mass)),
                 answer=rates,
                 errors=expected,
@@ -84,8 +85,8 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"In space $\dot p = f$. What does the body see of a vector that stands still in "
-            "space?",
+            r"In space $\dot p = f$. If a vector is constant in space, how do its body "
+            "components change?",
             r"$\dot P + \Omega\times P = F$ with $P = MV$.",
         ),
         worked=lambda: _worked(mass, push),
@@ -99,15 +100,15 @@ def _worked(mass: sp.Symbol, push: list[sp.Expr]) -> tuple[Step, ...]:
     rates = [x + f / mass for x, f in zip(turning, push, strict=True)]
     return (
         Step(
-            r"A vector that stands still in space goes round the other way in the body: "
+            r"A vector that is constant in space rotates backwards as seen from the body: "
             r"$\dot P = -\Omega\times P$. With a force, $\dot P + \Omega\times P = F$, $P = MV$."
         ),
         Step(
-            r"The product is "
+            r"The vector product is "
             f"$$-\\Omega\\times V = {tex.matrix([[x] for x in turning])}.$$"
         ),
         Step(
-            f"With $F = ({', '.join(map(str, push))})$, divided by the mass: "
+            f"Add $F/M$ with $F = ({', '.join(map(str, push))})$: "
             f"$$\\dot V = {tex.matrix([[x] for x in rates])}.$$",
             "equations",
             rates,

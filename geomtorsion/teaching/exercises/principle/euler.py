@@ -31,16 +31,16 @@ def make(draw: Draw) -> Variant:
     given = "" if known else f" with ${values}$"
     return Variant(
         statement=(
-            r"A body turns freely about its centre of mass. Its kinetic energy is "
+            r"A body rotates freely about its centre of mass. Its Lagrangian is the kinetic energy "
             r"$L = \tfrac12\,(I_1\Omega_1^2 + I_2\Omega_2^2 + I_3\Omega_3^2)$" + given + r", where "
-            r"$\Omega$ is its angular velocity along its own axes. Vary the action with the angles "
-            "held at the ends (Hamilton's principle, carried out in the frame of the body)."
+            r"$\Omega$ is the angular velocity along the axes of the body. Vary the action with "
+            "fixed angles at both ends (Hamilton's principle in the frame of the body)."
         ),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
+                prompt="Give three equations for `Omega1'`, `Omega2'`, `Omega3'`, separated by "
                 "semicolons, in any equivalent form.",
                 domain=Domain((*turns, *known)),
                 answer=lambda: turning(frame, moments),
@@ -49,14 +49,14 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "axes",
                         turning(load("so3_right").frame, moments),
-                        "The sign of the gyroscopic terms is that of axes fixed in space; "
-                        "$L' = -\\Omega\\times L$ holds in the body.",
+                        "The gyroscopic terms have the sign for axes fixed in space. In the body "
+                        "$\\dot p = -\\Omega\\times p$.",
                     ),
                     Mistake(
                         "principle",
                         turning(frame, moments, "closed_in_image"),
-                        "These are the autoparallels: Kleinert's principle with variations that "
-                        "close in the image.",
+                        "These are the equations of the autoparallels. They follow from "
+                        "Kleinert's principle, with variations closed in the image.",
                     ),
                 ],
                 unknowns=tuple(f"Omega{k}'" for k in (1, 2, 3)),
@@ -67,9 +67,9 @@ def make(draw: Draw) -> Variant:
         hints=steps(
             r"$\frac{\mathrm{d}}{\mathrm{d}t} p_k = 2S_{kj}{}^i\,u^j p_i$ with "
             r"$p_i = \partial L/\partial u^i$ and $2S_{ijk} = -\epsilon_{ijk}$.",
-            r"As vectors: $\dot L = -\Omega\times L$ with $L = (I_1\Omega_1, I_2\Omega_2, "
+            r"As vectors: $\dot p = -\Omega\times p$ with $p = (I_1\Omega_1, I_2\Omega_2, "
             r"I_3\Omega_3)$.",
-            r"The first: $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
+            r"The first equation is $I_1\dot\Omega_1 = (I_2 - I_3)\,\Omega_2\Omega_3$.",
         ),
         worked=lambda: _worked(moments),
     )
@@ -104,11 +104,12 @@ def _worked(moments: tuple[sp.Expr, ...]) -> tuple[Step, ...]:
         ),
         Step(
             r"With $2S_{ijk} = -\epsilon_{ijk}$ the equations $\dot p_k = 2S_{kj}{}^i\,\Omega^j "
-            r"p_i$ say $\dot p = -\Omega\times p$: "
+            r"p_i$ become $\dot p = -\Omega\times p$: "
             f"$$\\dot p = {tex.matrix([[sp.factor(x)] for x in change])}.$$"
         ),
         Step(
-            f"Divided by the moments: $$\\dot\\Omega = {tex.matrix([[x] for x in rates])}.$$",
+            "Divide by the moments of inertia: "
+            f"$$\\dot\\Omega = {tex.matrix([[x] for x in rates])}.$$",
             "equations",
             rates,
         ),

@@ -62,33 +62,38 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            "A rigid body in space has six coordinates, the angles and the place of its centre of "
-            "mass (in this order). Its frame $(e^1, e^2, e^3) = \\Omega\\,\\mathrm{d}t$, "
-            "$(e^4, e^5, e^6) = V\\,\\mathrm{d}t$ reads angular velocity and velocity off along "
-            "the axes of the body. On the rotations alone the straightest lines of such a frame "
-            "are the shortest. **Here they are not**, and the conclusion that bodies follow "
-            "straightest lines must be read with care.\n\n"
-            "The body has the kinetic energy $\\tfrac12\\,(\\Omega^2 + V^2)$: moments and mass are "
-            "all 1."
+            "A rigid body in space has six coordinates: three angles and the position of its "
+            "centre of mass (in this order). Its frame $(e^1, e^2, e^3) = \\Omega\\,\\mathrm{d}t$, "
+            "$(e^4, e^5, e^6) = V\\,\\mathrm{d}t$ gives the angular velocity and the velocity "
+            "along the axes of the body. If the body only rotates, the autoparallels (straightest "
+            "lines) of such a frame are geodesics (shortest lines). **Here they are not.** So the "
+            "conclusion that bodies follow straightest lines must be read with care.\n\n"
+            "The kinetic energy is $\\tfrac12\\,(\\Omega^2 + V^2)$: the moments of inertia and the "
+            "mass are all 1."
         ),
         questions=(
             Question(
                 name="torsion",
                 kind="expression",
-                prompt="The component $2S_{15}{}^6$ of the torsion in the frame: turning about "
-                "axis 1 with moving along axis 2.",
+                prompt="Find the component $2S_{15}{}^6$ of the torsion in the frame. It combines "
+                "rotation about axis 1 with translation along axis 2.",
                 domain=Domain(),
                 answer=lambda: torsion()[0, 4, 5],
                 remarks=TORSION,
                 errors=lambda: [
-                    Mistake("factor", torsion()[0, 4, 5] / 2, "That is $S$; asked is $2S$."),
-                    Mistake("another", torsion()[3, 4, 5], "Does moving alone fail to close?"),
+                    Mistake("factor", torsion()[0, 4, 5] / 2, "That is $S$, not $2S$."),
+                    Mistake(
+                        "another",
+                        torsion()[3, 4, 5],
+                        "That is $2S_{45}{}^6$. Translations commute, but a rotation and a "
+                        "translation do not.",
+                    ),
                 ],
             ),
             Question(
                 name="force",
                 kind="components",
-                prompt=r"The torsion force $f^k = 2\,S_i{}^k{}_j\,u^i u^j$ in the frame, six "
+                prompt=r"Find the torsion force $f^k = 2\,S_i{}^k{}_j\,u^i u^j$ in the frame: six "
                 "components in `u1` to `u6` (the first three are $\\Omega$, the others $V$).",
                 domain=Domain(U),
                 answer=lambda: force(frame),
@@ -96,7 +101,7 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "forgotten",
                         {},
-                        "On the rotations alone it vanishes, but here $S$ is not totally "
+                        "The force vanishes if the body only rotates. But here $S$ is not totally "
                         "antisymmetric.",
                     ),
                     Mistake("factor", scaled(force(frame), sp.Rational(1, 2))),
@@ -109,30 +114,30 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="radius",
                 kind="number",
-                prompt=f"The body is thrown with $\\Omega = (0, 0, {spin})$ and "
-                f"$V = ({across}, 0, {along})$. If it followed the **straightest** line, its "
-                "centre would move on a helix. Of which radius?",
+                prompt=f"The body starts with $\\Omega = (0, 0, {spin})$ and "
+                f"$V = ({across}, 0, {along})$. On the autoparallel (**straightest** line), its "
+                "centre of mass would move on a helix. What is the radius of the helix?",
                 answer=radius,
                 errors=lambda: [
                     Mistake("factor", 2 * radius(), "That is the diameter."),
                     Mistake(
                         "forgotten",
                         sqrt(across**2 + along**2) / spin,
-                        "Only the part of $V$ across the axis of turning goes round.",
+                        "Only the part of $V$ perpendicular to the rotation axis counts.",
                     ),
                 ],
             ),
             Question(
                 name="apart",
                 kind="number",
-                prompt=f"How far from the centre of the body that flies freely would it be at "
-                f"$t = {last:g}$?",
+                prompt="A free body starts in the same way. How far apart are the two centres of "
+                f"mass at $t = {last:g}$?",
                 answer=separation,
                 errors=lambda: [
                     Mistake(
                         "forgotten",
                         last**2 * spin * across / 2,
-                        "That is the first term in the time only.",
+                        "That is only the first term of a power series in the time.",
                     )
                 ],
                 points=2,
@@ -141,13 +146,14 @@ def make(draw: Draw) -> Variant:
                 name="principle",
                 kind="choice",
                 prompt=r"Which principle gives $\dot V + \Omega\times V = 0$, eq. (2) of the paper "
-                "without force?",
+                "without a force?",
                 answer=lambda: next(key for key in PRINCIPLES if flies_straight(frame, key)),
                 errors=lambda: [
                     Mistake(
                         "principle",
                         "image",
-                        "That one has the straightest lines: $\\dot V = 0$ in the body, a helix.",
+                        "That principle gives the autoparallels: $\\dot V = 0$ in the body, and "
+                        "the centre of mass moves on a helix.",
                     ),
                     Mistake("naive", "naive"),
                 ],
@@ -156,13 +162,14 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="law",
                 kind="choice",
-                prompt="What, then, is the flight of a free body in the geometry of this frame?",
+                prompt="Which curve does a free body follow in the geometry of this frame?",
                 answer=lambda: "autoparallel" if is_straightest(frame) else "geodesic",
                 errors=lambda: [
                     Mistake(
                         "principle",
                         "autoparallel",
-                        "It is not: on an autoparallel $\\Omega$ and $V$ are constant in the body.",
+                        "On an autoparallel $V$ is constant in the body. For a rotating free body "
+                        "it is constant in space.",
                     )
                 ],
                 options={
@@ -172,13 +179,13 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            r"The velocity is carried round by the turning body: "
+            r"The axes along which $V$ is measured rotate with the body: "
             r"$\mathrm{d}e^{3+i} = \epsilon_{ijk}\,e^k\wedge e^{3+j}$ for $i, j, k = 1, 2, 3$.",
             r"On an autoparallel $\dot u = 0$, on a geodesic $\dot\Omega = 0$ and "
             r"$\dot V = -\Omega\times V$: the torsion force is the difference.",
-            "On the straightest line the body sees its velocity constant while it turns: in space "
-            "the velocity goes round with the angular velocity of the spin.",
-            "The free body keeps its velocity in space. Compare a circle with its tangent.",
+            "On the autoparallel the velocity is constant along the axes of the body. So in space "
+            "the velocity rotates with the angular velocity of the body.",
+            "The free body has a constant velocity in space. Compare a circle with its tangent.",
         ),
         worked=lambda: _worked(spin, across, last),
     )
@@ -220,31 +227,32 @@ def _worked(spin: int, across: int, last: float) -> tuple[Step, ...]:
         ),
         Step(
             r"A geodesic has $\dot\Omega = 0$ and $\dot V + \Omega\times V = 0$, an autoparallel "
-            r"$\dot\Omega = 0$ and $\dot V = 0$. What is left of the first equations on the "
-            r"second is the force, $f = (0, \Omega\times V)$: "
-            f"$${tex.matrix([[x] for x in pull])}$$ in the last three components.",
+            r"$\dot\Omega = 0$ and $\dot V = 0$. Inserted into the geodesic equations, "
+            r"the autoparallel leaves the force $f = (0, \Omega\times V)$. Its last three "
+            f"components are $${tex.matrix([[x] for x in pull])}.$$",
             "force",
             [sp.S.Zero] * 3 + pull,
         ),
         Step(
-            r"On the straightest line the velocity turns with $\Omega$: across the axis the centre "
-            f"runs with speed {across} on a circle, of radius ${across}/{spin} = {circle:.6g}$.",
+            r"On the autoparallel the velocity rotates with $\Omega$. Perpendicular to the axis "
+            f"the centre moves with speed {across} on a circle of radius "
+            f"${across}/{spin} = {circle:.6g}$.",
             "radius",
             circle,
         ),
         Step(
-            "The free centre goes on along the tangent. Circle and tangent share the motion along "
-            f"the axis; across it they are $\\rho\\sin {spin * last:g} - {across * last:g}$ and "
-            f"$\\rho(1 - \\cos {spin * last:g})$ apart, with the radius $\\rho$: together "
-            f"${gap:.6g}$.",
+            "The centre of the free body moves along the tangent. The motion along the axis is the "
+            "same. The components of the distance perpendicular to the axis are "
+            f"$\\rho\\sin {spin * last:g} - {across * last:g}$ and $\\rho(1 - \\cos "
+            f"{spin * last:g})$ with the radius $\\rho$. The distance is ${gap:.6g}$.",
             "apart",
             gap,
         ),
         Step(
-            r"$\dot V + \Omega\times V = 0$ is the equation of the geodesics, which Hamilton's "
-            "principle gives: variations closed in the coordinates.",
+            r"$\dot V + \Omega\times V = 0$ is the equation of the geodesics. It follows from "
+            "Hamilton's principle: variations closed in the coordinates.",
             "principle",
             "coordinates",
         ),
-        Step("So the free body follows a geodesic, no autoparallel.", "law", "geodesic"),
+        Step("So the free body follows a geodesic that is not an autoparallel.", "law", "geodesic"),
     )

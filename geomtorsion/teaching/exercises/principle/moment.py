@@ -45,18 +45,18 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            "The attitude of a top that turns about a fixed point is "
-            r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, its body-fixed coframe "
+            "A top rotates about a fixed point. Its attitude is "
+            r"$R = R_z(\phi_3)R_y(\phi_2)R_z(\phi_1)$, and its body-fixed coframe is "
             f"$$e = {tex.coframe(frame)}.$$ "
-            f"Its centre of mass is at $({', '.join(map(str, place))})$ in the body, its weight "
-            "times the unit of length is $W$: the potential energy is "
+            f"Its centre of mass is at $({', '.join(map(str, place))})$ in the body, and its "
+            "weight times the unit of length is $W$. The potential energy is "
             f"\n\n$$V = {tex.tex(potential)}.$$"
         ),
         questions=(
             Question(
                 name="moment",
                 kind="components",
-                prompt=r"The moment of the weight along the axes of the **body**, "
+                prompt=r"Find the torque of the weight along the axes of the **body**, "
                 r"$M_k = -E_k{}^\mu\,\partial_\mu V$.",
                 domain=Domain.of(frame, weight),
                 answer=moment,
@@ -64,14 +64,14 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "basis",
                         [-potential.diff(x) for x in frame.coordinates],
-                        r"These are $-\partial_\mu V$, components in the coordinates.",
+                        r"These are the components $-\partial_\mu V$ in the coordinates.",
                     ),
                     Mistake("inverse", pushed(frame, legs=False)),
                     Mistake("axes", pushed(BODY.space_frame)),
                     Mistake(
                         "sign",
                         scaled(moment(), -1),
-                        "The sign is wrong: the weight pulls down the slope of $V$.",
+                        "The sign is wrong: the torque acts towards smaller $V$.",
                     ),
                 ],
                 shape=(3,),
@@ -80,10 +80,10 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "The moment does the work $M_k\\Omega^k$ per time, and that is $-\\dot V$.",
-            r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the centre of mass and $n$ "
-            "the upward vertical as the body sees it.",
-            r"The vertical is the last row of $R$: "
+            "The power of the torque is $M_k\\Omega^k = -\\dot V$.",
+            r"As vectors in the body: $M = -W\,l\times n$, where $l$ is the position of the centre "
+            "of mass and $n$ the unit vector of the upward vertical.",
+            r"In the body, the vertical is the last row of $R$: "
             f"$$n = {tex.matrix(BODY.rotation()[2, :].tolist())}.$$",
         ),
         worked=lambda: _worked(place, weight),
@@ -96,13 +96,13 @@ def _worked(place: tuple[int, ...], weight: sp.Symbol) -> tuple[Step, ...]:
     moment = [by_hand.tidy(-weight * x) for x in by_hand.cross(place, vertical)]
     return (
         Step(
-            "The upward vertical, seen from the body, is the last row of $R$: "
+            "The unit vector of the upward vertical, seen from the body, is the last row of $R$: "
             f"$$n = {tex.matrix([vertical])}.$$"
         ),
         Step(
-            r"When the body turns by $\Omega$, $n$ changes by $-\Omega\times n$, and $V = W\,"
-            r"l\cdot n$ by $-W\,l\cdot(\Omega\times n) = W\,\Omega\cdot(l\times n)$. The work "
-            r"is $M\cdot\Omega = -\dot V$, so that $M = -W\,l\times n$."
+            r"In the body $\dot n = -\Omega\times n$, so $V = W\,l\cdot n$ has the derivative "
+            r"$\dot V = -W\,l\cdot(\Omega\times n) = W\,\Omega\cdot(l\times n)$. The power of the "
+            r"torque is $M\cdot\Omega = -\dot V$, so $M = -W\,l\times n$."
         ),
         Step(
             f"With $l = ({', '.join(map(str, place))})$: "

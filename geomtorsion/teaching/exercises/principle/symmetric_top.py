@@ -41,45 +41,46 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"A free top has the moments $I_1 = I_2 = {tex.tex(across)}$ and "
-            f"$I_3 = {tex.tex(along)}$. Its angular velocity along its own axes is "
-            r"$\Omega = (v, 0, w)$ at first, with $v, w > 0$."
+            f"A free top has the moments of inertia $I_1 = I_2 = {tex.tex(across)}$ and "
+            f"$I_3 = {tex.tex(along)}$. Its initial angular velocity along the axes of the body is "
+            r"$\Omega = (v, 0, w)$, with $v, w > 0$."
         ),
         questions=(
             Question(
                 name="body",
                 kind="expression",
-                prompt=r"Seen from the **body** the angular velocity runs round the third axis: "
-                r"$\dot\Omega_1 = -\lambda\,\Omega_2$, $\dot\Omega_2 = \lambda\,\Omega_1$. "
+                prompt=r"Seen from the **body**, the angular velocity rotates about the third "
+                r"axis: $\dot\Omega_1 = -\lambda\,\Omega_2$, $\dot\Omega_2 = \lambda\,\Omega_1$. "
                 r"What is $\lambda$?",
                 domain=domain,
                 answer=in_body,
                 errors=lambda: [
-                    Mistake("axes", in_space(), "That is how fast the axis runs round in space.")
+                    Mistake("axes", in_space(), "That is the rotation as seen from space.")
                 ],
             ),
             Question(
                 name="space",
                 kind="expression",
-                prompt="Seen from **space** the third axis runs round the angular momentum. With "
-                "which angular velocity?",
+                prompt="Seen from **space**, the third axis rotates about the angular momentum. "
+                "With which angular velocity?",
                 domain=domain,
                 answer=in_space,
                 errors=lambda: [
-                    Mistake("axes", in_body(), "That is how fast it runs round in the body."),
+                    Mistake("axes", in_body(), "That is the rotation as seen from the body."),
                     Mistake(
                         "forgotten",
                         along * w / across,
-                        "Only the part of the angular momentum along the axis is counted.",
+                        "That contains only the part of the angular momentum along the axis.",
                     ),
                 ],
                 points=2,
             ),
         ),
         hints=steps(
-            r"$\Omega_3$ is constant; what remains of Euler's equations is linear.",
-            r"In space $L$ is constant, and $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$ with $n$ "
-            "the axis: only the first part moves the axis.",
+            r"$\Omega_3$ is constant, so the other two of Euler's equations are linear.",
+            r"In space the angular momentum $L$ is constant, and with the unit vector $n$ of the "
+            r"axis $\Omega = L/I_1 + (1 - I_3/I_1)\,\Omega_3\,n$. Only the first term moves the "
+            "axis.",
             r"$|L|^2 = I_1^2 v^2 + I_3^2 w^2$.",
         ),
         worked=lambda: _worked(across, along, w, v),
@@ -92,22 +93,23 @@ def _worked(across: sp.Expr, along: sp.Expr, w: sp.Symbol, v: sp.Symbol) -> tupl
     outside = sp.sqrt(across**2 * v**2 + along**2 * w**2) / across
     return (
         Step(
-            r"Euler's third equation is $I_3\dot\Omega_3 = (I_1 - I_2)\,\Omega_1\Omega_2 = 0$: "
-            r"$\Omega_3 = w$ for ever."
+            r"Euler's third equation is $I_3\dot\Omega_3 = (I_1 - I_2)\,\Omega_1\Omega_2 = 0$, so "
+            r"$\Omega_3 = w$ is constant."
         ),
         Step(
-            r"The first is $I_1\dot\Omega_1 = (I_1 - I_3)\,w\,\Omega_2$, that is $\dot\Omega_1 = "
-            r"-\lambda\,\Omega_2$ with $\lambda = (I_3 - I_1)\,w/I_1 = "
+            r"Euler's first equation is $I_1\dot\Omega_1 = (I_1 - I_3)\,w\,\Omega_2$, that is "
+            r"$\dot\Omega_1 = -\lambda\,\Omega_2$ with $\lambda = (I_3 - I_1)\,w/I_1 = "
             f"{tex.tex(inside)}$.",
             "body",
             inside,
         ),
         Step(
-            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$ with the axis $n$; turning about $n$ "
-            r"does not move $n$, so that the axis goes round $L$ with $|L|/I_1$."
+            r"In space $\Omega = L/I_1 + (1 - I_3/I_1)\,w\,n$ with the unit vector $n$ of the "
+            r"axis. A rotation about $n$ does not move $n$, so the axis rotates about $L$ with the "
+            r"angular velocity $|L|/I_1$."
         ),
         Step(
-            r"$|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, and the angular velocity is "
+            r"With $|L| = \sqrt{I_1^2 v^2 + I_3^2 w^2}$, the angular velocity is "
             f"${tex.tex(outside)}$.",
             "space",
             outside,

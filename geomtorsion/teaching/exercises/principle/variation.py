@@ -41,7 +41,9 @@ def make(draw: Draw) -> Variant:
                 scaled(right, -1),
                 "The sign is wrong: $u$ and $\\delta\\Phi$ have been exchanged.",
             ),
-            Mistake("factor", scaled(right, sp.Rational(1, 2)), "The 2 before $S$ is missing."),
+            Mistake(
+                "factor", scaled(right, sp.Rational(1, 2)), "The factor 2 before $S$ is missing."
+            ),
             Mistake("naive", normal(terms(frame, "naive"))),
         ]
         if isinstance(member, Body):
@@ -50,10 +52,11 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"Over the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ a path has the "
-            r"velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by $\delta q^\mu$, and "
-            r"$\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. Because the forms are not closed, the "
-            r"velocities change by more than $\frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i$:"
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$. "
+            r"A path has the frame velocities $u^i = e^i{}_\mu\dot q^\mu$. It is varied by "
+            r"$\delta q^\mu$, with the frame components $\delta\Phi^i = e^i{}_\mu\,\delta q^\mu$. "
+            "Because the forms are not closed, the variation of the velocities has a second term:"
             "\n\n"
             r"$$\bar\delta u^i = \frac{\mathrm{d}}{\mathrm{d}t}\delta\Phi^i + "
             r"2S_{kj}{}^i\,u^j\,\delta\Phi^k.$$"
@@ -62,8 +65,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="terms",
                 kind="components",
-                prompt=r"The second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, 3$, in "
-                "`u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
+                prompt=r"Find the second term, $2S_{kj}{}^i\,u^j\,\delta\Phi^k$, for $i = 1, 2, "
+                "3$, in `u1`, `u2`, `u3` and `dPhi1`, `dPhi2`, `dPhi3`.",
                 domain=Domain((*u, *images)),
                 answer=lambda: terms(frame),
                 errors=expected,
@@ -76,7 +79,7 @@ def make(draw: Draw) -> Variant:
             r"$\delta(e^i{}_\mu\dot q^\mu) - \frac{\mathrm{d}}{\mathrm{d}t}(e^i{}_\mu\delta q^\mu)"
             r" = (\partial_\nu e^i{}_\mu - \partial_\mu e^i{}_\nu)\,\delta q^\nu\dot q^\mu$.",
             r"Write $\delta q = E\,\delta\Phi$ and $\dot q = E\,u$: the curl becomes "
-            r"$2S_{kj}{}^i$, the first index with $\delta\Phi$.",
+            r"$2S_{kj}{}^i$, with the first index for $\delta\Phi$.",
         ),
         worked=lambda: _worked(frame, u, images),
     )
@@ -99,7 +102,7 @@ def _worked(
         Step(f"The forms are not closed: $${by_hand.differentials(frame)}.$$"),
         Step(
             r"In the frame, $\mathrm{d}e^i = \tfrac12\,2S_{kj}{}^i\,e^k\wedge e^j$ with "
-            f"$${by_hand.listed('2S', half)},$$ and the opposite with the lower indices exchanged."
+            f"$${by_hand.listed('2S', half)}.$$ Exchanging the lower indices changes the sign."
         ),
         Step(
             r"Summed over $k$ and $j$, with $\Phi_k$ for $\delta\Phi^k$: "

@@ -33,39 +33,45 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             "A ship on the unit sphere starts at colatitude "
-            f"$\\theta = {colatitude:g}$, longitude $0$, on the course ${course}$ degrees (from "
-            f"north to east), with speed 1, and sails for the time ${last:g}$. Once it keeps the "
-            "compass course: the straightest line of the compass frame. Once it sails along the "
-            "great circle: the shortest line."
+            f"$\\theta = {colatitude:g}$ and longitude $0$, with speed 1 on the course ${course}$ "
+            f"degrees (from north towards east), and sails for the time ${last:g}$. On the first "
+            "voyage it keeps the compass course, an autoparallel (straightest line) of the compass "
+            "frame. On the second voyage it follows the great circle, a geodesic (shortest line)."
         ),
         questions=(
             Question(
                 name="compass",
                 kind="number",
-                prompt="The longitude reached by compass, in radians.",
+                prompt="Find the longitude of the end point by compass, in radians.",
                 unit="rad",
                 answer=lambda: longitude(steered),
                 errors=lambda: [
-                    Mistake("levi-civita", longitude(great), "That is along the great circle.")
+                    Mistake(
+                        "levi-civita",
+                        longitude(great),
+                        "That is the longitude on the great circle.",
+                    )
                 ],
                 tolerance=1e-3,
             ),
             Question(
                 name="circle",
                 kind="number",
-                prompt="The longitude reached on the great circle, in radians.",
+                prompt="Find the longitude of the end point on the great circle, in radians.",
                 unit="rad",
                 answer=lambda: longitude(great),
                 errors=lambda: [
-                    Mistake("cartan", longitude(steered), "That is by the compass course.")
+                    Mistake(
+                        "cartan", longitude(steered), "That is the longitude on the compass course."
+                    )
                 ],
                 tolerance=1e-3,
             ),
             Question(
                 name="cosine",
                 kind="number",
-                prompt="How far apart the two ends are: the cosine of the angle between them, "
-                "seen from the centre.",
+                prompt="How far apart are the two end points? Give the cosine of the angle between "
+                "them, seen from the centre of the sphere.",
                 answer=gap,
                 tolerance=1e-4,
                 generic=(),
@@ -75,9 +81,9 @@ def make(draw: Draw) -> Variant:
             r"By compass: $\dot\theta = -\cos\kappa$ and $\dot\phi = \sin\kappa/\sin\theta$ with "
             r"constant $\kappa$.",
             r"$\phi = -\tan\kappa\,[\ln\tan(\theta/2)]$ between start and end.",
-            "On the great circle take the start as a unit vector and the velocity as another: "
-            r"$x(t) = x_0\cos t + v_0\sin t$.",
-            f"The angle course in radians is {course}*pi/180, about {course * pi / 180:.4f}.",
+            "On the great circle, let $x_0$ be the unit vector of the start and $v_0$ the unit "
+            r"vector of the velocity: $x(t) = x_0\cos t + v_0\sin t$.",
+            f"The course in radians is {course}*pi/180, about {course * pi / 180:.4f}.",
         ),
         worked=lambda: _worked(colatitude, radians(course), last),
     )
@@ -94,11 +100,11 @@ def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
     cosine = x * ship[0] + y * ship[1] + z * ship[2]
     return (
         Step(
-            r"By compass $\dot\theta = -\cos\kappa$, so that the colatitude at the end is "
+            r"By compass $\dot\theta = -\cos\kappa$, so the colatitude at the end is "
             f"$\\theta = {end:.6g}$."
         ),
         Step(
-            r"From $\dot\phi = \sin\kappa/\sin\theta$ follows $\phi = "
+            r"The integral of $\dot\phi = \sin\kappa/\sin\theta$ is $\phi = "
             r"\tan\kappa\,\ln(\tan(\theta_0/2)/\tan(\theta/2))$, here "
             f"${along:.6g}$.",
             "compass",
@@ -107,14 +113,14 @@ def _worked(colatitude: float, course: float, last: float) -> tuple[Step, ...]:
         Step(
             r"On the great circle $x(t) = x_0\cos t + v_0\sin t$ with the start "
             f"$x_0 = ({', '.join(f'{a:.5g}' for a in start)})$ and the velocity "
-            f"$v_0 = ({', '.join(f'{a:.5g}' for a in speed)})$: at the end "
-            f"$({x:.5g}, {y:.5g}, {z:.5g})$, at the longitude ${atan2(y, x):.6g}$.",
+            f"$v_0 = ({', '.join(f'{a:.5g}' for a in speed)})$. The end point is "
+            f"$({x:.5g}, {y:.5g}, {z:.5g})$, with the longitude ${atan2(y, x):.6g}$.",
             "circle",
             atan2(y, x),
         ),
         Step(
-            "The other end is at "
-            f"$({', '.join(f'{a:.5g}' for a in ship)})$; the scalar product of both is "
+            "The end point by compass is "
+            f"$({', '.join(f'{a:.5g}' for a in ship)})$. The scalar product of both end points is "
             f"${cosine:.6g}$.",
             "cosine",
             cosine,

@@ -1,4 +1,4 @@
-"""4.3: the equations of the straightest lines in coordinates."""
+"""4.3: the equations of the autoparallels in coordinates."""
 
 import sympy as sp
 
@@ -30,29 +30,29 @@ def make(draw: Draw) -> Variant:
 
     return Variant(
         statement=(
-            f"For the forms ${tex.forms(frame)}$ write down the equations of the **straightest** "
-            "lines of the Cartan connection, the autoparallels,\n\n"
+            f"For the one-forms ${tex.forms(frame)}$, write down the equations of the "
+            "autoparallels (**straightest** lines) of the Cartan connection:\n\n"
             r"$$\ddot q^c + \Gamma_{ab}{}^c\,\dot q^a\dot q^b = 0 .$$"
         ),
         questions=(
             Question(
                 name="equations",
                 kind="equations",
-                prompt="Two equations for `r''` and `phi''`, with `r'` and `phi'` for the "
-                "velocities, separated by a semicolon; any equivalent pair will do.",
+                prompt="Give two equations for `r''` and `phi''`, with `r'` and `phi'` for the "
+                "velocities, separated by a semicolon. Any equivalent pair is accepted.",
                 domain=Domain.of(frame, *rates),
                 answer=straight,
                 errors=lambda: [
                     Mistake(
                         "levi-civita",
                         scaled(christoffel_terms(frame, rates), -1),
-                        "These are the equations of the shortest lines, the geodesics.",
+                        "These are the equations of the geodesics (shortest lines).",
                     ),
                     Mistake(
                         "factor",
                         scaled(straight(), 2),
-                        "The product $\\dot r\\dot\\phi$ occurs only once: the Cartan connection "
-                        "is not symmetric.",
+                        "The product $\\dot r\\dot\\phi$ occurs only once, because the Cartan "
+                        "connection is not symmetric.",
                     ),
                 ],
                 unknowns=("r''", "phi''"),
@@ -60,9 +60,9 @@ def make(draw: Draw) -> Variant:
             ),
         ),
         hints=steps(
-            "The connection has only one component: "
+            "The connection has only one nonzero component: "
             rf"$\Gamma_{{12}}{{}}^2 = {tex.tex(table[0, 1, 1])}$.",
-            "Along the line the frame components of the velocity are constant: differentiate "
+            "On an autoparallel the frame components of the velocity are constant. Differentiate "
             r"$e^i{}_\mu\dot q^\mu$ with respect to time.",
         ),
         worked=lambda: _worked(frame, rates),
@@ -75,16 +75,17 @@ def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
     factor = by_hand.tidy(f.diff(r) / f)
     return (
         Step(
-            r"On a straightest line the frame components of the velocity stay: $\dot r$ and "
+            r"On an autoparallel the frame components of the velocity are constant: $\dot r$ and "
             f"$f\\,\\dot\\phi$ with $f = {tex.tex(f)}$."
         ),
         Step(
-            r"Differentiated: $\ddot r = 0$ and $f\,\ddot\phi + f'\,\dot r\,\dot\phi = 0$ with "
-            f"$f' = {tex.tex(f.diff(r))}$."
+            r"Their time derivatives vanish: $\ddot r = 0$ and "
+            r"$f\,\ddot\phi + f'\,\dot r\,\dot\phi = 0$ "
+            f"with $f' = {tex.tex(f.diff(r))}$."
         ),
         Step(
-            rf"Divided by $f$: $\ddot\phi = -\left({tex.tex(factor)}\right)\dot r\,\dot\phi$. "
-            r"The product occurs once, as $\Gamma_{12}{}^2 = f'/f$ but $\Gamma_{21}{}^2 = 0$.",
+            rf"Divide by $f$: $\ddot\phi = -\left({tex.tex(factor)}\right)\dot r\,\dot\phi$. "
+            r"The product occurs once, because $\Gamma_{12}{}^2 = f'/f$ but $\Gamma_{21}{}^2 = 0$.",
             "equations",
             [sp.S.Zero, -factor * rates[0] * rates[1]],
         ),

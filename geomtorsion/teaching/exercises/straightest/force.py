@@ -1,4 +1,4 @@
-"""4.2: the torsion force between the straightest and the shortest line."""
+"""4.2: the torsion force, which distinguishes autoparallels from geodesics."""
 
 from collections.abc import Mapping
 
@@ -28,18 +28,21 @@ def make(draw: Draw) -> Variant:
     said = ", ".join(f"`{symbol}'`" for symbol in frame.coordinates)
     return Variant(
         statement=(
-            f"For the forms\n\n$${tex.forms(frame)}$$\n\nin ${tex.symbols(frame)}$ let $S$ be the "
-            "torsion of the Cartan connection (with the half). On an autoparallel\n\n"
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$. Let $S$ be the torsion of their Cartan connection (with the "
+            r"factor $\tfrac12$). An autoparallel obeys"
+            "\n\n"
             r"$$\ddot q^c + \bar\Gamma_{ab}{}^c\,\dot q^a\dot q^b = f^c,\qquad "
             r"f^c = 2\,S_a{}^c{}_b\,\dot q^a\dot q^b,$$"
-            "\n\nwith the Levi-Civita connection on the left: $f$ bends the straightest line away "
-            "from the shortest."
+            "\n\nwhere "
+            r"$\bar\Gamma$ is the Levi-Civita connection. The torsion force $f$ bends the "
+            "autoparallel (straightest line) away from the geodesic (shortest line)."
         ),
         questions=(
             Question(
                 name="force",
                 kind="components",
-                prompt=f"The components $f^c$ in coordinates, with the velocities {said}.",
+                prompt=f"Find the components $f^c$ in coordinates, with the velocities {said}.",
                 domain=Domain.of(frame, *rates),
                 answer=lambda: torsion.force(rates),
                 errors=lambda: [
@@ -50,12 +53,13 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "inverse",
                         torsion.force(rates).lowered(),
-                        "That is $f_c$: its index is still to be raised with the inverse metric.",
+                        "That is $f_c$. Raise its index with the inverse metric.",
                     ),
                     Mistake(
                         "levi-civita",
                         christoffel_terms(frame, rates),
-                        r"That is $\bar\Gamma_{ab}{}^c\dot q^a\dot q^b$ of the metric.",
+                        r"That is $\bar\Gamma_{ab}{}^c\dot q^a\dot q^b$, the term in the equation "
+                        "of geodesics, not the force.",
                     ),
                 ],
                 shape=(n,),
@@ -66,15 +70,16 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="same",
                 kind="choice",
-                prompt="Are straightest and shortest lines the same curves here?",
+                prompt="Are the autoparallels and the geodesics the same curves here?",
                 answer=lambda: "yes" if torsion.force_coefficients.is_zero else "no",
                 options={"yes": "for every velocity", "no": "not for every velocity"},
             ),
         ),
         hints=steps(
-            r"$S_a{}^c{}_b$ has its middle index raised: $S_a{}^c{}_b = g^{cd}S_{ad}{}^e g_{eb}$.",
-            "Where $S_{abc}$ is totally antisymmetric the force vanishes; is it here?",
-            f"The torsion has the components $S$: ${_listed(torsion.S)}$.",
+            r"In $S_a{}^c{}_b$ the middle index is raised: "
+            r"$S_a{}^c{}_b = g^{cd}S_{ad}{}^e g_{eb}$.",
+            "If $S_{abc}$ is totally antisymmetric, the force vanishes. Is it so here?",
+            f"The torsion has the components ${_listed(torsion.S)}$.",
         ),
         worked=lambda: _worked(frame, rates),
     )
@@ -119,17 +124,17 @@ def _worked(frame: Frame, rates: list[sp.Symbol]) -> tuple[Step, ...]:
             f"$${by_hand.listed('Gamma_bar', short)}.$$"
         ),
         Step(
-            r"On an autoparallel $\ddot q^c = -\Gamma_{ab}{}^c\dot q^a\dot q^b$, so that "
+            r"On an autoparallel $\ddot q^c = -\Gamma_{ab}{}^c\dot q^a\dot q^b$, so "
             r"$f^c = (\bar\Gamma_{ab}{}^c - \Gamma_{ab}{}^c)\,\dot q^a\dot q^b$, which is "
-            r"$2\,S_a{}^c{}_b\,\dot q^a\dot q^b$. With $v_k$ for the velocity of the coordinate "
-            f"$k$: $${by_hand.listed('f', shown)},$$ and zero else.",
+            r"$2\,S_a{}^c{}_b\,\dot q^a\dot q^b$. With $v_k$ for the velocity of coordinate "
+            f"$k$: $${by_hand.listed('f', shown)}.$$ All other components vanish.",
             "force",
             force,
         ),
         Step(
-            "It does not vanish for every velocity."
+            "The force is not zero, so the autoparallels and the geodesics are different curves."
             if force
-            else "It vanishes for every velocity.",
+            else "The force is zero for every velocity, so the curves are the same.",
             "same",
             "no" if force else "yes",
         ),

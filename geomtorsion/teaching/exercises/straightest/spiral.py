@@ -1,4 +1,4 @@
-"""4.1: the end point of the straightest line of the polar frame."""
+"""4.1: the end point of an autoparallel of the polar frame."""
 
 from functools import cache
 from math import log
@@ -24,18 +24,19 @@ def make(draw: Draw) -> Variant:
         statement=(
             r"In the plane let $e^1 = \mathrm{d}r$ and $e^2 = r\,\mathrm{d}\phi$. A traveller "
             f"starts at $r = {radius:g}$, $\\phi = 0.2$ and keeps the frame components of the "
-            f"velocity, $u^1 = e^1{{}}_\\mu\\dot q^\\mu = {out:g}$ and $u^2 = {around:g}$, for "
-            f"ever: that is the **straightest** line of the Cartan connection. Follow it to "
-            f"$t = {last:g}$."
+            f"velocity constant: $u^1 = e^1{{}}_\\mu\\dot q^\\mu = {out:g}$, $u^2 = {around:g}$. "
+            "The path is an autoparallel, a **straightest** line of the Cartan connection. Follow "
+            f"it to $t = {last:g}$."
         ),
         questions=(
-            _number("radius", "The radius $r$ there.", "", 0, last, straight, short, mistaken),
-            _number("angle", r"The angle $\phi$ there, in radians (not reduced by turns).", "rad",
-                    1, last, straight, short, mistaken),
+            _number("radius", "Find the radius $r$ at the end.", "",
+                    0, last, straight, short, mistaken),
+            _number("angle", r"Find the angle $\phi$ at the end, in radians (with all full turns).",
+                    "rad", 1, last, straight, short, mistaken),
         ),
         hints=steps(
             r"The velocity in coordinates is $\dot r = u^1$, $\dot\phi = u^2/r$.",
-            "The radius grows steadily; put it into the equation for the angle and integrate.",
+            "The radius grows linearly. Insert it into the equation for the angle and integrate.",
             r"$\phi = \phi_0 + (u^2/u^1)\,\ln(1 + u^1 t/r_0)$: a spiral.",
         ),
         worked=lambda: _worked(radius, out, around, last),
@@ -62,13 +63,13 @@ def _number(
             Mistake(
                 "levi-civita",
                 at_end(short),
-                "That is where the shortest line leads, straight on in the plane; asked is the "
-                "straightest line of the frame.",
+                "That is the value on the geodesic, a straight line in the plane. The question is "
+                "about the autoparallel of the frame.",
             ),
             Mistake(
                 "basis",
                 at_end(mistaken),
-                "The frame components $u^i$ were taken for coordinate velocities.",
+                "The frame components $u^i$ were used as coordinate velocities.",
             ),
         ],
         tolerance=1e-3,
@@ -81,7 +82,7 @@ def _worked(radius: float, out: float, around: float, last: float) -> tuple[Step
     turned = 0.2 + around / out * log(end / radius)
     return (
         Step(
-            r"The frame components are constant: $\dot r = u^1$ and $r\,\dot\phi = u^2$, so that "
+            r"The frame components are constant: $\dot r = u^1$ and $r\,\dot\phi = u^2$, so "
             f"$r = {radius:g} + {out:g}\\,t$."
         ),
         Step(f"At $t = {last:g}$ this is $r = {end:g}$.", "radius", end),

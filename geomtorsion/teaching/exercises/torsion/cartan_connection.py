@@ -22,15 +22,15 @@ def make(draw: Draw) -> Variant:
     frame = frame_of(draw.choice(mixed(bodies(), groups())))
     return Variant(
         statement=(
-            f"The coframe of this exercise, in the coordinates ${tex.symbols(frame)}$, is"
+            f"In the coordinates ${tex.symbols(frame)}$, the coframe is"
             f"\n\n$$e = {tex.coframe(frame)}.$$\n\n"
             r"Its Cartan connection is $\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b$."
         ),
         questions=(
             connection_question(
                 frame,
-                r"All components $\Gamma_{ab}{}^c$ that do not vanish, in the order "
-                "$a, b, c$, the direction of differentiation first.",
+                r"Find all nonzero components $\Gamma_{ab}{}^c$, with the indices in the order "
+                "$a, b, c$: the direction of differentiation comes first.",
                 points=2,
             ),
         ),
@@ -38,7 +38,7 @@ def make(draw: Draw) -> Variant:
             r"For each coordinate $a$ the matrix of $\Gamma_{ab}{}^c$ (row $b$, column $c$) is "
             r"$(E\,\partial_a e)^T$, with the legs as columns of $E$.",
             f"The legs are $${tex.matrix(_rows(frame.legs))}.$$",
-            f"There are {_count(frame)} coordinates on which the coframe depends.",
+            f"The coframe depends on {_count(frame)} of the coordinates.",
         ),
         worked=lambda: _worked(frame),
     )
@@ -58,13 +58,14 @@ def connection_question(frame: Frame, prompt: str, points: int = 1) -> Question:
             Mistake(
                 "permuted",
                 reordered(connection.coefficients, (1, 0, 2)),
-                "The derivative index stands last in your answer; here it comes first.",
+                "In your answer the second index is the direction of differentiation. Here it is "
+                "the first.",
             ),
             Mistake(
                 "inverse",
                 connection.coefficients.lowered(2),
-                r"That is $e^i{}_c\,\partial_a e^i{}_b$, with the coframe where its "
-                "inverse, the legs, should be: all indices are down.",
+                r"That is $e^i{}_c\,\partial_a e^i{}_b$, with all indices lowered. Multiply by "
+                "the legs, the inverse of the coframe, not by the coframe.",
             ),
         ],
         shape=(frame.dimension,) * 3,
@@ -97,10 +98,10 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             "The legs are the columns of the inverse: "
             f"$$E = {tex.matrix(by_hand.legs(frame).tolist())}.$$"
         ),
-        *(Step(f"The coframe changes: $${slope}.$$") for slope in slopes),
+        *(Step(f"The coframe has the derivative $${slope}.$$") for slope in slopes),
         Step(
-            r"$\Gamma_{ab}{}^c$ is in row $c$ and column $b$ of $E\,\partial_a e$. What does not "
-            rf"vanish is $${by_hand.listed('Gamma', table)}.$$",
+            r"$\Gamma_{ab}{}^c$ is in row $c$ and column $b$ of $E\,\partial_a e$. The nonzero "
+            rf"components are $${by_hand.listed('Gamma', table)}.$$",
             "connection",
             table,
         ),

@@ -23,25 +23,26 @@ def make(draw: Draw) -> Variant:
     n, torsion = frame.dimension, cartan(frame).torsion
     return Variant(
         statement=(
-            f"The legs of this exercise belong to the forms\n\n$${tex.forms(frame)}$$\n\n"
-            f"in the coordinates ${tex.symbols(frame)}$. The torsion of their Cartan connection is"
-            r" $S_{ab}{}^c = \tfrac12(\Gamma_{ab}{}^c - \Gamma_{ba}{}^c)$, **with** the half."
+            f"Consider the one-forms\n\n$${tex.forms(frame)}$$\n\nin the coordinates "
+            f"${tex.symbols(frame)}$. The torsion of their Cartan connection is "
+            r"$S_{ab}{}^c = \tfrac12(\Gamma_{ab}{}^c - \Gamma_{ba}{}^c)$, **with** the factor "
+            r"$\tfrac12$."
         ),
         questions=(
             Question(
                 name="torsion",
                 kind="components",
-                prompt=r"The components $S_{ab}{}^c$ in coordinates that do not vanish, those "
-                "with $a<b$ at least.",
+                prompt=r"Find the nonzero components $S_{ab}{}^c$ in coordinates. Those with "
+                "$a<b$ are enough.",
                 domain=Domain.of(frame),
                 answer=lambda: torsion.S,
                 errors=lambda: [
-                    Mistake("factor", torsion.T, "That is $T = 2S$; the half is missing."),
+                    Mistake("factor", torsion.T, "That is $T = 2S$."),
                     Mistake("basis", torsion.S.in_frame()),
                     Mistake(
                         "levi-civita",
                         {},
-                        "The Levi-Civita connection has no torsion; the Cartan connection has.",
+                        "The Levi-Civita connection has no torsion, but the Cartan connection has.",
                     ),
                 ],
                 shape=(n, n, n),
@@ -54,7 +55,7 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="vector",
                 kind="components",
-                prompt=r"The torsion vector $v_a = 2\,S_{ab}{}^b$.",
+                prompt=r"Find the torsion vector $v_a = 2\,S_{ab}{}^b$.",
                 domain=Domain.of(frame),
                 answer=lambda: torsion.vector,
                 errors=lambda: [
@@ -73,8 +74,9 @@ def make(draw: Draw) -> Variant:
         hints=steps(
             r"With $\Gamma_{ab}{}^c = E_i{}^c\partial_a e^i{}_b$ the torsion is half the curl of "
             r"the forms, $S_{ab}{}^c = \tfrac12 E_i{}^c(\partial_a e^i{}_b - \partial_b e^i{}_a)$.",
-            "Only pairs $(a, b)$ count in which one coordinate moves an entry of the other column.",
-            r"The vector is a sum over $b$ of $2 S_{ab}{}^b$, for each $a$.",
+            "A pair $(a, b)$ contributes only if column $b$ of the coframe depends on coordinate "
+            "$a$, or column $a$ on coordinate $b$.",
+            r"For each $a$, sum $2 S_{ab}{}^b$ over $b$.",
         ),
         worked=lambda: _worked(frame),
     )
@@ -99,14 +101,14 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
             rf"$${by_hand.listed('Gamma', table)}.$$"
         ),
         Step(
-            "Half the difference to the same with the lower indices exchanged: "
-            f"$${by_hand.listed('S', half)},$$ and the opposite with $a$ and $b$ exchanged.",
+            r"Half the difference of $\Gamma_{ab}{}^c$ and $\Gamma_{ba}{}^c$ is "
+            f"$${by_hand.listed('S', half)}.$$ Exchanging $a$ and $b$ changes the sign.",
             "torsion",
             torsion,
         ),
         Step(
-            r"The trace $v_a = 2\,S_{ab}{}^b$ is a sum over $b$: "
-            f"$${by_hand.listed('v', vector, 0)},$$ and zero else.",
+            r"The trace $v_a = 2\,S_{ab}{}^b$, summed over $b$, is "
+            f"$${by_hand.listed('v', vector, 0)}.$$ All other components vanish.",
             "vector",
             vector,
         ),

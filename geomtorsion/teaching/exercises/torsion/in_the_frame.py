@@ -24,31 +24,32 @@ def make(draw: Draw) -> Variant:
     torsion = cartan(frame).torsion
     return Variant(
         statement=(
-            ("Body-fixed forms" if body.rigid else "Forms")
-            + f" in the angles ${tex.symbols(frame)}$ are\n\n"
+            ("The body-fixed coframe of a rigid body" if body.rigid else "A coframe")
+            + f" in the angles ${tex.symbols(frame)}$ is\n\n"
             f"$$e = {tex.coframe(frame)},\\qquad \\eta = 1.$$\n\n"
             + (
-                f"(They are those of a body, with form {which + 1} stretched by {factor}.) "
+                f"(It is the body-fixed coframe of a rigid body, with $e^{which + 1}$ multiplied "
+                f"by {factor}.) "
                 if factor > 1
                 else ""
             )
-            + r"In the frame the torsion of the Cartan connection has constant components."
+            + r"The torsion of the Cartan connection has constant components in the frame."
         ),
         questions=(
             Question(
                 name="torsion",
                 kind="components",
-                prompt=r"The components $2S_{ij}{}^k$ in the frame that do not vanish, those with "
-                "$i<j$ at least.",
+                prompt=r"Find the nonzero components $2S_{ij}{}^k$ in the frame. Those with "
+                "$i<j$ are enough.",
                 domain=Domain.of(frame),
                 answer=torsion.T.in_frame,
                 errors=lambda: [
-                    Mistake("factor", torsion.S.in_frame(), "That is $S$; asked is $2S$."),
+                    Mistake("factor", torsion.S.in_frame(), "That is $S$, not $2S$."),
                     Mistake(
                         "axes",
                         cartan(other).torsion.T.in_frame(),
-                        "That belongs to forms fixed in space (structure constants of the other "
-                        "sign), not in the body.",
+                        "That is the torsion for forms fixed in space, with the opposite sign. "
+                        "Here the forms are fixed in the body.",
                     ),
                     Mistake("basis", torsion.T),
                 ],
@@ -62,7 +63,8 @@ def make(draw: Draw) -> Variant:
             Question(
                 name="scalar",
                 kind="expression",
-                prompt=r"The torsion scalar $\tfrac14 T_{abc}T^{abc} + \tfrac12 T_{abc}T^{cba} - "
+                prompt="Find the torsion scalar "
+                r"$\tfrac14 T_{abc}T^{abc} + \tfrac12 T_{abc}T^{cba} - "
                 r"v_a v^a$ with $T = 2S$.",
                 domain=Domain.of(frame),
                 answer=lambda: torsion.scalar[()],
@@ -70,12 +72,13 @@ def make(draw: Draw) -> Variant:
                     Mistake(
                         "factor",
                         torsion.scalar[()] / 4,
-                        "A quarter of it: $S$ was put in where $T = 2S$ should stand.",
+                        "That is a quarter of it: insert $T = 2S$, not $S$.",
                     ),
                     Mistake(
                         "levi-civita",
                         levi_civita(frame).curvature.scalar[()],
-                        r"That is the curvature scalar $\bar R$ of the metric, of the other sign.",
+                        r"That is the curvature scalar $\bar R$ of the metric, which has the "
+                        "opposite sign.",
                     ),
                 ],
             ),
@@ -83,9 +86,10 @@ def make(draw: Draw) -> Variant:
         hints=steps(
             r"In the frame $2S_{ij}{}^k$ is the object of anholonomy: "
             r"$\mathrm{d}e^k = \tfrac12\,(2S_{ij}{}^k)\,e^i\wedge e^j$.",
-            "Without stretching the forms are the angular velocity of the body, and turns do not "
-            r"commute: the answer is made of $\epsilon_{ijk}$.",
-            "A stretched form multiplies its own upper index and divides its lower ones.",
+            "The one-forms of a rigid body give its angular velocity, and rotations do not "
+            r"commute: the components are $\epsilon_{ijk}$ up to a common sign.",
+            "If a form is multiplied by a factor, the components with its upper index are "
+            "multiplied by the factor, and those with its lower index are divided by it.",
         ),
         worked=lambda: _worked(frame),
     )
@@ -103,13 +107,13 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     return (
         Step(f"The derivatives of the forms are $${by_hand.differentials(frame)}.$$"),
         Step(
-            r"Written by the forms, $\mathrm{d}e^k = \tfrac12\,2S_{ij}{}^k\,e^i\wedge e^j$, they "
-            f"are constant: $${by_hand.listed('2S', half)}.$$",
+            r"Expressed in the forms, $\mathrm{d}e^k = \tfrac12\,2S_{ij}{}^k\,e^i\wedge e^j$ with "
+            f"constant coefficients: $${by_hand.listed('2S', half)}.$$",
             "torsion",
             t,
         ),
         Step(
-            f"With $\\eta = 1$ all indices may stand below: $T_{{abc}}T_{{abc}} = "
+            f"With $\\eta = 1$ all indices can be lowered: $T_{{abc}}T_{{abc}} = "
             f"{tex.tex(squares)}$, $T_{{abc}}T_{{cba}} = {tex.tex(turned)}$, $v_a v_a = "
             f"{tex.tex(trace)}$. So the torsion scalar is ${tex.tex(scalar)}$.",
             "scalar",

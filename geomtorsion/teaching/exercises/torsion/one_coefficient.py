@@ -19,20 +19,20 @@ def make(draw: Draw) -> Variant:
     return Variant(
         statement=(
             f"In the coordinates ${tex.symbols(frame)}$ let ${tex.forms(frame)}$. "
-            "The Cartan connection is the one in which the legs are parallel,\n\n"
+            "In the Cartan connection the legs are parallel:\n\n"
             r"$$\Gamma_{ab}{}^c = E_i{}^c\,\partial_a e^i{}_b,$$"
             "\n\nwhere the **first** lower index is the direction of differentiation."
         ),
         questions=(
             connection_question(
                 frame,
-                r"The components $\Gamma_{ab}{}^c$ that do not vanish (there is one), "
+                r"Find the nonzero component $\Gamma_{ab}{}^c$ (there is only one), with the "
                 "indices in the order $a, b, c$.",
             ),
         ),
         hints=steps(
             "Only one entry of the coframe depends on a coordinate.",
-            r"So $a = 1$ and $i = b = 2$; what remains is $E_2{}^2\,\partial_1 e^2{}_2$.",
+            r"So $a = 1$ and $i = b = 2$: the only term is $E_2{}^2\,\partial_1 e^2{}_2$.",
         ),
         worked=lambda: _worked(frame),
     )
@@ -45,13 +45,13 @@ def _worked(frame: Frame) -> tuple[Step, ...]:
     value = by_hand.tidy(slope / f)
     return (
         Step(
-            f"Only $e^2{{}}_2 = {tex.tex(f)}$ depends on a coordinate, on the first: "
+            f"Only $e^2{{}}_2 = {tex.tex(f)}$ depends on a coordinate, the first one: "
             f"$\\partial_1 e^2{{}}_2 = {tex.tex(slope)}$."
         ),
-        Step(f"The coframe is diagonal, so that $E_2{{}}^2 = 1/e^2{{}}_2 = {tex.tex(1 / f)}$."),
+        Step(f"The coframe is diagonal, so $E_2{{}}^2 = 1/e^2{{}}_2 = {tex.tex(1 / f)}$."),
         Step(
-            r"$\Gamma_{12}{}^2 = E_2{}^2\,\partial_1 e^2{}_2 = " + tex.tex(value) + "$, and all "
-            r"others vanish, $\Gamma_{21}{}^2$ too: the connection is not symmetric.",
+            r"$\Gamma_{12}{}^2 = E_2{}^2\,\partial_1 e^2{}_2 = " + tex.tex(value) + "$. All "
+            r"others vanish, also $\Gamma_{21}{}^2$: the connection is not symmetric.",
             "connection",
             {(0, 1, 1): value},
         ),

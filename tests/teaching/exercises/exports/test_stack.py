@@ -128,7 +128,7 @@ def test_points_and_symbols():
     first = found.element.find("input")
     assert first is not None
     assert "dphi1" in text_of(first, "allowwords").split(",")
-    assert "A d before a name stands for its dot or prime." in text_of(
+    assert "The d before a name means a derivative (its dot or prime)." in text_of(
         found.element, "questiontext"
     )
 

@@ -1,4 +1,4 @@
-"""kept: the input that the address of the page stores, so that a reload or a link restores it.
+"""query: the input that the address of the page stores, so that a reload or a link restores it.
 
 The author of a link chooses its content: texts are cut, numbers bounded, names looked up in
 lists. An invalid entry counts as absent.
@@ -18,41 +18,43 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Kept:
+class Query:
     """Texts by key, from the address.
 
     Examples
     --------
-    >>> kept = Kept.of({"radius": "0.1", "tab": ["Loops", "Exercises"]})
-    >>> kept.numbers("radius", [(0, 1)], [0.3]), kept.numbers("radius", [(1, 2)], [1.5])
+    >>> query = Query.of({"radius": "0.1", "tab": ["Loops", "Exercises"]})
+    >>> query.numbers("radius", [(0, 1)], [0.3]), query.numbers("radius", [(1, 2)], [1.5])
     ([0.1], [1.5])
-    >>> kept.one_of("tab", ["Loops"], "Any tetrad")
+    >>> query.one_of("tab", ["Loops"], "Any tetrad")
     'Loops'
     """
 
     texts: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def now(cls, mo: ModuleType) -> Kept:
+    def now(cls, mo: ModuleType) -> Query:
         """The current content of the address, which the page updates while it is used."""
         return cls.of(mo.query_params().to_dict())
 
     @classmethod
-    def of(cls, query: Mapping[str, str | list[str]]) -> Kept:
+    def of(cls, texts: Mapping[str, str | list[str]]) -> Query:
         """The content of a query; the first value of a repeated key."""
-        first = {key: text[0] if isinstance(text, list) else text for key, text in query.items()}
+        first = {key: text[0] if isinstance(text, list) else text for key, text in texts.items()}
         return cls({key: text for key, text in first.items() if len(text) <= PAGE.address})
 
-    def of_case(self, key: str, chosen: object, usual: object) -> Kept:
+    def of_case(self, key: str, chosen: object, usual: object) -> Query:
         """The stored values of a case if its space, stored under this key, is the chosen one.
 
         Examples
         --------
-        >>> kept = Kept({"loop": "s2", "radius": "0.1"})
-        >>> kept.of_case("loop", "s2", "so3") == kept, kept.of_case("loop", "so3", "so3") == Kept()
-        (True, True)
+        >>> query = Query({"loop": "s2", "radius": "0.1"})
+        >>> query.of_case("loop", "s2", "so3") == query
+        True
+        >>> query.of_case("loop", "so3", "so3") == Query()
+        True
         """
-        return self if self.text(key, str(usual)) == str(chosen) else Kept()
+        return self if self.text(key, str(usual)) == str(chosen) else Query()
 
     def text(self, key: str, default: str) -> str:
         """The unchecked text of a field."""
@@ -85,26 +87,26 @@ class Kept:
         return found if fits else list(default)
 
 
-def written(values: Sequence[float]) -> str:
+def numbers_text(values: Sequence[float]) -> str:
     """Numbers in the form of an address.
 
     Examples
     --------
-    >>> written([0.1, 2.0, -1])
+    >>> numbers_text([0.1, 2.0, -1])
     '0.1,2,-1'
     """
     return ",".join(f"{value:.10g}" for value in values)
 
 
-def keep(mo: ModuleType, values: Mapping[str, tuple[str, str]]) -> None:
+def store(mo: ModuleType, values: Mapping[str, tuple[str, str]]) -> None:
     """Write texts into the address; each is given with its default.
 
     Only values that differ from the default are written: an untouched page has a short address.
     """
-    query = mo.query_params()
+    address = mo.query_params()
     for key, (text, usual) in values.items():
         wanted = "" if text == usual or len(text) > PAGE.address else text
-        if wanted and query.get(key) != wanted:
-            query.set(key, wanted)
-        elif not wanted and key in query:
-            query.remove(key)
+        if wanted and address.get(key) != wanted:
+            address.set(key, wanted)
+        elif not wanted and key in address:
+            address.remove(key)

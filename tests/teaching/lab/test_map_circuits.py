@@ -12,8 +12,8 @@ import pytest
 from geomtorsion import SampledFrame
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.teaching.lab.controls import map_case
-from geomtorsion.teaching.lab.given import given_of
-from geomtorsion.teaching.lab.measured import map_circuit, map_facts
+from geomtorsion.teaching.lab.map_circuits import map_circuit, map_facts
+from geomtorsion.teaching.lab.maps import uploaded
 from geomtorsion.teaching.lab.uploads import read_map
 from tests.teaching.lab.maps import STEP, TILT, TWIST, atoms, saved, twisted, wall_ctf
 
@@ -37,7 +37,7 @@ def test_noise_and_interpolation_stand_apart(tmp_path: Path):
     noisy = SampledFrame(
         exact.axes, exact.coframe + rng.normal(0, sigma, exact.coframe.shape), unit="um"
     )
-    found = given_of(read_map(saved(noisy, tmp_path, ".npz"), "a", None, None))
+    found = uploaded(read_map(saved(noisy, tmp_path, ".npz"), "a", None, None))
     ends = [found.circuit([i, k], 4) for i in range(4, 53, 6) for k in range(4, 53, 6)]
     scatter = np.std([one["b"][0] for one in ends])
     assert ends[40]["noise"][0] == pytest.approx(scatter, rel=0.25)
@@ -86,8 +86,8 @@ def test_a_circuit_that_leaves_the_map_is_refused_with_a_picture(tmp_path: Path)
         assert found["picture"].count('id="circuit"') == 2
     said = map_circuit(wall_ctf(), "a", [0, 5], 6)["refused"]
     assert said == (
-        "the circuit leaves the map: its corner would be at column -3, row 2. Choose another "
-        "place, or a smaller one."
+        "expected a circuit inside the map, got a corner at column -3, row 2. Choose another "
+        "centre, or a smaller side."
     )
 
 

@@ -1,4 +1,4 @@
-"""anew: controls that take no value from the controls of the previous case.
+"""element keys: controls of a new case take no value from the controls of the previous case.
 
 marimo numbers the elements of a cell from zero and redraws an element with the same number. A text
 field waits a moment before it sends its text. A late text, or a text that the browser stores under
@@ -14,7 +14,7 @@ from types import ModuleType
 from geomtorsion.teaching.lab.settings import PAGE
 
 
-def numbers_apart(mo: ModuleType, cases: Sequence[object], chosen: object, most: int) -> None:
+def skip_numbers(mo: ModuleType, cases: Sequence[object], chosen: object, most: int) -> None:
     """Skip element numbers, so that at most `most` fields of this case get numbers of their own.
 
     Fields in a dictionary take two numbers, the dictionary itself one.
@@ -23,7 +23,7 @@ def numbers_apart(mo: ModuleType, cases: Sequence[object], chosen: object, most:
         mo.ui.checkbox()
 
 
-def drawn_anew(html: str, *case: object) -> str:
+def keyed(html: str, *case: object) -> str:
     """HTML that a browser draws completely whenever the case changes.
 
     The name of the tag depends on the case: a browser replaces an element with another tag, but
@@ -31,9 +31,9 @@ def drawn_anew(html: str, *case: object) -> str:
 
     Examples
     --------
-    >>> drawn_anew("<p>r</p>", "so3", 3) == drawn_anew("<p>r</p>", "so3", 3)
+    >>> keyed("<p>r</p>", "so3", 3) == keyed("<p>r</p>", "so3", 3)
     True
-    >>> drawn_anew("", "so3") == drawn_anew("", "s2")
+    >>> keyed("", "so3") == keyed("", "s2")
     False
     """
     tag = f"case-{zlib.crc32(repr(case).encode()):x}"

@@ -1,4 +1,4 @@
-"""given: the facts that the page needs about an uploaded map or image, in any format."""
+"""maps: the facts that the page needs about an uploaded map or image, in any format."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class Shown:
+class MapPicture:
     """Picture of all nodes: numbers, shape (y, x), or colours, shape (y, x, 3).
 
     title: the quantity. unit: of the numbers, which are not finite where they are unknown.
@@ -49,7 +49,7 @@ class Shown:
     unit: str = ""
 
 
-class Given(Protocol):
+class UploadedMap(Protocol):
     """A map or an image."""
 
     @property
@@ -63,7 +63,7 @@ class Given(Protocol):
         ...
 
     @property
-    def about(self) -> str:
+    def description(self) -> str:
         """A description in words."""
         ...
 
@@ -72,7 +72,7 @@ class Given(Protocol):
         """The options for reading it; empty if there are none."""
         ...
 
-    def shown(self, side: int) -> Shown:
+    def picture(self, side: int) -> MapPicture:
         """The picture behind a circuit of so many cells along its side."""
         ...
 
@@ -82,7 +82,7 @@ class Given(Protocol):
 
 
 @dataclass(frozen=True)
-class GivenFrame:
+class UploadedFrame:
     """A sampled frame."""
 
     frame: SampledFrame
@@ -103,14 +103,14 @@ class GivenFrame:
         return 1
 
     @property
-    def about(self) -> str:
+    def description(self) -> str:
         """Its nodes, its noise, its holes."""
         found = self.frame
         noise = "unknown" if found.sigma is None else found.sigma_source
         holes = f"; holes: {len(found.holes)}" if found.holes else ""
         sizes = " × ".join(str(len(axis)) for axis in found.axes)
-        what = f"a sampled frame of {sizes} nodes; its noise: {noise}{holes}"
-        more = "; circuits lie in the middle of its other axes" if len(found.axes) > 2 else ""
+        what = f"a sampled frame of {sizes} nodes; noise: {noise}{holes}"
+        more = "; circuits are in the middle of its other axes" if len(found.axes) > 2 else ""
         return what + more
 
     @property
@@ -118,7 +118,7 @@ class GivenFrame:
         """No options."""
         return {}
 
-    def shown(self, side: int) -> Shown:
+    def picture(self, side: int) -> MapPicture:
         """|b| per area, in the middle of the other axes."""
         cells = self.frame.burgers_map(side)
         others = tuple(len(axis) // 2 for axis in self.frame.axes[2:])
@@ -135,14 +135,14 @@ class GivenFrame:
         rest = [float(axis[len(axis) // 2]) for axis in found.axes[2:]]
         corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
         b = found.burgers(Loop.polygon([[*point, *rest] for point in corners], name="square"))
-        remark = "" if found.sigma is not None else "Nothing is known of the noise of this map."
+        remark = "" if found.sigma is not None else "The noise of this map is unknown."
         other = b.systematic_error
         heads = [f"b{raised(k)}" for k in range(found.rows)]
         return _answer(b.vector, b.sigmas, heads, other, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True)
-class GivenOrientations:
+class UploadedOrientations:
     """An orientation map; colours show one phase, or all for 0."""
 
     map: OrientationMap
@@ -160,7 +160,7 @@ class GivenOrientations:
         return 1
 
     @property
-    def about(self) -> str:
+    def description(self) -> str:
         """Its pixels, phases with their Laue groups, and grains."""
         rows, columns = self.map.shape
         phases = ", ".join(f"{one.name}: {one.laue}" for one in self.map.phases.values())
@@ -174,7 +174,7 @@ class GivenOrientations:
         phases = [[key, one.name] for key, one in self.map.phases.items()]
         return {"threshold": self.map.threshold, "phases": phases, "groups": list(LAUE_GROUPS)}
 
-    def shown(self, side: int) -> Shown:
+    def picture(self, side: int) -> MapPicture:
         """|b| per area of circuits within grains of the phase."""
         density = self.map.burgers_map(side).per_area
         if self.phase:
@@ -186,21 +186,21 @@ class GivenOrientations:
         column, row = corner
         if min(corner) < 0:
             raise OrientationError(
-                f"the circuit leaves the map: its corner would be at column {column}, row {row}. "
-                "Choose another place, or a smaller one."
+                f"expected a circuit inside the map, got a corner at column {column}, row {row}. "
+                "Choose another centre, or a smaller side."
             )
         b = self.map.burgers(Circuit.square((row, column), side))
         remark = (
-            f"Grain {b.grain}, {b.phase.name}; components along the axes of the crystal. The error "
-            "of interpolation is far below the noise."
+            f"Grain {b.grain}, {b.phase.name}. Components are along the axes of the crystal. The "
+            "interpolation error is far below the noise."
         )
         heads = [f"b{raised(k)}" for k in range(3)]
         return _answer(b.vector, b.sigmas, heads, None, b.unit, b.significance, remark, side)
 
 
 @dataclass(frozen=True, eq=False)
-class GivenImage:
-    """A picture of a lattice; lengths are in pixels."""
+class UploadedImage:
+    """An image of a lattice; lengths are in pixels."""
 
     phases: LatticePhases
 
@@ -216,13 +216,13 @@ class GivenImage:
         return 2
 
     @property
-    def about(self) -> str:
+    def description(self) -> str:
         """Its pixels, its lattice, its holes."""
         columns, rows = self.layout.shape
         lengths = np.hypot(*self.phases.lattice.T)
         return (
-            f"a picture of {columns} × {rows} pixels of a lattice with vectors of {lengths[0]:.4g} "
-            f"and {lengths[1]:.4g} pixels; {self.phases.holes.mean():.1%} of it is holes"
+            f"an image of {columns} × {rows} pixels of a lattice with vectors of {lengths[0]:.4g} "
+            f"and {lengths[1]:.4g} pixels; {self.phases.holes.mean():.1%} of the area are holes"
         )
 
     @property
@@ -247,9 +247,9 @@ class GivenImage:
         found[touched] = found[touched] // 2 + np.array([127, 40, 30], np.uint8)
         return found
 
-    def shown(self, side: int) -> Shown:
-        """The picture itself."""
-        return Shown(self._pixels, "the picture; red: no lattice is seen there")
+    def picture(self, side: int) -> MapPicture:
+        """The image itself."""
+        return MapPicture(self._pixels, "the image; red: no lattice found")
 
     def circuit(self, corner: Sequence[int], side: int) -> Json:
         """Integer components, and the probability that noise has changed one."""
@@ -261,11 +261,11 @@ class GivenImage:
             [f"b{raised(k)}", number(float(n)), *(number(float(f"{v:.4g}")) for v in vector)]
             for k, (n, vector) in enumerate(zip(b.whole.tolist(), b.lattice.tolist(), strict=True))
         ]
-        heads = ("", "whole number", "of the vector: x", "y")
+        heads = ("", "whole number", "lattice vector: x", "lattice vector: y")
         sentence = (
-            f"Circuit of {side} × {side} pixels: b = ({numbers}) in lattice vectors, exactly; the "
-            f"chance that noise has changed a number is {b.chance:.1g}. |b| = {b.magnitude:.4g} "
-            f"pixels, to {b.error:.1g}."
+            f"Circuit of {side} × {side} pixels: b = ({numbers}) in lattice vectors, exactly. "
+            f"Noise has changed a number with a probability of {b.chance:.1g}. "
+            f"|b| = {b.magnitude:.4g} pixels, error {b.error:.1g}."
         )
         return {
             "sentence": sentence,
@@ -277,16 +277,16 @@ class GivenImage:
         }
 
 
-def given_of(
+def uploaded(
     found: SampledFrame | OrientationMap | LatticePhases, phase: int = 0
-) -> GivenFrame | GivenOrientations | GivenImage:
+) -> UploadedFrame | UploadedOrientations | UploadedImage:
     """The content of a file, in the form that the page needs."""
     if isinstance(found, OrientationMap):
-        return GivenOrientations(found, phase if phase in found.phases else 0)
-    return GivenImage(found) if isinstance(found, LatticePhases) else GivenFrame(found)
+        return UploadedOrientations(found, phase if phase in found.phases else 0)
+    return UploadedImage(found) if isinstance(found, LatticePhases) else UploadedFrame(found)
 
 
-def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Shown:
+def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> MapPicture:
     """Values of circuits at the nodes in their centres."""
     whole = np.full(layout.shape, np.nan)
     half = side // 2
@@ -294,7 +294,7 @@ def _dense(density: np.ndarray, layout: Layout, side: int, vectors: str) -> Show
     # Pixels follow increasing coordinates, also where an axis descends.
     turned = whole[:: int(np.sign(layout.steps[0])), :: int(np.sign(layout.steps[1]))]
     title = f"|b| per area, circuits of {side} × {side} cells"
-    return Shown(turned.T, title, side, density_unit(vectors, layout.unit))
+    return MapPicture(turned.T, title, side, density_unit(vectors, layout.unit))
 
 
 def density_unit(vectors: str, lengths: str) -> str:
@@ -327,15 +327,15 @@ def _answer(
     """
     behind = f" {unit}" if unit else ""
     size, most = float(np.linalg.norm(vector)), float(np.max(noise))
-    said = f"Circuit of {side} × {side} cells: |b| = {size:.4g}{behind}"
-    said += f"; noise {most:.1e}{behind} in its noisiest component"
+    text = f"Circuit of {side} × {side} cells: |b| = {size:.4g}{behind}"
+    text += f"; noise {most:.1e}{behind} in the noisiest component"
     if interpolation is not None:
-        said += f", interpolation {interpolation:.1e}{behind}"
+        text += f", interpolation {interpolation:.1e}{behind}"
     if np.isfinite(significance):
         # With noise only, |b| / sigma is the square root of the number of components.
         alone = len(vector) ** 0.5
         times = number(float(f"{significance:.3g}"))
-        said += f". |b| is {times} times its error; noise would give about {alone:.1f} times"
+        text += f". |b| is {times} times its error; pure noise would give about {alone:.1f} times"
     other = "–" if interpolation is None else f"{interpolation:.1e}"
     rows = [
         [head, number(float(f"{value:.5g}")), f"{sigma:.1e}", other]
@@ -343,7 +343,7 @@ def _answer(
     ]
     caption = f"Burgers vector of the circuit{f' in {unit}' if unit else ''}"
     return {
-        "sentence": f"{said}. {remark}".rstrip(),
+        "sentence": f"{text}. {remark}".rstrip(),
         "table": table(("", "b", "noise", "interpolation"), rows, caption),
         "b": vector.tolist(),
         "noise": noise.tolist(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from types import ModuleType, SimpleNamespace
 
-from geomtorsion.teaching.lab.anew import drawn_anew, numbers_apart
+from geomtorsion.teaching.lab.element_keys import keyed, skip_numbers
 
 CASES = ["so3", "s2", "flat_polar", "heisenberg", "frw", 2, 3, 4]
 
@@ -15,7 +15,7 @@ def first_number(chosen: object) -> int:
     made: list[None] = []
     page = ModuleType("marimo")
     page.ui = SimpleNamespace(checkbox=lambda: made.append(None))  # type: ignore[attr-defined]
-    numbers_apart(page, CASES, chosen, 4)
+    skip_numbers(page, CASES, chosen, 4)
     return len(made)
 
 
@@ -30,6 +30,6 @@ def test_numbers_of_cases_that_follow_each_other_are_apart():
 
 def test_another_case_has_another_tag():
     """Texts, numbers and what is no text are told apart; equal cases are not."""
-    tags = {drawn_anew("", *case) for case in (("so3",), ("so3", 3), ("so33",), (3,), ("3",))}
+    tags = {keyed("", *case) for case in (("so3",), ("so3", 3), ("so33",), (3,), ("3",))}
     assert len(tags) == 5
-    assert drawn_anew("<b>x</b>", "so3", 3) == drawn_anew("<b>x</b>", "so3", 3)
+    assert keyed("<b>x</b>", "so3", 3) == keyed("<b>x</b>", "so3", 3)

@@ -1,4 +1,4 @@
-"""What the address of the page keeps: read back as it was written, and never trusted."""
+"""Input that the address of the page stores: read back as it was written, and never trusted."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from geomtorsion.teaching.lab.kept import Kept, keep, written
+from geomtorsion.teaching.lab.query import Query, numbers_text, store
 from geomtorsion.teaching.lab.settings import PAGE
 
 
-class Query(dict[str, str]):
+class Address(dict[str, str]):
     """An address that can be written to, as marimo has it."""
 
     def set(self, key: str, text: str) -> None:
@@ -22,31 +22,31 @@ class Query(dict[str, str]):
         del self[key]
 
 
-def address(query: Query, values: Mapping[str, tuple[str, str]]) -> Query:
-    """The address after these values were kept."""
+def address(query: Address, values: Mapping[str, tuple[str, str]]) -> Address:
+    """The address after these values were stored."""
     page: Any = SimpleNamespace(query_params=lambda: query)
-    keep(page, values)
+    store(page, values)
     return query
 
 
 def test_only_what_was_changed_is_written():
     """What is as it was at the beginning leaves the address, also when it comes back to that."""
-    query = address(Query(tab="Loops"), {"radius": ("0.1", "0.3"), "t": ("2", "2")})
+    query = address(Address(tab="Loops"), {"radius": ("0.1", "0.3"), "t": ("2", "2")})
     assert query == {"tab": "Loops", "radius": "0.1"}
     assert address(query, {"radius": ("0.3", "0.3")}) == {"tab": "Loops"}
 
 
 def test_long_texts_are_not_written():
     """An address has an end."""
-    assert address(Query(), {"coframe": ("1" * (PAGE.address + 1), "")}) == {}
-    assert Kept.of({"coframe": "1" * (PAGE.address + 1)}).text("coframe", "0") == "0"
+    assert address(Address(), {"coframe": ("1" * (PAGE.address + 1), "")}) == {}
+    assert Query.of({"coframe": "1" * (PAGE.address + 1)}).text("coframe", "0") == "0"
 
 
 @pytest.mark.parametrize("values", [[0.1, 1 / 3, 1e-12], [0.0], [-3.0, 2.5]])
 def test_numbers_come_back(values: list[float]):
     """Ten digits are more than a slider has."""
-    kept = Kept({"x": written(values)})
-    found = kept.numbers("x", [(-10, 10)] * len(values), [9.0] * len(values))
+    query = Query({"x": numbers_text(values)})
+    found = query.numbers("x", [(-10, 10)] * len(values), [9.0] * len(values))
     assert found == pytest.approx(values, rel=1e-9)
 
 
@@ -55,12 +55,12 @@ def test_numbers_come_back(values: list[float]):
 )
 def test_odd_numbers_count_as_absent(text: str):
     """Not a number, outside of the range, or too many."""
-    assert Kept({"x": text}).numbers("x", [(0, 1)], [0.25]) == [0.25]
+    assert Query({"x": text}).numbers("x", [(0, 1)], [0.25]) == [0.25]
 
 
 def test_names_are_looked_up():
     """Only what is on a list is chosen."""
-    kept = Kept.of({"tab": "<b>", "effects": "gravity,rm,pivot", "two": ["a", "b"]})
-    assert kept.one_of("tab", ["Loops"], "first") == "first"
-    assert kept.some_of("effects", ["gravity", "pivot", "spin"], ()) == ["gravity", "pivot"]
-    assert kept.one_of("two", ["a", "b"], "b") == "a"
+    query = Query.of({"tab": "<b>", "effects": "gravity,rm,pivot", "two": ["a", "b"]})
+    assert query.one_of("tab", ["Loops"], "first") == "first"
+    assert query.some_of("effects", ["gravity", "pivot", "spin"], ()) == ["gravity", "pivot"]
+    assert query.one_of("two", ["a", "b"], "b") == "a"

@@ -1,4 +1,4 @@
-"""measured: a square circuit in an uploaded map or image: Burgers vector, errors, picture."""
+"""map circuits: square circuits in an uploaded map or image, with errors and a picture."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from geomtorsion.errors import FileFormatError, GeomtorsionError
 from geomtorsion.teaching.exercises.worker_pool import Json
-from geomtorsion.teaching.lab.given import Given, Shown, given_of
+from geomtorsion.teaching.lab.maps import MapPicture, UploadedMap, uploaded
 from geomtorsion.teaching.lab.plot import plane, svg
 from geomtorsion.teaching.lab.settings import PAGE
 from geomtorsion.teaching.lab.uploads import read_map, title_of
@@ -65,7 +65,7 @@ def map_facts(
     layout = found.layout
     most = min(layout.shape) - 1
     facts = {
-        "sentence": f"{title} is {found.about}.",
+        "sentence": f"{title} is {found.description}.",
         "unit": layout.unit,
         "shape": list(layout.shape),
         "starts": list(layout.starts),
@@ -120,19 +120,21 @@ def map_circuit(
     """
     found = _read(content, title_of(name), threshold, phase, laue)
     corner = [int(k) - int(side) // 2 for k in centre]
-    reply: dict[str, object] = {"picture": _picture(found, found.shown(side), corner, side)}
+    reply: dict[str, object] = {"picture": _picture(found, found.picture(side), corner, side)}
     try:
         return {**reply, **found.circuit(corner, side)}
     except GeomtorsionError as error:
         return {**reply, "refused": str(error)}
 
 
-def _read(content: bytes, title: str, threshold: float | None, phase: int, laue: str) -> Given:
+def _read(
+    content: bytes, title: str, threshold: float | None, phase: int, laue: str
+) -> UploadedMap:
     """The content of the file, read with the chosen options."""
-    return given_of(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
+    return uploaded(read_map(content, title, threshold, (laue, phase) if laue else None), phase)
 
 
-def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> str:
+def _picture(found: UploadedMap, shown: MapPicture, corner: Sequence[int], side: int) -> str:
     """The map with the circuit; beside it the scale."""
     layout = found.layout
     (x, y), (dx, dy) = layout.starts, layout.steps
@@ -157,7 +159,7 @@ def _picture(found: Given, shown: Shown, corner: Sequence[int], side: int) -> st
     )  # fmt: skip
     if shown.pixels.ndim == 2:
         figure.colorbar(image, ax=axes, shrink=0.86, label=shown.unit)
-        grey = Patch(color=UNKNOWN, label="hole, boundary or edge")
+        grey = Patch(color=UNKNOWN, label="no value: hole, boundary or edge")
         figure.legend(handles=[grey], loc="outside lower center", frameon=False)
     i, k = corner
     square = [at(i, k), at(i + side, k), at(i + side, k + side), at(i, k + side), at(i, k)]

@@ -1,0 +1,66 @@
+"""theories: a Lagrangian and connections of a space, from options of the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from geomtorsion import gravity
+from geomtorsion.geometry import Connection, cartan, levi_civita
+from geomtorsion.gravity import FieldEquations
+from geomtorsion.spaces import Space
+
+THEORIES = ("tegr", "stegr", "einstein_cartan", "general_relativity", "gauss_bonnet")
+RIEMANNIAN = ("general_relativity", "gauss_bonnet")
+
+
+class Over(StrEnum):
+    """The connection from which the Lagrangian is built."""
+
+    own = "own"
+    cartan = "cartan"
+    levi_civita = "levi-civita"
+
+
+LagrangianOption = Annotated[
+    str | None,
+    typer.Option(
+        "-L",
+        "--lagrangian",
+        metavar="TEXT",
+        show_default=False,
+        help="In T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
+        f"{', '.join(THEORIES)}.",
+    ),
+]
+ConnectionOption = Annotated[
+    list[Over] | None,
+    typer.Option(
+        "--connection",
+        "-c",
+        help="own: of the space, else Cartan. Repeat it for several; names of the Levi-Civita "
+        "connection beside another one end in bar.",
+        show_default=False,
+    ),
+]
+
+
+def field_equations(
+    space: Space, lagrangian: str, connections: Sequence[Over] | None
+) -> FieldEquations:
+    """The field equations of a Lagrangian or of a named theory on a space."""
+    theory = getattr(gravity, lagrangian) if lagrangian in THEORIES else lagrangian
+    chosen = connections or [Over.levi_civita if lagrangian in RIEMANNIAN else Over.own]
+    return gravity.equations([_connection(space, one) for one in chosen], theory)
+
+
+def _connection(space: Space, over: Over) -> Connection:
+    """A connection of a space."""
+    if over is Over.levi_civita:
+        return levi_civita(space.frame)
+    if over is Over.own and space.connection is not None:
+        return space.connection
+    return cartan(space.frame)

@@ -1,0 +1,77 @@
+"""Field equations: a section of a report, and the equations as data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geomtorsion.gravity import FieldEquations
+from geomtorsion.outgoing import html_text
+from geomtorsion.pictures.formula import mathml
+from geomtorsion.pictures.latex import latex_name, latex_text
+from geomtorsion.pictures.quantities import Entry, Quantity
+from geomtorsion.pictures.sections import section
+from geomtorsion.pictures.text import plain_text
+
+TITLE = "Field equations"
+ENTRIES = {
+    "E": Entry(
+        "coframe_equation", "Coframe equation", "E", "E", "E_i^n = (1/e) δ(e L)/δe^i_n", TITLE
+    ),
+    "E_[ij]": Entry(
+        "antisymmetric_equation", "Antisymmetric part of the coframe equation", "E\u0303",
+        r"\tilde{E}", "E\u0303_ij = E_[ij]", TITLE,
+    ),
+    "C": Entry(
+        "connection_equation", "Connection equation", "C", "C",
+        "C^{ni}_j = (1/e) δ(e L)/δω_{ni}^j", TITLE,
+    ),
+    "M": Entry(
+        "metric_equation", "Metric equation", "M", "M",
+        "2 M_ij = E_ji + (1/e) D_n (e C^n_ij)", TITLE,
+    ),
+}  # fmt: skip
+
+
+def field_equations_html(equations: FieldEquations) -> str:
+    """Lagrangian, its invariants and the left side of each equation as HTML.
+
+    Examples
+    --------
+    >>> import geomtorsion as gt
+    >>> from geomtorsion import gravity
+    >>> frame = gt.spaces.load("frw").frame
+    >>> field_equations_html(gravity.equations(gt.cartan(frame), "T")).count("<section")
+    3
+    """
+    names = html_text(", ".join(one.name for one in equations.connections))
+    lagrangian = latex_text(equations.expression)
+    values = [
+        mathml(f"{latex_name(name)} = {latex_text(value)}", display=True)
+        for name, value in equations.scalars.items()
+    ]
+    quantities = [
+        Quantity(ENTRIES[name], x, equations.written) for name, x in equations.tensors.items()
+    ]
+    return (
+        f'<section class="card"><p>Left sides of the field equations of '
+        f"{mathml(f'L = {lagrangian}')} ({names}). The space is a solution where they vanish.</p>"
+        f'<div class="scroll">{"".join(values)}</div></section>'
+        f"{''.join(map(section, quantities))}"
+    )
+
+
+def field_equations_data(equations: FieldEquations) -> dict[str, Any]:
+    """Lagrangian, invariants, equations and identities as text.
+
+    Indices count from 0; vanishing components are omitted.
+    """
+    return {
+        "lagrangian": str(equations.lagrangian.expression),
+        "connections": [one.name for one in equations.connections],
+        "scalars": {name: plain_text(value) for name, value in equations.scalars.items()},
+        "equations": {
+            name: {",".join(map(str, i)): plain_text(x) for i, x in tensor.nonzero().items()}
+            for name, tensor in equations.tensors.items()
+        },
+        "identities": {check.name: check.holds for check in equations.identities()},
+    }
