@@ -99,10 +99,10 @@ def _step(
     if length is None:
         return None
     try:
-        found = exponential(matrix, _LINE)
+        flow = exponential(matrix, _LINE)
     except GeomtorsionError:
         return None
-    return found.xreplace({_LINE: length}).applyfunc(sp.powsimp)
+    return flow.xreplace({_LINE: length}).applyfunc(sp.powsimp)
 
 
 def _length(shape: sp.Expr, symbol: sp.Symbol, base: sp.Expr) -> sp.Expr | None:
@@ -136,15 +136,15 @@ def fitting_functions(frame: Frame, entries: Sequence[sp.Expr]) -> list[list[sp.
     """
     choices = []
     for symbol in frame.coordinates:
-        one, inside = sp.S.One, [entry for entry in entries if entry.has(symbol)]
+        unit, inside = sp.S.One, [entry for entry in entries if entry.has(symbol)]
         angles = {a for e in inside for a in e.atoms(sp.sin, sp.cos) if a.has(symbol)}
         waves = [sp.cos(symbol), sp.sin(symbol)]
         if not inside:
-            choices.append([one, symbol, *waves])
+            choices.append([unit, symbol, *waves])
         elif angles:
-            choices.append([one, *waves])
+            choices.append([unit, *waves])
         else:
-            choices.append([one, symbol])
+            choices.append([unit, symbol])
     return choices
 
 
@@ -185,8 +185,8 @@ def powers(frame: Frame) -> tuple[list[sp.Expr], str]:
     n, q = frame.dimension, frame.coordinates
     squares = [one * two for one, two in combinations_with_replacement(q, 2)]
     degree = 2 if n * (1 + n + len(squares)) <= _MOST else 1
-    found = [sp.S.One, *q, *(squares if degree == 2 else ())]
-    return found, f"of degree {degree} in {listed(q)}"
+    functions = [sp.S.One, *q, *(squares if degree == 2 else ())]
+    return functions, f"of degree {degree} in {listed(q)}"
 
 
 def separable_functions(frame: Frame) -> list[sp.Expr]:
@@ -202,7 +202,7 @@ def separable_functions(frame: Frame) -> list[sp.Expr]:
     >>> separable_functions(load("schwarzschild").frame)
     [1, r**2, M*r, r, sin(theta)**2]
     """
-    inside, found = set(frame.coordinates), {sp.S.One: None}
+    inside, functions = set(frame.coordinates), {sp.S.One: None}
     for entry in frame.coframe.nonzero().values():
         for factor in sp.Mul.make_args(expression(entry)):
             base = sp.expand(factor.as_base_exp()[0])
@@ -210,9 +210,9 @@ def separable_functions(frame: Frame) -> list[sp.Expr]:
             for term in terms:
                 function = term.as_coeff_Mul()[1]
                 if function.free_symbols & inside:
-                    found.setdefault(function)
+                    functions.setdefault(function)
     n = frame.dimension
-    return list(found) if len(found) * n * (n + 1) // 2 <= _MOST else [sp.S.One]
+    return list(functions) if len(functions) * n * (n + 1) // 2 <= _MOST else [sp.S.One]
 
 
 def listed(functions: Sequence[sp.Expr]) -> str:

@@ -73,8 +73,8 @@ def reduced(
         A coordinate occurs in the rate of a velocity; the message names both.
     """
     inside = {symbol.name: symbol for symbol in coordinates}
-    kept = {name: rate for name, rate in rates.items() if name not in inside}
-    for name, rate in kept.items():
+    remaining = {name: rate for name, rate in rates.items() if name not in inside}
+    for name, rate in remaining.items():
         met = sorted(symbol.name for symbol in rate.free_symbols & set(coordinates))
         if met:
             raise LagrangianError(
@@ -82,7 +82,7 @@ def reduced(
                 "alone. Use the equations with their coordinates."
             )
     still = {k: v for k, v in invariants.items() if not v.free_symbols & set(coordinates)}
-    return Reduced(kept, still)
+    return Reduced(remaining, still)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,16 +127,16 @@ class EquationsOfMotion:
         u'^k are written u1dot, u2dot, ...; one for each velocity that moves.
         """
         dots = self.hamel.bundle.symbols.accelerations
-        found = []
+        residuals = []
         for k in self.hamel.free:
             pairs, rest = self.hamel.residuals[k]
-            found.append(
+            residuals.append(
                 sp.Add(
                     *(value.sympy * dots[i] for i, value in pairs),
                     writing.by_powers(rest, self.velocities),
                 )
             )
-        return tuple(found)
+        return tuple(residuals)
 
     @cached_property
     def accelerations(self) -> tuple[sp.Expr, ...]:
@@ -144,10 +144,10 @@ class EquationsOfMotion:
 
         Where a denominator full of angles cannot be cleared they are plain quotients.
         """
-        found, moving = self.hamel.accelerations, self.velocities
-        if found is None:
+        values, moving = self.hamel.accelerations, self.velocities
+        if values is None:
             return tuple(above.sympy / below.sympy for above, below in self.hamel.quotients)
-        return tuple(writing.by_powers(value, moving) for value in found)
+        return tuple(writing.by_powers(value, moving) for value in values)
 
     @cached_property
     def rates(self) -> Mapping[str, sp.Expr]:
@@ -198,11 +198,11 @@ class EquationsOfMotion:
         hamel, names = self.hamel, self.hamel.bundle.symbols.velocities
         if hamel.reactions is not None:
             return {names[k].name: value.sympy for k, value in hamel.reactions.items()}
-        moving, found = dict(zip(hamel.free, self.accelerations, strict=True)), {}
+        moving, reactions = dict(zip(hamel.free, self.accelerations, strict=True)), {}
         for k in hamel.fixed:
             pairs, rest = hamel.residuals[k]
-            found[names[k].name] = sp.Add(*(x.sympy * moving[i] for i, x in pairs), rest.sympy)
-        return found
+            reactions[names[k].name] = sp.Add(*(x.sympy * moving[i] for i, x in pairs), rest.sympy)
+        return reactions
 
     @cached_property
     def reduced(self) -> Reduced:
@@ -337,18 +337,18 @@ def equations_of_motion(
     pushes = validation.force_entries(forces, n)
     fixed = validation.constraint_entries(constraints, n)
     read = validation.expressions(frame, [("lagrangian", lagrangian), *pushes, *fixed], parameters)
-    energy, given, kept = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
+    energy, loads, conditions = read[0], tuple(read[1 : n + 1]), tuple(read[n + 1 :])
     bundle = bundle_over(frame, read)
     try:
-        hamel = hamel_of(bundle, energy, given, kept, chosen, connection)
+        hamel = hamel_of(bundle, energy, loads, conditions, chosen, connection)
         _ = hamel.matrix  # a singular kinetic matrix is refused here, not later
     except LimitError as error:
         raise LimitError(
             f"{error}. For small motions around a steady one, gt.linearized(..., at={{...}}) needs "
             "no equations that are written out"
         ) from None
-    lagrange = Lagrange(bundle, energy, given, chosen, connection)
-    return EquationsOfMotion(frame, energy, given, kept, principle, hamel, lagrange)
+    lagrange = Lagrange(bundle, energy, loads, chosen, connection)
+    return EquationsOfMotion(frame, energy, loads, conditions, principle, hamel, lagrange)
 
 
 def conserved_quantities(
@@ -398,11 +398,11 @@ def conserved_quantities(
     >>> found["killing tensor 1"]
     a**2*u1**2*cos(theta)**2 - a**2*u2**2*cos(theta)**2 + r**2*u3**2 + r**2*u4**2
     """
-    found = equations_of_motion(
+    equations = equations_of_motion(
         frame, lagrangian, forces, principle, constraints,
         parameters=parameters, connection=connection,
     )  # fmt: skip
-    return found.invariants
+    return equations.invariants
 
 
 @dataclass(frozen=True, eq=False)
@@ -426,11 +426,11 @@ class Lagrange:
     def velocities(self) -> dict[sp.Symbol, sp.Expr]:
         """u^i = e^i_mu q'^mu, written out."""
         symbols = self.bundle.symbols
-        found = {}
+        velocities = {}
         for i, row in enumerate(self.bundle.frame.coframe.components.rows):
             terms = [value.sympy * symbols.rates[mu] for mu, value in row]
-            found[symbols.velocities[i]] = sp.Add(*terms)
-        return found
+            velocities[symbols.velocities[i]] = sp.Add(*terms)
+        return velocities
 
     def _read(self, where: str, expression: sp.Expr) -> Element:
         """An expression in q, u, t read with coordinate velocities instead of u."""

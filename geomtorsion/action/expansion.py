@@ -97,10 +97,10 @@ class Expansion:
         if isinstance(part, sp.Add):
             return self._sum(jets)
         if isinstance(part, sp.Mul):
-            found = jets[0]
+            product = jets[0]
             for jet in jets[1:]:
-                found = self._product(found, jet)
-            return found
+                product = self._product(product, jet)
+            return product
         if isinstance(part, sp.Pow) and part.exp == 2:
             return self._product(jets[0], jets[0])
         if isinstance(part, sp.Pow | sp.Function):
@@ -120,8 +120,8 @@ class Expansion:
 
     def _summed(self, terms: Mapping) -> dict:
         """Sums that do not vanish."""
-        found = {place: self.field.sum(parts) for place, parts in sorted(terms.items())}
-        return {place: value for place, value in found.items() if not value.is_zero}
+        sums = {place: self.field.sum(parts) for place, parts in sorted(terms.items())}
+        return {place: value for place, value in sums.items() if not value.is_zero}
 
     def _product(self, one: Jet, two: Jet) -> Jet:
         first: dict[int, list] = {}
@@ -172,10 +172,10 @@ class Expansion:
         # Derivatives of an unknown function have no value.
         if term.has(sp.Derivative, sp.Subs):
             raise self._not_smooth(part)
-        found = term.xreplace(dict(table)).doit()
-        if found.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+        derivative = term.xreplace(dict(table)).doit()
+        if derivative.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             raise self._not_smooth(part)
-        return self.field.read(found)
+        return self.field.read(derivative)
 
     def _not_smooth(self, part: sp.Basic) -> LagrangianError:
         return LagrangianError(

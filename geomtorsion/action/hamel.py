@@ -47,10 +47,10 @@ def quotients(field: Field, matrix: Matrix, right: Sequence[Element]) -> list[Qu
     [(Element(b), Element(a*b - 1)), (Element(-1), Element(a*b - 1))]
     """
     n = len(right)
-    found: dict[int, Quotient] = {}
+    solutions: dict[int, Quotient] = {}
     for rows, columns in blocks(matrix, n):
         if len(rows) == 1:
-            found[columns[0]] = (right[rows[0]], matrix[rows[0], columns[0]])
+            solutions[columns[0]] = (right[rows[0]], matrix[rows[0], columns[0]])
             continue
         size = len(rows)
         terms: list[list] = [[] for _ in rows]
@@ -65,8 +65,8 @@ def quotients(field: Field, matrix: Matrix, right: Sequence[Element]) -> list[Qu
                     whole.append((sign, cofactor, matrix[row, column]))
         below = field.sum(whole)
         for c, column in enumerate(columns):
-            found[column] = (field.sum(terms[c]), below)
-    return [found[i] for i in range(n)]
+            solutions[column] = (field.sum(terms[c]), below)
+    return [solutions[i] for i in range(n)]
 
 
 def _part(
@@ -161,24 +161,24 @@ class Hamel:
     def kinetic(self, rows: Sequence[int]) -> dict[tuple[int, int], Element]:
         """M_kl = dp_k/du^l at (index of k in rows, index of l among the free velocities)."""
         symbols = [self.bundle.symbols.velocities[i] for i in self.free]
-        found = {}
+        entries = {}
         for place, k in enumerate(rows):
             for column, symbol in enumerate(symbols):
                 value = self.momenta[k].diff(symbol)
                 if not value.is_zero:
-                    found[place, column] = value
-        return found
+                    entries[place, column] = value
+        return entries
 
     @cached_property
     def rest(self) -> tuple[Element, ...]:
         """The residual without its accelerations, for each k."""
         field, bundle = self.bundle.field, self.bundle
-        found = []
+        rests = []
         for k in range(bundle.dimension):
             change = bundle.change(self.momenta[k], self.rates)
             parts = ((1, change), (-1, self.gyroscopic[k]), (-1, self.slopes[k]))
-            found.append(field.sum([*parts, (-1, self.forces[k])]))
-        return tuple(found)
+            rests.append(field.sum([*parts, (-1, self.forces[k])]))
+        return tuple(rests)
 
     @cached_property
     def matrix(self) -> dict[tuple[int, int], Element]:
@@ -225,8 +225,8 @@ class Hamel:
         lost = sorted(set(range(n)) - {column for _, column in matrix})
         relation = "; ".join(f"{names[k]} does not occur quadratically" for k in lost)
         if not lost:
-            found = dependence(field, matrix, n) or {}
-            weights = [f"({value})*dL/d{names[i]}" for i, value in found.items()]
+            combination = dependence(field, matrix, n) or {}
+            weights = [f"({value})*dL/d{names[i]}" for i, value in combination.items()]
             relation = f"{' + '.join(weights)} contains no velocity"
         raise KineticMatrixError(
             "the kinetic matrix d2L/du^i du^j is singular, so the accelerations are not "
@@ -242,11 +242,11 @@ class Hamel:
     @cached_property
     def residuals(self) -> tuple[tuple[tuple[tuple[int, Element], ...], Element], ...]:
         """For each k the pairs (l, M_kl) with l counted among all velocities, and the rest."""
-        matrix, found = self.whole_matrix, []
+        matrix, residuals = self.whole_matrix, []
         for k in range(self.bundle.dimension):
             pairs = [(self.free[c], value) for (row, c), value in matrix.items() if row == k]
-            found.append((tuple(pairs), self.rest[k]))
-        return tuple(found)
+            residuals.append((tuple(pairs), self.rest[k]))
+        return tuple(residuals)
 
     @cached_property
     def reactions(self) -> dict[int, Element] | None:
@@ -254,13 +254,13 @@ class Hamel:
         if self.accelerations is None:
             return None
         moving = dict(zip(self.free, self.accelerations, strict=True))
-        found = {}
+        reactions = {}
         for k in range(self.bundle.dimension):
             if k not in self.free:
                 pairs, rest = self.residuals[k]
                 terms = [(1, value, moving[i]) for i, value in pairs]
-                found[k] = self.bundle.field.sum([*terms, (1, rest)])
-        return found
+                reactions[k] = self.bundle.field.sum([*terms, (1, rest)])
+        return reactions
 
     def derivative(self, element: Element) -> Element:
         """d/dt of f(q, u, t) along the motion, where accelerations could not be divided times
@@ -385,8 +385,8 @@ def adapted_frame(
     read = [_coefficients(bundle, where, value) for where, value in constraints]
     rows = [row for row, _ in read]
     replaced = _pivots(bundle, rows, [where for where, _ in constraints])
-    n, one = bundle.dimension, bundle.field.one
-    turn = {(i, i): one for i in range(n) if i not in replaced}
+    n, unit = bundle.dimension, bundle.field.one
+    turn = {(i, i): unit for i in range(n) if i not in replaced}
     for row, place in zip(rows, replaced, strict=True):
         turn.update(((place, i), value) for i, value in row.items())
     coframe = {}
@@ -413,22 +413,22 @@ def _reframed(frame: Frame, coframe: Mapping[tuple[int, int], Element]) -> Frame
 
 def _coefficients(bundle: TangentBundle, where: str, value: Element) -> tuple[Row, Element]:
     """a_i and c of a_i(q) u^i + c(q, t)."""
-    found: Row = {}
+    row: Row = {}
     for i, symbol in enumerate(bundle.symbols.velocities):
         slope = value.diff(symbol)
         if not slope.is_zero:
-            found[i] = slope
-    terms = [(-1, a, bundle.velocities[i]) for i, a in found.items()]
+            row[i] = slope
+    terms = [(-1, a, bundle.velocities[i]) for i, a in row.items()]
     rest = bundle.field.sum([(1, value), *terms])
     velocities = set(bundle.symbols.velocities)
-    bound = [a for a in found.values() if a.symbols & {*velocities, bundle.symbols.time}]
-    if rest.symbols & velocities or bound or not found:
+    bound = [a for a in row.values() if a.symbols & {*velocities, bundle.symbols.time}]
+    if rest.symbols & velocities or bound or not row:
         raise ConstraintError(
             f"{where}: {value} = 0 is no constraint linear in the velocities. Give a sum of "
             "coefficients of q times u^i, plus a function of q and t if need be, as in 'u2' or "
             "'sin(theta)*u1 - cos(theta)*u2'."
         )
-    return found, rest
+    return row, rest
 
 
 def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) -> list[int]:
@@ -437,11 +437,11 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
     places: list[int] = []
     for name, row in zip(names, rows, strict=True):
         reduced = dict(row)
-        for place, other in done:
+        for place, pivot_row in done:
             factor = reduced.pop(place, None)
             if factor is None:
                 continue
-            for i, value in other.items():
+            for i, value in pivot_row.items():
                 if i != place:
                     terms = [(1, reduced[i])] if i in reduced else []
                     reduced[i] = field.sum([*terms, (-1, factor, value)])

@@ -190,10 +190,10 @@ class _Found:
             return False
         if not (self.hamel.fixed or one.is_sound(self.hamel)):
             return False
-        known = [*self.kept.values(), *products]
+        earlier = [*self.kept.values(), *products]
         if not (
-            any(self._proportional(value, x) for x in known)
-            or depends(value, [*known, value.field.one])
+            any(self._proportional(value, x) for x in earlier)
+            or depends(value, [*earlier, value.field.one])
         ):
             self.kept[one.name] = value
         return True
@@ -249,37 +249,37 @@ def conserved(hamel: Hamel, frame: Frame, base: Frame) -> ConservedQuantities:
 
     frame: as the user gave it. base: the same over the field of the equations.
     """
-    found, ansatz = _Found(hamel), ["energy p_k u^k - L"]
-    for one in energies(hamel):
-        found.add(one)
+    basis, ansatz = _Found(hamel), ["energy p_k u^k - L"]
+    for trial in energies(hamel):
+        basis.add(trial)
     tried = list(momenta(hamel, frame, base))
-    _combine(found, [one for one in tried if not found.add(one)], "momentum")
+    _combine(basis, [trial for trial in tried if not basis.add(trial)], "momentum")
     group = right_invariant(frame) is not None
     fields = "coordinates, legs and right-invariant fields" if group else "coordinates and legs"
     ansatz.append(f"sums of c*p(xi), the momenta along {fields}")
     entries = [hamel.lagrangian.sympy, *frame.coframe.nonzero().values()]
     functions, words = ansatz_functions(frame, fitting_functions(frame, entries))
-    _combine(found, killing_candidates(hamel, functions), "killing")
+    _combine(basis, killing_candidates(hamel, functions), "killing")
     ansatz.append(f"sums of c*f(q)*p_k, f {words}")
     functions, words = powers(frame)
-    _combine(found, coordinate_candidates(hamel, functions), "killing")
+    _combine(basis, coordinate_candidates(hamel, functions), "killing")
     ansatz.append(f"sums of c*f(q)*p(q), the momenta of coordinates, f {words}")
     # L.L of a body adds nothing where each component of L is kept.
     inside = set(hamel.bundle.frame.coordinates)
-    squares = [x * x for x in found.kept.values() if not x.symbols & inside]
+    squares = [x * x for x in basis.kept.values() if not x.symbols & inside]
     constant = list(casimirs(hamel))
-    for one in constant:
-        found.add(one, squares)
+    for trial in constant:
+        basis.add(trial, squares)
     if constant:
         ansatz.append("sums of c*p_k*p_l that commute with all p_j (Casimirs)")
     if not hamel.fixed:
-        linear = [value for name, value in found.kept.items() if name not in ENERGIES]
-        linear += [one.value for one in tried if one.change(hamel).is_zero is True]
+        linear = [value for name, value in basis.kept.items() if name not in ENERGIES]
+        linear += [trial.value for trial in tried if trial.change(hamel).is_zero is True]
         products = [x * y for x, y in combinations_with_replacement(linear, 2)]
         tensors = separable_functions(frame)
-        _combine(found, tensor_candidates(hamel, tensors), "killing tensor", products)
+        _combine(basis, tensor_candidates(hamel, tensors), "killing tensor", products)
         ansatz.append(f"sums of c*f(q)*p_k*p_l, f one of ({listed(tensors)})")
-    values = {name: value.sympy for name, value in found.kept.items()}
+    values = {name: value.sympy for name, value in basis.kept.items()}
     return ConservedQuantities(values, ansatz)
 
 

@@ -127,29 +127,29 @@ def _values(
     free = set().union(*(x.free_symbols for x in motion.terms))
     inside = {*symbols.coordinates, *symbols.velocities}
     constants = sorted((free | set(frame.parameters)) - inside, key=str)
-    known = {symbol.name: symbol for symbol in (*inside, *constants)}
+    by_name = {symbol.name: symbol for symbol in (*inside, *constants)}
     names = {symbol.name for symbol in inside}
     numbers = {symbol.name: symbol for symbol in extra if symbol.name not in names}
     numbers |= {symbol.name: symbol for symbol in constants}
-    real, given = symbol_table(numbers), {}
+    real, stated = symbol_table(numbers), {}
     for name, value in at.items():
-        if name not in known:
-            near = checks.near_names(name, known)
+        if name not in by_name:
+            near = checks.near_names(name, by_name)
             hint = f"Did you mean {near}? " if near else ""
             raise UnknownNameError(
                 f"at: expected a coordinate, velocity or parameter, got {checks.shown(name)}. "
-                f"{hint}There are {', '.join(sorted(known))}."
+                f"{hint}There are {', '.join(sorted(by_name))}."
             )
         read = expression(value, f"at[{name!r}]", real)
-        given[known[name]] = exactly(read.xreplace({real[x]: numbers[x] for x in numbers}))
-    values = {x: y for x, y in given.items() if x in constants}
+        stated[by_name[name]] = exactly(read.xreplace({real[x]: numbers[x] for x in numbers}))
+    values = {x: y for x, y in stated.items() if x in constants}
     coordinates = symbols.coordinates
-    missing = [q.name for mu, q in enumerate(coordinates) if mu in used and q not in given]
+    missing = [q.name for mu, q in enumerate(coordinates) if mu in used and q not in stated]
     if missing:
         raise MissingValueError(
             f"at: expected values of {', '.join(missing)}, on which the motion depends, got none. "
             f"Give at={{{missing[0]!r}: 0}}, for example."
         )
     place = {x: values.get(x, x) for x in constants}
-    place |= {q: given.get(q, q).xreplace(values) for q in coordinates}
-    return place, {u: given[u].xreplace(values) for u in symbols.velocities if u in given}
+    place |= {q: stated.get(q, q).xreplace(values) for q in coordinates}
+    return place, {u: stated[u].xreplace(values) for u in symbols.velocities if u in stated}

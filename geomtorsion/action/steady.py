@@ -51,14 +51,14 @@ class Linearization:
         values = field.read_all(named)
         rows = np.array(values, dtype=object).reshape(n, n)
         # Faddeev and Le Verrier: no quotient but by whole numbers.
-        found, power = [field.one], rows * field.zero
+        coefficients, power = [field.one], rows * field.zero
         for k in range(1, n + 1):
             power = rows @ power
             for i in range(n):
-                power[i, i] = power[i, i] + found[-1]
+                power[i, i] = power[i, i] + coefficients[-1]
             trace = field.sum([(1, value) for value in (rows * power.T).ravel()])
-            found.append(trace * Fraction(-1, k))
-        return tuple(value.sympy for value in found)
+            coefficients.append(trace * Fraction(-1, k))
+        return tuple(value.sympy for value in coefficients)
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
@@ -85,11 +85,11 @@ class Linearization:
         with working_precision(EXACT_BITS):
             numbers = [mpmath.mpf(sp.N(x, mpmath.mp.dps)) for x in coefficients]
             # Twice the digits once more: a root that is nearly double has half of them.
-            found = (
+            nonzero = (
                 mpmath.polyroots(numbers, maxsteps=1000, extraprec=2 * EXACT_BITS)
                 if len(numbers) > 1 else []
             )  # fmt: skip
-        roots = [complex(x) for x in found] + [0j] * zeros
+        roots = [complex(x) for x in nonzero] + [0j] * zeros
         return np.array(sorted(roots, key=lambda x: (-round(x.real, 12), x.imag)))
 
     def at(self, values: Mapping[object, object]) -> Linearization:
@@ -100,15 +100,15 @@ class Linearization:
         UnknownNameError
             The matrix has no such parameter.
         """
-        known = {symbol.name: symbol for symbol in self.matrix.free_symbols}
+        parameters = {symbol.name: symbol for symbol in self.matrix.free_symbols}
         table = {}
         for name, value in checks.by_name(values, "at").items():
-            if name not in known:
+            if name not in parameters:
                 raise UnknownNameError(
-                    f"at: expected one of {', '.join(sorted(known)) or 'no parameter'}, got "
+                    f"at: expected one of {', '.join(sorted(parameters)) or 'no parameter'}, got "
                     f"{checks.shown(name)}. Omit it."
                 )
-            table[known[name]] = exactly(expression(value, name, {}))
+            table[parameters[name]] = exactly(expression(value, name, {}))
         return replace(self, matrix=sp.ImmutableMatrix(self.matrix.xreplace(table)))
 
     def __repr__(self) -> str:
@@ -144,18 +144,18 @@ class Motion:
         """Numbers of the coordinates on which the velocities depend, directly or through others."""
         symbols, frame = self.bundle.symbols, self.bundle.frame
         number = {symbol: mu for mu, symbol in enumerate(symbols.coordinates)}
-        found: set[int] = set()
+        numbers: set[int] = set()
         for term in self.terms:
-            found |= {number[x] for x in term.free_symbols & number.keys()}
+            numbers |= {number[x] for x in term.free_symbols & number.keys()}
         for value in self.coefficients.values():
-            found |= {number[x] for x in value.symbols & number.keys()}
-        waiting = sorted(found)
+            numbers |= {number[x] for x in value.symbols & number.keys()}
+        waiting = sorted(numbers)
         while waiting:
             for _, value in frame.legs.components.rows[waiting.pop()]:
-                more = {number[x] for x in value.symbols & number.keys()} - found
-                found |= more
+                more = {number[x] for x in value.symbols & number.keys()} - numbers
+                numbers |= more
                 waiting += sorted(more)
-        return found
+        return numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,10 +249,10 @@ class Point:
                 )
             pivot = max(places, key=lambda i: (u[i] not in given, row[i].is_rational, i))
             taken.append(pivot)
-            for other in left[r + 1 :]:
-                factor = other[pivot] / row[pivot]
+            for later_row in left[r + 1 :]:
+                factor = later_row[pivot] / row[pivot]
                 for i in range(len(u)):
-                    other[i] = other[i] - factor * row[i]
+                    later_row[i] = later_row[i] - factor * row[i]
         return [i for i in range(len(u)) if i not in taken]
 
     def linearization(
@@ -325,11 +325,11 @@ class Point:
 
     def array(self, values: object) -> Grid:
         """An array of elements; numbers of an empty sum become the field's."""
-        found = np.array(values, dtype=object)
-        for place, value in np.ndenumerate(found):
+        grid = np.array(values, dtype=object)
+        for place, value in np.ndenumerate(grid):
             if isinstance(value, int | float):
-                found[place] = self.field.rational(int(value))
-        return found
+                grid[place] = self.field.rational(int(value))
+        return grid
 
     def first(self, jets: Sequence[Jet], places: Sequence[int]) -> Grid:
         """Slopes of some jets."""
@@ -346,13 +346,13 @@ class Point:
         self, entries: Mapping[tuple[int, ...], Element], shape: tuple[int, ...]
     ) -> tuple[Grid, list[Grid]]:
         """Elements of the bundle at the point, and their slopes along the coordinates used."""
-        found = self.array(np.zeros(shape))
+        values = self.array(np.zeros(shape))
         slopes = [self.array(np.zeros(shape)) for _ in self.used]
         for index, element in entries.items():
-            found[index] = self.read(element)
+            values[index] = self.read(element)
             for slope, mu in zip(slopes, self.used, strict=True):
                 slope[index] = self.read(element.diff(self.state.bundle.symbols.coordinates[mu]))
-        return found, slopes
+        return values, slopes
 
     def inverted(self, matrix: Grid) -> Grid:
         """The inverse of a matrix.
@@ -364,12 +364,12 @@ class Point:
         """
         n = len(matrix)
         entries = {x: value for x, value in np.ndenumerate(matrix) if not value.is_zero}
-        found = self.array(np.zeros((n, n)))
+        grid = self.array(np.zeros((n, n)))
         if n and determinant(self.field, entries, n).is_zero:
             raise ZeroDivisionError("singular matrix")
         for index, value in inverse(self.field, entries, n).items() if n else ():
-            found[index] = value
-        return found
+            grid[index] = value
+        return grid
 
 
 def is_small(element: Element, scale: Iterable[Element]) -> bool:

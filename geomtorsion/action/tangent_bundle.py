@@ -57,7 +57,7 @@ def symbols_of(frame: Frame) -> MotionSymbols:
     taken = {symbol.name for symbol in (*frame.coordinates, *frame.parameters)}
     numbers = range(1, frame.dimension + 1)
     choices = ([f"{stem}{k}" for k in numbers] for stem in _STEMS)
-    names = next((found for found in choices if not taken & set(found)), None)
+    names = next((choice for choice in choices if not taken & set(choice)), None)
     time = next((name for name in _TIMES if name not in taken), None)
     if names is None or time is None:
         raise LagrangianError(
@@ -153,9 +153,9 @@ class TangentBundle:
 def bundle_over(frame: Frame, expressions: Sequence[sp.Expr]) -> TangentBundle:
     """A bundle over a frame whose field has a symbol for everything in the expressions."""
     symbols = symbols_of(frame)
-    known = {*frame.coordinates, *symbols.velocities, symbols.time}
+    declared = {*frame.coordinates, *symbols.velocities, symbols.time}
     free: set[Any] = set().union(*(value.free_symbols for value in expressions))
-    extra = sorted(free - known - set(frame.parameters), key=str)
+    extra = sorted(free - declared - set(frame.parameters), key=str)
     own = Frame(
         frame.coordinates,
         frame.coframe.to_sympy(),

@@ -30,9 +30,9 @@ def force_entries(forces: object, n: int) -> Named:
         There are not n of them, or a number in the mapping is not among 0 ... n - 1.
     """
     if forces is None:
-        given: Mapping[object, object] = {}
+        table: Mapping[object, object] = {}
     elif isinstance(forces, Mapping):
-        given = forces
+        table = forces
     else:
         values = _listed(forces, "forces")
         if len(values) != n:
@@ -40,14 +40,14 @@ def force_entries(forces: object, n: int) -> Named:
                 f"forces: expected {n} components F_k, one for each form of the frame, "
                 f"got {len(values)}. Give {n}, or a mapping such as {{0: 'M1'}}."
             )
-        given = dict(enumerate(values))
-    wrong = [key for key in given if key not in range(n)]
+        table = dict(enumerate(values))
+    wrong = [key for key in table if key not in range(n)]
     if wrong:
         raise ShapeError(
             f"forces: there is no component {checks.shown(wrong[0])}. "
             f"Count the forms of the frame from 0 to {n - 1}."
         )
-    return [(f"forces[{k}]", given.get(k, 0)) for k in range(n)]
+    return [(f"forces[{k}]", table.get(k, 0)) for k in range(n)]
 
 
 def constraint_entries(constraints: object, n: int) -> Named:
@@ -110,22 +110,22 @@ def expressions(
         if symbol.name in {s.name for s in (*symbols.rates, *symbols.accelerations)}:
             _check_parameter("parameters", symbol.name, symbols, table, True)
         table.setdefault(symbol.name, symbol)
-    found: dict[str, sp.Expr] = {}
+    read: dict[str, sp.Expr] = {}
     counted_as(free_symbols([x for _, x in entries]), table.values(), LagrangianError)
     for where, value in entries:
         if not isinstance(value, str):
-            expression = found[where] = _sympified(where, value)
+            expression = read[where] = _sympified(where, value)
             for symbol in sorted(expression.free_symbols, key=str):
                 if symbol.name not in table:
                     _check_parameter(where, symbol.name, symbols, table, parameters is not None)
                     table[symbol.name] = symbol
             renamed = {symbol: table[symbol.name] for symbol in expression.free_symbols}
-            found[where] = expression.xreplace(renamed)
+            read[where] = expression.xreplace(renamed)
             _check_functions(where, expression, table)
     for where, value in entries:
         if isinstance(value, str):
-            found[where] = parse_expression(value, table, where=where)
-    return [found[where] for where, _ in entries]
+            read[where] = parse_expression(value, table, where=where)
+    return [read[where] for where, _ in entries]
 
 
 def _sympified(where: str, value: object) -> sp.Expr:

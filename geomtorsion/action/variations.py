@@ -71,8 +71,8 @@ class Variation:
     @cached_property
     def changes(self) -> tuple[sp.Expr, ...]:
         """delta-bar u^i, one for each velocity."""
-        found = _bilinear(self.coefficients, self.velocities, self.images)
-        return tuple(rate + term for rate, term in zip(self.image_rates, found, strict=True))
+        terms = _bilinear(self.coefficients, self.velocities, self.images)
+        return tuple(rate + term for rate, term in zip(self.image_rates, terms, strict=True))
 
     @cached_property
     def coordinates(self) -> tuple[sp.Expr, ...]:
@@ -96,11 +96,11 @@ class Variation:
             return (sp.S.Zero,) * n
         image = self.connection if self.principle == "closed_in_image" else None
         torsion = torsion_over(self.frame, image).in_frame()
-        found = _bilinear(torsion, self.velocities, self.images)
+        terms = _bilinear(torsion, self.velocities, self.images)
         if self.principle == "naive":
-            return tuple(-term for term in found)
+            return tuple(-term for term in terms)
         curl_part = _bilinear(self.frame.anholonomy, self.velocities, self.gaps)
-        return tuple(-one - two for one, two in zip(found, curl_part, strict=True))
+        return tuple(-one - two for one, two in zip(terms, curl_part, strict=True))
 
     @cached_property
     def proved(self) -> bool | None:

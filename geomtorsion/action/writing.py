@@ -30,24 +30,24 @@ def by_powers(element: Element, velocities: Sequence[sp.Symbol]) -> sp.Expr:
     if not element.symbols & moving:
         return element.sympy
     rest, terms = element, []
-    for place, one in enumerate(velocities):
-        slope = element.diff(one)
+    for place, velocity in enumerate(velocities):
+        slope = element.diff(velocity)
         for two in velocities[place:]:
             value = slope.diff(two)
             if value.is_zero:
                 continue
-            value = value * Fraction(1, 2) if one == two else value
+            value = value * Fraction(1, 2) if velocity == two else value
             if value.symbols & moving:
                 return element.sympy
-            terms.append(value.sympy * one * two)
-            rest = field.sum([(1, rest), (-1, value, field.symbol(one), field.symbol(two))])
-    for one in velocities:
-        value = rest.diff(one)
+            terms.append(value.sympy * velocity * two)
+            rest = field.sum([(1, rest), (-1, value, field.symbol(velocity), field.symbol(two))])
+    for velocity in velocities:
+        value = rest.diff(velocity)
         if not value.is_zero:
             if value.symbols & moving:
                 return element.sympy
-            terms.append(value.sympy * one)
-            rest = field.sum([(1, rest), (-1, value, field.symbol(one))])
+            terms.append(value.sympy * velocity)
+            rest = field.sum([(1, rest), (-1, value, field.symbol(velocity))])
     return sp.Add(*terms, rest.sympy)
 
 

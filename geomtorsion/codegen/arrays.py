@@ -74,8 +74,8 @@ def numpy_function(
     for k, symbol in enumerate(symbols):
         if str(symbol) in map(str, symbols[:k]):
             raise ArgumentError(f"symbols[{k}]: {cut(str(symbol))} came twice. Give it once.")
-    made = graph([str(symbol) for symbol in symbols], elements, factor=False)
-    inner, settled = made.numpy(), Settled(made)
+    shared_graph = graph([str(symbol) for symbol in symbols], elements, factor=False)
+    inner, settled = shared_graph.numpy(), Settled(shared_graph)
     names = [str(symbol) for symbol in symbols]
     branches = branch_check((element.field for element in elements), names)
 
@@ -92,28 +92,28 @@ def numpy_function(
                 f"expected {len(symbols)} arguments ({', '.join(map(str, symbols))}), "
                 f"got {len(values)}"
             )
-        given = tuple(_argument(*pair, check) for pair in zip(names, values, strict=True))
+        arrays = tuple(_argument(*pair, check) for pair in zip(names, values, strict=True))
         try:
-            np.broadcast_shapes(*map(np.shape, given))
+            np.broadcast_shapes(*map(np.shape, arrays))
         except ValueError:
             came = shown(values)
             raise ArgumentError(f"expected numbers or arrays of one shape, got {came}") from None
         if not check:
-            result = inner(*given)
+            result = inner(*arrays)
             if branches is not None:
-                result[:, branches.broken(*given).any(axis=0)] = np.nan
+                result[:, branches.broken(*arrays).any(axis=0)] = np.nan
             return result
         if branches is not None:
-            branches.refuse(*given)
-        result, doubtful = settled(*given)
+            branches.refuse(*arrays)
+        result, doubtful = settled(*arrays)
         if doubtful.any():
-            lost = settled.mend(result, doubtful, given, last_resort)
+            lost = settled.mend(result, doubtful, arrays, last_resort)
             if lost is not None:
-                raise SingularPointError(_where_singular(lost, given, elements, symbols))
+                raise SingularPointError(_where_singular(lost, arrays, elements, symbols))
         return result
 
     # Functions accept attributes of their own, which their type does not declare.
-    function.source = made.python_source()  # type: ignore[attr-defined]
+    function.source = shared_graph.python_source()  # type: ignore[attr-defined]
     return function
 
 
@@ -183,15 +183,15 @@ class Settled:
         arrays = [np.asarray(argument, dtype=dtype) for argument in arguments]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
         values, doubtful = np.empty((size, *shape), dtype=dtype), np.zeros((size, *shape), bool)
-        moving = [k for k, known in enumerate(self._bounds.relative) if known is None]
+        moving = [k for k, relative in enumerate(self._bounds.relative) if relative is None]
         roundings = CALCULATED / 2.0**-53
         with np.errstate(all="ignore"):
             for parts, part in _blocks(arrays, shape):
-                found = self._code(*parts)
+                computed = self._code(*parts)
                 for k in range(size):
-                    part(values[k, ...])[...] = found[k]
-                for k, bound in zip(moving, found[size:], strict=True):
-                    spoilt = ~(np.abs(bound) <= roundings * np.abs(found[k]))
+                    part(values[k, ...])[...] = computed[k]
+                for k, bound in zip(moving, computed[size:], strict=True):
+                    spoilt = ~(np.abs(bound) <= roundings * np.abs(computed[k]))
                     if spoilt.any():
                         part(doubtful[k, ...])[...] = spoilt
             finite = np.isfinite(values)
@@ -214,12 +214,12 @@ class Settled:
             point = tuple(column[at].item() for column in columns)
             which = np.flatnonzero(doubtful[(slice(None), *at)]).tolist()
             outputs = [self.graph.outputs[k] for k in which]
-            found = float_values(replace(self.graph, outputs=tuple(outputs)), point)
-            for k, value in zip(which, found, strict=True):
-                made = last_resort(k, point) if value is None else value
-                if made is None:
+            recomputed = float_values(replace(self.graph, outputs=tuple(outputs)), point)
+            for k, value in zip(which, recomputed, strict=True):
+                replacement = last_resort(k, point) if value is None else value
+                if replacement is None:
                     return (k, *at)
-                values[(k, *at)] = made
+                values[(k, *at)] = replacement
         return None
 
 
@@ -266,12 +266,12 @@ def rounding_bounds(
     for place, step in enumerate(steps):
         work.signs.append(0 if is_complex else work.sign(step))
         work.errors.append(work.error(place, step))
-    found = [work.errors[place] for _, place in outputs]
-    relative = tuple(None if error.moving else error.roundings for error in found)
+    errors = [work.errors[place] for _, place in outputs]
+    relative = tuple(None if error.moving else error.roundings for error in errors)
     moving = [place for (_, place), r in zip(outputs, relative, strict=True) if r is None]
     places = [(1, work.absolute(place)) for place in moving]
-    kept, moved = work.forward.builder.needed([*outputs, *places])
-    return Bounds(kept, moved[: len(outputs)], relative, moved[len(outputs) :])
+    needed_steps, moved = work.forward.builder.needed([*outputs, *places])
+    return Bounds(needed_steps, moved[: len(outputs)], relative, moved[len(outputs) :])
 
 
 @dataclass(frozen=True)
@@ -343,11 +343,11 @@ class _Analysis:
             exact = any(self._is_power_of_two(operand) for operand in operands)
             roundings = sum(error.roundings for error in inner) + (0 if exact else 1)
             parts = []
-            for error, other, own in zip(inner, reversed(operands), operands, strict=True):
+            for error, partner, own in zip(inner, reversed(operands), operands, strict=True):
                 if error.rest is None:
                     continue
                 if kind != "quotient":
-                    parts.append(self.builder.product(error.rest, self._size(other)))
+                    parts.append(self.builder.product(error.rest, self._size(partner)))
                 elif own == operands[0]:
                     parts.append(self.builder.quotient(error.rest, self._size(operands[1])))
                 if kind == "quotient" and own == operands[1]:

@@ -70,8 +70,8 @@ def _complex_atan2(y: acb, x: acb, analytic: bool) -> acb:
     """(log(x + i y) - log(x - i y)) / 2 i: on real numbers the angle, analytic off both cuts."""
     if not analytic and y.imag.is_zero() and x.imag.is_zero():
         return acb(arb.atan2(y.real, x.real))
-    one, other = x + UNIT * y, x - UNIT * y
-    return (one.log(analytic=analytic) - other.log(analytic=analytic)) / (2 * UNIT)
+    plus, minus = x + UNIT * y, x - UNIT * y
+    return (plus.log(analytic=analytic) - minus.log(analytic=analytic)) / (2 * UNIT)
 
 
 def _complex_root(x: acb, degree: int, analytic: bool) -> acb:
@@ -105,8 +105,8 @@ def _extreme(name: str) -> Callable[..., acb]:
     def value(*given: Any) -> acb:
         *values, analytic = given
         best = values[0]
-        for other in values[1:]:
-            best = method(best, other, analytic=analytic)
+        for ball in values[1:]:
+            best = method(best, ball, analytic=analytic)
         return best
 
     return value
@@ -221,12 +221,12 @@ def _whole(name: str) -> Callable[[Ball], Ball]:
 def _series_extreme(sign: int, *values: Ball) -> Ball:
     """The largest (sign 1) or the smallest (sign -1) of numbers and series."""
     best = values[0]
-    for other in values[1:]:
-        if isinstance(best, arb) and isinstance(other, arb):
-            best = best.max(other) if sign > 0 else best.min(other)
+    for ball in values[1:]:
+        if isinstance(best, arb) and isinstance(ball, arb):
+            best = best.max(ball) if sign > 0 else best.min(ball)
         else:
-            ahead = sign * (_first(best) - _first(other))
-            best = best if ahead > 0 else other if ahead < 0 else undefined()
+            ahead = sign * (_first(best) - _first(ball))
+            best = best if ahead > 0 else ball if ahead < 0 else undefined()
     return best
 
 
@@ -276,8 +276,8 @@ def _real_special(name: str) -> Callable[..., Ball]:
     def value(*given: Ball) -> Ball:
         if any(isinstance(x, arb_series) for x in given):
             return undefined()
-        found = method(*map(acb, given))
-        return found.real if found.imag.is_zero() else arb("nan")
+        result = method(*map(acb, given))
+        return result.real if result.imag.is_zero() else arb("nan")
 
     return value
 

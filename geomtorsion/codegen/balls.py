@@ -60,9 +60,9 @@ def exact_ball(value: Any) -> arb:
         return _dyadic(*value._mpf_[:3])
     if type(value) is np.longdouble:
         return arb(fmpq(*value.as_integer_ratio()))
-    known = rational(value)
-    if known is not None:
-        return arb(fmpq(known.numerator, known.denominator))
+    fraction = rational(value)
+    if fraction is not None:
+        return arb(fmpq(fraction.numerator, fraction.denominator))
     if isinstance(value, sp.Expr) and value.is_number:
         return expression_ball(value)
     raise ExpressionError(
@@ -109,13 +109,13 @@ def _constant(value: sp.Expr, bits: int) -> arb:
 
 def constants(steps: Sequence[Step]) -> list[arb]:
     """The numbers of a graph in the order of its steps, at the precision in use."""
-    found = []
+    numbers = []
     for step in steps:
         if step.kind == "number":
-            found.append(arb(fmpq(step.detail.numerator, step.detail.denominator)))
+            numbers.append(arb(fmpq(step.detail.numerator, step.detail.denominator)))
         elif step.kind == "digits":
-            found.append(_constant(step.detail, ctx.prec))
-    return found
+            numbers.append(_constant(step.detail, ctx.prec))
+    return numbers
 
 
 def coefficient(x: Ball, order: int) -> arb:
@@ -175,11 +175,11 @@ def source(steps: Sequence[Step], outputs: Sequence[Signed], kind: Kind) -> str:
 
 def _pairs(steps: Sequence[Step]) -> dict[int, tuple[int, int]]:
     """Places of sine and cosine of one argument, where both occur."""
-    found: dict[int, dict[str, int]] = {}
+    by_argument: dict[int, dict[str, int]] = {}
     for place, step in enumerate(steps):
         if step.kind == "call" and step.detail in ("sin", "cos"):
-            found.setdefault(step.operands[0], {})[step.detail] = place
-    return {inner: (x["sin"], x["cos"]) for inner, x in found.items() if len(x) == 2}
+            by_argument.setdefault(step.operands[0], {})[step.detail] = place
+    return {inner: (x["sin"], x["cos"]) for inner, x in by_argument.items() if len(x) == 2}
 
 
 @lru_cache(maxsize=1024)
@@ -244,7 +244,7 @@ def integral(function: Callable[[acb, bool], acb], tolerance: arb, most: int | N
     ('1.218951416', True)
     """
     raised: list[BaseException] = []
-    found = NAN
+    value = NAN
 
     def guarded(s: acb, analytic: bool) -> acb:
         # An error raised inside of FLINT would come out as a SystemError.
@@ -258,12 +258,12 @@ def integral(function: Callable[[acb, bool], acb], tolerance: arb, most: int | N
 
     share = arb(2) ** (5 - ctx.prec)
     try:
-        found = acb.integral(guarded, 0, 1, rel_tol=share, abs_tol=tolerance, eval_limit=most)
+        value = acb.integral(guarded, 0, 1, rel_tol=share, abs_tol=tolerance, eval_limit=most)
     except SystemError as error:
         raised.append(error)
     if raised:
         raise innermost(raised[0])
-    return found
+    return value
 
 
 def innermost(error: BaseException) -> BaseException:
@@ -288,20 +288,20 @@ def float_values(wanted: Graph, arguments: Sequence[Any]) -> list[float | comple
     >>> float_values(graph(["x"], [1 - sp.cos(x), sp.log(x)]), [0.0])
     [0.0, None]
     """
-    found: dict[int, float | complex] = {}
+    settled: dict[int, float | complex] = {}
     code = BallCode(wanted)
     bits = 128
-    while bits <= LARGEST_BITS and len(found) < wanted.size:
+    while bits <= LARGEST_BITS and len(settled) < wanted.size:
         with ball_precision(bits):
             if wanted.is_complex:
                 values = code.complex([acb(x) for x in arguments], analytic=False)
             else:
                 values = code.real([arb(x) for x in arguments])
             for k, value in enumerate(values):
-                if k not in found and _is_settled(value, bits):
-                    found[k] = _number(value)
+                if k not in settled and _is_settled(value, bits):
+                    settled[k] = _number(value)
         bits *= 2
-    return [found.get(k) for k in range(wanted.size)]
+    return [settled.get(k) for k in range(wanted.size)]
 
 
 def _number(value: Ball) -> float | complex:

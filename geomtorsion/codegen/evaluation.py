@@ -22,11 +22,11 @@ def exact_values(
 ) -> list[Exact]:
     """Outputs as fractions where they are rational, else as mpmath numbers of a given precision."""
     with working_precision(bits):
-        given = [exact_number(value, bits) for value in arguments]
-        made: list[Exact] = []
+        numbers = [exact_number(value, bits) for value in arguments]
+        values: list[Exact] = []
         for step in steps:
-            made.append(_exact(step, given, made))
-        return [made[place] if sign > 0 else -made[place] for sign, place in outputs]
+            values.append(_exact(step, numbers, values))
+        return [values[place] if sign > 0 else -values[place] for sign, place in outputs]
 
 
 def _exact(step: Step, given: Sequence[Exact], made: Sequence[Exact]) -> Exact:
@@ -96,9 +96,9 @@ def exact_number(value: Any, bits: int) -> Exact:
         # Long floats of numpy and heyoka give their digits only as text.
         if type(value).__name__ in ("longdouble", "real128", "real"):
             return mpmath.mpf(str(value))
-        known = rational(value)
-        if known is not None:
-            return known
+        fraction = rational(value)
+        if fraction is not None:
+            return fraction
         if hasattr(value, "evalf"):
             return mpmath.mpmathify(value.evalf(mpmath.mp.dps + 5))
         return +mpmath.mpmathify(value)

@@ -286,11 +286,11 @@ class Graph:
                 factor = arguments.get(self.arguments[step.detail])
                 place = place if factor is None else builder.product(place, factors[factor])
             places.append(place)
-        found = [(sign, places[place]) for sign, place in self.outputs]
+        signed = [(sign, places[place]) for sign, place in self.outputs]
         if outputs:
-            pairs = zip(found, outputs, strict=True)
-            found = [(s, builder.product(place, factors[name])) for (s, place), name in pairs]
-        return Graph((*self.arguments, *more), *builder.needed(found), self.is_complex)
+            pairs = zip(signed, outputs, strict=True)
+            signed = [(s, builder.product(place, factors[name])) for (s, place), name in pairs]
+        return Graph((*self.arguments, *more), *builder.needed(signed), self.is_complex)
 
     def hoisted(self, first: int, name: str) -> tuple[Graph, Graph]:
         """The same over constants that are computed once, and the graph that computes these.
@@ -306,11 +306,11 @@ class Graph:
         >>> made.arguments, constants.python()(3.0, 2.0), made.python()(10.0, 3.0, 2.0, 1.5)
         (('x', 'a', 'b', 'c 0'), (1.5,), (15.0,))
         """
-        rest, made = hoisted(self.steps, self.outputs, len(self.arguments), first)
-        more = (f"{name} {k}" for k in range(len(made[1])))
+        rest, constants = hoisted(self.steps, self.outputs, len(self.arguments), first)
+        more = (f"{name} {k}" for k in range(len(constants[1])))
         return (
             Graph((*self.arguments, *more), *rest, self.is_complex),
-            Graph(self.arguments[first:], *made, self.is_complex),
+            Graph(self.arguments[first:], *constants, self.is_complex),
         )
 
     def derivative(self, names: Sequence[str]) -> Graph:
@@ -338,14 +338,14 @@ def branch_check(fields: Iterable[Tower], names: Sequence[str]) -> BranchCheck |
 
     names: of the arguments; elements in these do not rely on branches that depend on others.
     """
-    known = set(names)
-    found = [
+    own_names = set(names)
+    branches = [
         (field.is_complex, branch)
         for field in dict.fromkeys(fields)
         for branch in field.relied_on
-        if {symbol.name for symbol in branch.radical.free_symbols} <= known
+        if {symbol.name for symbol in branch.radical.free_symbols} <= own_names
     ]
-    return _kept(BranchCheck(tuple(names), tuple(found))) if found else None
+    return _kept(BranchCheck(tuple(names), tuple(branches))) if branches else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -378,23 +378,23 @@ class BranchCheck:
                 outputs += [branch.holds, sp.S.Zero]
             else:
                 outputs += [branch.radical, branch.read_as]
-        found = graph(self.names, outputs, factor=False)
+        joint_graph = graph(self.names, outputs, factor=False)
         # Points of complex frames are complex, also where nothing in a root is.
-        is_complex = found.is_complex or any(is_complex for is_complex, _ in self.branches)
-        return replace(found, is_complex=is_complex)
+        is_complex = joint_graph.is_complex or any(is_complex for is_complex, _ in self.branches)
+        return replace(joint_graph, is_complex=is_complex)
 
     def broken(self, *values: ArrayLike) -> np.ndarray:
         """For each branch whether it is left, shape (branches, ...)."""
-        found = self._graph.numpy()(*values)
-        one, two = found[0::2], found[1::2]
-        result = np.zeros(one.shape, dtype=bool)
+        quantities = self._graph.numpy()(*values)
+        written, read = quantities[0::2], quantities[1::2]
+        result = np.zeros(written.shape, dtype=bool)
         with np.errstate(all="ignore"):
             for k, (is_complex, branch) in enumerate(self.branches):
                 if branch.holds is not None and not is_complex:
-                    result[k] = one[k].real < 0
+                    result[k] = written[k].real < 0
                 else:
-                    size = np.maximum(np.abs(one[k]), np.abs(two[k]))
-                    result[k] = np.abs(one[k] - two[k]) > APART * size
+                    size = np.maximum(np.abs(written[k]), np.abs(read[k]))
+                    result[k] = np.abs(written[k] - read[k]) > APART * size
         return result
 
     def refuse(self, *values: ArrayLike) -> None:

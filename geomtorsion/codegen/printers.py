@@ -292,9 +292,9 @@ class _HeyokaWriter:
     def _step(self, step: Step) -> Expression:
         kind, detail = step.kind, step.detail
         if kind == "argument":
-            found = self.arguments[detail]
-            assert found is not None
-            return found
+            argument = self.arguments[detail]
+            assert argument is not None
+            return argument
         if kind == "number":
             return self.number(detail.numerator, detail.denominator)
         if kind == "digits":

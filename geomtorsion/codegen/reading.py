@@ -67,26 +67,26 @@ def merged(base: Sum) -> dict[Merged, fmpq] | None:
             )
             powers = _powers(whole, odd)
             parts = {
-                (*known, (cosh, power)) if power else known: number * factor
-                for known, number in parts.items()
+                (*product, (cosh, power)) if power else product: number * factor
+                for product, number in parts.items()
                 for power, factor in powers.items()
             }
         for powers_of, number in parts.items():
             key = rest, powers_of
             total[key] = total.get(key, fmpq(0)) + number
-    found = {key: number for key, number in total.items() if number}
-    return found if len(found) < len(base.terms) else None
+    terms = {key: number for key, number in total.items() if number}
+    return terms if len(terms) < len(base.terms) else None
 
 
 def _powers(even: int, odd: int) -> dict[int, fmpq]:
     """cosh(x)**even * sinh(x)**odd as {power of exp(x): coefficient}."""
-    found: dict[int, fmpq] = {}
+    coefficients: dict[int, fmpq] = {}
     for i in range(even + 1):
         for j in range(odd + 1):
             power = even + odd - 2 * (i + j)
             number = fmpq((-1) ** j * comb(even, i) * comb(odd, j), 2 ** (even + odd))
-            found[power] = found.get(power, fmpq(0)) + number
-    return found
+            coefficients[power] = coefficients.get(power, fmpq(0)) + number
+    return coefficients
 
 
 def never_negative(tree: sympy.Expr) -> bool:
@@ -201,9 +201,9 @@ class Reader:
         return self._known[key]
 
     def _root(self, degree: int, inner: Term) -> Term:
-        found = self._function("root", degree, inner)
-        self._roots[(found[1] or found[2])[0]] = (degree, inner)
-        return found
+        term = self._function("root", degree, inner)
+        self._roots[(term[1] or term[2])[0]] = (degree, inner)
+        return term
 
     def _power(self, term: Term, exponent: int) -> Term:
         """A term to a whole power."""
@@ -221,8 +221,8 @@ class Reader:
         number, constants, rest = term
         sign = -1 if exponent < 0 else 1
         spelt = tuple(sorted(sign * literal for literal in constants * abs(exponent)))
-        other = tuple(sorted(sign * literal for literal in rest * abs(exponent)))
-        return (ONE if number is ONE else number**exponent, spelt, other)
+        spelt_rest = tuple(sorted(sign * literal for literal in rest * abs(exponent)))
+        return (ONE if number is ONE else number**exponent, spelt, spelt_rest)
 
     def _times(self, terms: Iterable[Term]) -> Term:
         """A product of terms; a root as often as its degree gives its radicand."""
@@ -282,8 +282,8 @@ class Reader:
 
     def _kept(self, element: Lazy) -> Term:
         """An element that is not multiplied out: a literal for each sum in it."""
-        for one in in_order(element, lambda x: x._recipe in self._known):
-            recipe = one._recipe
+        for node in in_order(element, lambda x: x._recipe in self._known):
+            recipe = node._recipe
             terms = [
                 self._times(
                     [
@@ -296,17 +296,17 @@ class Reader:
                 )
                 for c, *xs in recipe.terms
             ]
-            found = self._sum(terms)
-            self._known[recipe] = self._power(found, -1) if recipe.below else found
+            total = self._sum(terms)
+            self._known[recipe] = self._power(total, -1) if recipe.below else total
         return self._known[element._recipe]
 
     def _base(self, base: Generator | Sum, is_complex: bool) -> Term:
         """A generator or a sum, after those that it is made of."""
-        for one in inside_out(base, self._made_of, self._known.__contains__):
-            self._known[one] = (
-                self._generator(one, is_complex)
-                if isinstance(one, Generator)
-                else self._polynomial(one, is_complex)
+        for part in inside_out(base, self._made_of, self._known.__contains__):
+            self._known[part] = (
+                self._generator(part, is_complex)
+                if isinstance(part, Generator)
+                else self._polynomial(part, is_complex)
             )
         return self._known[base]
 
@@ -350,9 +350,9 @@ class Reader:
         if kind in _OF_ANGLES:
             return self._call(_OF_ANGLES[kind], self._element(argument[0]))
         if kind == "exp" and generator.depends and never_negative(generator.shown.args[0]):
-            found = self._call("exp", self._element(-argument))
-            self._falling.update(dict.fromkeys(found[2]))
-            return self._power(found, -1)
+            inverse = self._call("exp", self._element(-argument))
+            self._falling.update(dict.fromkeys(inverse[2]))
+            return self._power(inverse, -1)
         if kind in ("exp", "log"):
             return self._call(kind, self._element(argument))
         if kind == "root" and tail is not None:
@@ -438,13 +438,13 @@ class Emitter:
 
     def outputs(self, numbers: Sequence[int]) -> list[Signed]:
         """Sign and position of some of the sums."""
-        found = []
+        outputs = []
         for number in numbers:
             for needed in self._of_sum(number):
                 for literal in inside_out(needed, self._of_literal, self._done.__contains__):
                     self._done[literal] = self._literal(literal)
-            found.append(self._sum(number))
-        return found
+            outputs.append(self._sum(number))
+        return outputs
 
     def _of_sum(self, number: int) -> list[int]:
         terms = self.sums.sums[number]
@@ -488,8 +488,8 @@ class Emitter:
         if not terms:
             return 1, self.builder.number(Fraction(0))
         value, constants = terms[0][0], terms[0][1]
-        for other, some, _ in terms:
-            value, constants = content(value, other), shared(constants, some)
+        for coefficient, some, _ in terms:
+            value, constants = content(value, coefficient), shared(constants, some)
         front = _in_front([(value, constants, ())])
         if len(terms) > 1 and front:
             bare = [(n / value, without(some, constants), rest) for n, some, rest in terms]

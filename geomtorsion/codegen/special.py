@@ -38,10 +38,10 @@ def of_floats(name: str) -> Callable[..., float]:
     """A function of floats; a ValueError where it has no value."""
 
     def value(*arguments: float) -> float:
-        found = float(_values(name, *arguments))
-        if not np.isfinite(found):
+        result = float(_values(name, *arguments))
+        if not np.isfinite(result):
             raise ValueError(f"{name} has no value at {arguments}")
-        return found
+        return result
 
     return value
 
@@ -65,10 +65,10 @@ def _value(name: str, values: Sequence[Any], kind: Callable[..., Any], *, is_rea
     """One value by Arb."""
     if not all(np.isfinite(value) for value in values):
         return np.nan
-    found = VALUES[name](*(acb(_exact(value.real), _exact(value.imag)) for value in values))
-    if not found.is_finite() or (is_real and not found.imag.is_zero()):
+    ball = VALUES[name](*(acb(_exact(value.real), _exact(value.imag)) for value in values))
+    if not ball.is_finite() or (is_real and not ball.imag.is_zero()):
         return np.nan
-    return _rounded(found.real) if is_real else kind(complex(found))
+    return _rounded(ball.real) if is_real else kind(complex(ball))
 
 
 def _exact(value: Any) -> arb:
@@ -97,5 +97,5 @@ def slope(name: str, values: Sequence[sympy.Expr], place: int) -> sympy.Expr:
         own = sympy.LambertW(*values)
         return sympy.exp(-own) / (1 + own)
     marked = [sympy.Dummy() if k == place else value for k, value in enumerate(values)]
-    found = getattr(sympy, name)(*marked).diff(marked[place])
-    return found.subs(marked[place], values[place])
+    derivative = getattr(sympy, name)(*marked).diff(marked[place])
+    return derivative.subs(marked[place], values[place])

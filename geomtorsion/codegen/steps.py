@@ -62,13 +62,13 @@ class Builder:
     ) -> int:
         """The position of a step; constant: None where its operands decide."""
         key = (kind, operands, signs, detail)
-        found = self._known.get(key)
-        if found is None:
+        position = self._known.get(key)
+        if position is None:
             if constant is None:
                 constant = all(self.steps[place].constant for place in operands)
-            found = self._known[key] = len(self.steps)
+            position = self._known[key] = len(self.steps)
             self.steps.append(Step(kind, operands, signs, detail, constant))
-        return found
+        return position
 
     def argument(self, position: int, *, constant: bool) -> int:
         """An argument of the graph."""
@@ -123,17 +123,17 @@ class Builder:
             if step.kind == "quotient" and not step.constant:
                 count[step.operands[1]] = count.get(step.operands[1], 0) + 1
         many = {place for place, times in count.items() if times >= MANY_QUOTIENTS}
-        wanted = [False] * len(self.steps)
+        is_needed = [False] * len(self.steps)
         for _, place in outputs:
-            wanted[place] = True
+            is_needed[place] = True
         for place in range(len(self.steps) - 1, -1, -1):
-            if wanted[place]:
-                for other in self.steps[place].operands:
-                    wanted[other] = True
+            if is_needed[place]:
+                for operand in self.steps[place].operands:
+                    is_needed[operand] = True
         fresh = Builder()
         moved: dict[int, int] = {}
         for place, step in enumerate(self.steps):
-            if not wanted[place]:
+            if not is_needed[place]:
                 continue
             operands = tuple(moved[p] for p in step.operands)
             quotient = step.kind == "quotient"
@@ -178,13 +178,13 @@ def jacobian(
     for place, step in enumerate(steps):
         work.slopes.append(work.of_step(place, step))
     zero = work.builder.number(Fraction(0))
-    found = []
+    derivatives = []
     for sign, place in outputs:
         slopes = work.slopes[place]
         for j in range(len(positions)):
             turn, where = slopes.get(j, (1, zero))
-            found.append((sign * turn, where))
-    return work.builder.needed(found)
+            derivatives.append((sign * turn, where))
+    return work.builder.needed(derivatives)
 
 
 class Forward:
@@ -221,26 +221,26 @@ class Forward:
 
     def _sum(self, parts: Sequence[tuple[int, Slopes]]) -> Slopes:
         """The sum of signed slopes."""
-        found: dict[int, list[Signed]] = {}
+        by_argument: dict[int, list[Signed]] = {}
         for sign, slopes in parts:
             for j, (turn, place) in slopes.items():
                 entry = (sign * turn, place)
                 opposite = (-sign * turn, place)
-                terms = found.setdefault(j, [])
+                terms = by_argument.setdefault(j, [])
                 if opposite in terms:
                     terms.remove(opposite)
                 else:
                     terms.append(entry)
-        return {j: self.builder.total(terms) for j, terms in found.items() if terms}
+        return {j: self.builder.total(terms) for j, terms in by_argument.items() if terms}
 
     def _scaled(self, slopes: Slopes, factor: int, sign: int = 1) -> Slopes:
         """Slopes times a step."""
-        found = {j: self._times(slope, factor) for j, slope in slopes.items()}
-        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+        products = {j: self._times(slope, factor) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in products.items()}
 
     def _divided(self, slopes: Slopes, below: int, sign: int = 1) -> Slopes:
-        found = {j: self._over(slope, below) for j, slope in slopes.items()}
-        return {j: (sign * turn, place) for j, (turn, place) in found.items()}
+        quotients = {j: self._over(slope, below) for j, slope in slopes.items()}
+        return {j: (sign * turn, place) for j, (turn, place) in quotients.items()}
 
     def partials(self, place: int, step: Step) -> Slopes:
         """The derivatives of a call with respect to its operands, by their number.
@@ -301,8 +301,8 @@ class Forward:
         if name in ("sin", "sinh"):
             return self._scaled(inner[0], self._call("cos" if name == "sin" else "cosh", first))
         if name in ("cos", "cosh"):
-            other = self._call("sin" if name == "cos" else "sinh", first)
-            return self._scaled(inner[0], other, -1 if name == "cos" else 1)
+            partner = self._call("sin" if name == "cos" else "sinh", first)
+            return self._scaled(inner[0], partner, -1 if name == "cos" else 1)
         if name in ("tan", "tanh"):
             sign = 1 if name == "tan" else -1
             return self._scaled(inner[0], self._plus_one(self.builder.product(place, place), sign))
@@ -370,9 +370,9 @@ class Forward:
     def _of_power(self, place: int, operands: Sequence[int], inner: Sequence[Slopes]) -> Slopes:
         """(u**v)' = v u**(v - 1) u' + u**v log(u) v'"""
         base, exponent = operands
-        known = self.builder.steps[exponent]
-        if known.kind == "number":
-            less = self._number(Fraction(known.detail) - 1)
+        exponent_step = self.builder.steps[exponent]
+        if exponent_step.kind == "number":
+            less = self._number(Fraction(exponent_step.detail) - 1)
         else:
             less = self.builder.total([(1, exponent), (-1, self._one)])[1]
         lower = self.builder.product(exponent, self._call("power", base, less))
@@ -402,15 +402,15 @@ def hoisted(
     width: how many arguments there are; first: position of the first that is constant, as all
     after it are, which are the arguments of what makes the constants.
     """
-    made, found = Builder(), list[Signed]()
+    made, constant_outputs = Builder(), list[Signed]()
     rest, places, own = Builder(), list[int](), list[int]()
     positions: dict[int, int] = {}
 
     def further(place: int) -> int:
         """An argument for a constant, by its position in `made`."""
         if place not in positions:
-            positions[place] = width + len(found)
-            found.append((1, place))
+            positions[place] = width + len(constant_outputs)
+            constant_outputs.append((1, place))
         return rest.argument(positions[place], constant=True)
 
     def read(place: int) -> int:
@@ -422,8 +422,8 @@ def hoisted(
             detail = step.detail - first if step.kind == "argument" else step.detail
             operands = tuple(own[place] for place in step.operands)
             own.append(made.add(step.kind, operands, detail, signs=step.signs, constant=True))
-            given = step.kind in _GIVEN
-            places.append(rest.add(step.kind, (), step.detail, constant=True) if given else -1)
+            is_given = step.kind in _GIVEN
+            places.append(rest.add(step.kind, (), step.detail, constant=True) if is_given else -1)
             continue
         own.append(-1)
         below = steps[step.operands[1]] if step.kind == "quotient" else None
@@ -435,7 +435,7 @@ def hoisted(
         operands = tuple(map(read, step.operands))
         places.append(rest.add(step.kind, operands, step.detail, signs=step.signs, constant=False))
     results = [(sign, read(place)) for sign, place in outputs]
-    return rest.needed(results), made.needed(found)
+    return rest.needed(results), made.needed(constant_outputs)
 
 
 # A value smaller than this many roundings of its terms has no definite sign.
@@ -459,12 +459,12 @@ def above_rounding(
     """
     builder, sizes = _with_sizes(steps)
     share = builder.number(Fraction(ROUNDINGS, 2**52))
-    found = []
+    margins = []
     for sign, place in outputs:
         inner = steps[place].operands[0] if steps[place].kind == "root" else place
         doubt = builder.product(share, sizes[inner])
-        found.append(builder.total([(sign, inner), (-1, doubt)]))
-    return builder.needed(found)
+        margins.append(builder.total([(sign, inner), (-1, doubt)]))
+    return builder.needed(margins)
 
 
 def _with_sizes(steps: Sequence[Step]) -> tuple[Builder, list[int]]:

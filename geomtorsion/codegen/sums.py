@@ -54,21 +54,21 @@ class Sums:
 
     def literal(self, terms: Iterable[Term]) -> Term:
         """A sum as one term: itself if it has one, else a literal times a number."""
-        found = collected(terms)
-        if len(found) == 1:
-            return found[0]
-        if not found:
+        ordered = collected(terms)
+        if len(ordered) == 1:
+            return ordered[0]
+        if not ordered:
             return (Fraction(0), (), ())
         # Sums that differ by a number in front, or by their sign, share one literal.
-        number = found[0][0]
-        for value, _, _ in found:
+        number = ordered[0][0]
+        for value, _, _ in ordered:
             number = content(number, value)
-        number = number if found[0][0] > 0 else -number
+        number = number if ordered[0][0] > 0 else -number
         if number == 1:
             number = ONE
-            key = tuple(found)
+            key = tuple(ordered)
         else:
-            key = tuple((value / number, constants, rest) for value, constants, rest in found)
+            key = tuple((value / number, constants, rest) for value, constants, rest in ordered)
         if key not in self.known:
             constant = not any(rest for _, _, rest in key)
             literal = self.known[key] = self.fresh(constant=constant)
@@ -87,7 +87,7 @@ class Sums:
             for literal in (*constants, *rest):
                 uses[abs(literal)] = uses.get(abs(literal), 0) + 1
         for number in range(len(self.sums)):
-            found: list[Term] = []
+            remaining: list[Term] = []
             waiting = list(self.sums[number])
             while waiting:
                 value, constants, rest = waiting.pop()
@@ -98,8 +98,8 @@ class Sums:
                     self.known.pop(tuple(self.sums[inner]), None)
                     self.sums[inner] = []
                 else:
-                    found.append((value, constants, rest))
-            self.sums[number] = collected(found)
+                    remaining.append((value, constants, rest))
+            self.sums[number] = collected(remaining)
 
 
 def order(term: Term) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -109,11 +109,11 @@ def order(term: Term) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 def collected(terms: Iterable[Term]) -> list[Term]:
     """Terms in order, those that differ only in their number added up."""
-    found: dict[tuple[tuple[int, ...], tuple[int, ...]], Fraction] = {}
+    totals: dict[tuple[tuple[int, ...], tuple[int, ...]], Fraction] = {}
     for number, constants, rest in terms:
         key = (rest, constants)
-        found[key] = found[key] + number if key in found else number
-    return [(found[key], key[1], key[0]) for key in sorted(found) if found[key]]
+        totals[key] = totals[key] + number if key in totals else number
+    return [(totals[key], key[1], key[0]) for key in sorted(totals) if totals[key]]
 
 
 def content(one: Fraction, two: Fraction) -> Fraction:
@@ -127,17 +127,17 @@ def content(one: Fraction, two: Fraction) -> Fraction:
 
 def shared(one: tuple[int, ...], two: tuple[int, ...]) -> tuple[int, ...]:
     """Common elements of two sorted tuples, with repetition."""
-    found, i, j = list[int](), 0, 0
+    common, i, j = list[int](), 0, 0
     while i < len(one) and j < len(two):
         if one[i] == two[j]:
-            found.append(one[i])
+            common.append(one[i])
             i += 1
             j += 1
         elif one[i] < two[j]:
             i += 1
         else:
             j += 1
-    return tuple(found)
+    return tuple(common)
 
 
 def without(whole: tuple[int, ...], part: tuple[int, ...]) -> tuple[int, ...]:
@@ -222,19 +222,19 @@ class _Search:
         self.pool.sums = [collected(self.terms[t] for t in terms) for terms in self.sums]
 
     def _term(self, term: Term) -> int:
-        found = self.term_number.get(term)
-        if found is None:
-            found = self.term_number[term] = len(self.terms)
+        number = self.term_number.get(term)
+        if number is None:
+            number = self.term_number[term] = len(self.terms)
             self.terms.append(term)
             self.costs.append(cost(term))
-        return found
+        return number
 
     def _divisor(self, divisor: Divisor) -> int:
-        found = self.divisor_number.get(divisor)
-        if found is None:
-            found = self.divisor_number[divisor] = len(self.divisors)
+        number = self.divisor_number.get(divisor)
+        if number is None:
+            number = self.divisor_number[divisor] = len(self.divisors)
             self.divisors.append(divisor)
-        return found
+        return number
 
     def _update(self, changed: list[int]) -> None:
         """Find divisors and gains again for the sums that changed."""
@@ -267,7 +267,7 @@ class _Search:
 
     def _found(self, number: int) -> dict[int, Any]:
         """All divisors of a sum, with their positions."""
-        found: dict[int, Any] = {}
+        divisors: dict[int, Any] = {}
         terms, own = self.sums[number], self.own.get(number)
         self.compared += len(terms) * (len(terms) + 1) // 2
         for two in terms:
@@ -276,10 +276,10 @@ class _Search:
                     break
                 divisor = self._compared(one, two)[0]
                 if divisor >= 0 and divisor != own:
-                    found.setdefault(divisor, []).append((one, two))
+                    divisors.setdefault(divisor, []).append((one, two))
             for pair, times in self._pairs(two):
-                found[pair] = found.get(pair, 0) + times
-        return found
+                divisors[pair] = divisors.get(pair, 0) + times
+        return divisors
 
     def _compared(self, one: int, two: int) -> tuple[int, int, int]:
         """Divisor (-1 where no state occurs) and front of two terms, and their saving."""
@@ -304,9 +304,9 @@ class _Search:
         if number not in self.factors:
             literals = self.terms[number][2]
             count = {literal: literals.count(literal) for literal in literals}
-            found = [((a, a), n // 2) for a, n in count.items() if n > 1]
-            found += [((a, b), min(count[a], count[b])) for a, b in combinations(count, 2)]
-            self.factors[number] = [(self._divisor(pair), n) for pair, n in found]
+            pairs = [((a, a), n // 2) for a, n in count.items() if n > 1]
+            pairs += [((a, b), min(count[a], count[b])) for a, b in combinations(count, 2)]
+            self.factors[number] = [(self._divisor(pair), n) for pair, n in pairs]
         return self.factors[number]
 
     def _known(self, divisor: int) -> int:
@@ -318,12 +318,12 @@ class _Search:
 
     def _gained(self, divisor: int) -> int:
         """Saving of pulling out a divisor."""
-        where, known = self.where[divisor], self._known(divisor) in self.literal
+        where, is_known = self.where[divisor], self._known(divisor) in self.literal
         one, two = self.divisors[divisor]
         if isinstance(one, int):
             each = SQUARE if one == two else QUOTIENT if one < 0 < two else PRODUCT
-            return (sum(where.values()) - (not known)) * each
-        total = 0 if known else -cost(one) - cost(two)
+            return (sum(where.values()) - (not is_known)) * each
+        total = 0 if is_known else -cost(one) - cost(two)
         for pairs in where.values():
             for pair in disjoint(pairs):
                 total += self.divided[pair][2]
@@ -332,14 +332,14 @@ class _Search:
     def _pulled(self, divisor: int) -> list[int]:
         """Replace a divisor by one literal everywhere; return the sums that changed."""
         one, two = self.divisors[divisor]
-        known = self.literal.get(self._known(divisor))
+        base_literal = self.literal.get(self._known(divisor))
         changed = sorted(self.where[divisor])
         if isinstance(one, int):
-            if known is None:
-                known = self.literal[self._known(divisor)] = self.pool.fresh(constant=False)
+            if base_literal is None:
+                base_literal = self.literal[self._known(divisor)] = self.pool.fresh(constant=False)
                 pair = self.divisors[self._known(divisor)]
-                self.pool.pairs[known] = pair
-            literal = known if two > 0 else -known
+                self.pool.pairs[base_literal] = pair
+            literal = base_literal if two > 0 else -base_literal
             for number in changed:
                 self.sums[number] = [
                     self._term((value, some, paired(rest, one, two, literal)))
@@ -347,9 +347,9 @@ class _Search:
                 ]
             return changed
         free = not (one[2] or two[2])
-        if known is None:
-            known = self.literal[divisor] = self.pool.fresh(constant=free)
-            self.pool.named[known] = len(self.sums)
+        if base_literal is None:
+            base_literal = self.literal[divisor] = self.pool.fresh(constant=free)
+            self.pool.named[base_literal] = len(self.sums)
             self.own[len(self.sums)] = divisor
             changed.append(len(self.sums))
             self.sums.append([self._term(one), self._term(two)])
@@ -359,11 +359,11 @@ class _Search:
                 gone |= {i, j}
                 value, some, rest = self.terms[self.divided[i, j][1]]
                 if free:
-                    more.append((value, tuple(sorted((*some, known))), rest))
+                    more.append((value, tuple(sorted((*some, base_literal))), rest))
                 else:
-                    more.append((value, some, tuple(sorted((*rest, known)))))
-            kept = [self.terms[t] for t in self.sums[number] if t not in gone]
-            self.sums[number] = [self._term(term) for term in collected([*kept, *more])]
+                    more.append((value, some, tuple(sorted((*rest, base_literal)))))
+            remaining = [self.terms[t] for t in self.sums[number] if t not in gone]
+            self.sums[number] = [self._term(term) for term in collected([*remaining, *more])]
         return changed
 
 
@@ -411,9 +411,9 @@ def disjoint(pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
     if len(pairs) == 1:
         return pairs
     taken: set[int] = set()
-    found = []
+    chosen = []
     for i, j in pairs:
         if i not in taken and j not in taken:
             taken |= {i, j}
-            found.append((i, j))
-    return found
+            chosen.append((i, j))
+    return chosen

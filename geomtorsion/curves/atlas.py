@@ -85,8 +85,8 @@ class ElementMatrix:
 
     def values(self, point: Mapping[str, Real | np.ndarray]) -> np.ndarray:
         """The entries at one point or many, shape (entries, ...)."""
-        given = [point[name] for name in self._graph.arguments]
-        columns = [x if isinstance(x, np.ndarray) else float(x) for x in given]
+        numbers = [point[name] for name in self._graph.arguments]
+        columns = [x if isinstance(x, np.ndarray) else float(x) for x in numbers]
         return self._graph.numpy()(*columns)
 
     def at(self, point: Mapping[str, Real]) -> np.ndarray:
@@ -355,30 +355,30 @@ class TransitionMap:
         """One entry for each coordinate."""
         is_array = isinstance(coordinates, np.ndarray) and coordinates.ndim > 0
         # Points stay the arrays that they are.
-        found = (
+        places = (
             list(coordinates)
             if is_array
             else checks.entries(coordinates, "coordinates", ShapeError)
         )
-        if len(found) != len(self.coordinates):
+        if len(places) != len(self.coordinates):
             names = ", ".join(symbol.name for symbol in self.coordinates)
             raise ShapeError(
-                f"coordinates: {len(self.coordinates)} ({names}) were needed, but {len(found)} "
+                f"coordinates: {len(self.coordinates)} ({names}) were needed, but {len(places)} "
                 "came."
             )
-        return found
+        return places
 
     def _numbers(self, parameters: Mapping[Any, Real]) -> dict[str, Real]:
         """The values of the parameters; others are omitted."""
-        given = checks.by_name(parameters, "parameters")
-        missing = [p.name for p in self.parameters if p.name not in given]
+        by_name = checks.by_name(parameters, "parameters")
+        missing = [p.name for p in self.parameters if p.name not in by_name]
         if missing:
             raise ArgumentError(
                 f"{', '.join(missing)} has no value. Give parameters={{{missing[0]!r}: ...}}."
             )
         names = [p.name for p in self.parameters]
         return {
-            name: checks.exact_number(given[name], f"parameter {name}", ArgumentError)
+            name: checks.exact_number(by_name[name], f"parameter {name}", ArgumentError)
             for name in names
         }
 
@@ -393,13 +393,13 @@ class TransitionMap:
         numbers = {name: mpf(x, bits) for name, x in self._numbers(parameters).items()}
         if self.written is not None:
             with working_precision(2 * bits):
-                found = self.written(DIGITS, list(point.values()), numbers)
-            if any(isinstance(x, mpmath.mpc) for x in found):
+                image = self.written(DIGITS, list(point.values()), numbers)
+            if any(isinstance(x, mpmath.mpc) for x in image):
                 raise ArithmeticError(f"no point of chart {self.target!r} corresponds")
-            return [mpf(x, bits) for x in found]
+            return [mpf(x, bits) for x in image]
         point |= numbers
-        known: dict[int, Any] = {}
-        return [element.evaluate(point, max(bits, 54), known) for element in self.elements]
+        levels: dict[int, Any] = {}
+        return [element.evaluate(point, max(bits, 54), levels) for element in self.elements]
 
 
 # A chart is worth moving to if it is this much further from its edge, in units of its margin.

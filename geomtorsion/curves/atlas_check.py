@@ -94,9 +94,9 @@ def _check_shape(atlas: Atlas, change: TransitionMap) -> None:
 
 def _points(frame: Frame) -> Iterator[Point]:
     """Generic points of the domain with values of the parameters."""
-    for found in islice(candidate_points(frame.coordinates, frame.parameters, frame.domain), 60):
-        numbers: dict[str, Real] = {p.name: found[p] for p in frame.parameters}
-        yield [mpf(found[x], EXACT_BITS) for x in frame.coordinates], numbers
+    for point in islice(candidate_points(frame.coordinates, frame.parameters, frame.domain), 60):
+        numbers: dict[str, Real] = {p.name: point[p] for p in frame.parameters}
+        yield [mpf(point[x], EXACT_BITS) for x in frame.coordinates], numbers
 
 
 def _reach(atlas: Atlas, reached: dict[str, Row], name: str, numbers: dict[str, Real]) -> None:
@@ -114,11 +114,11 @@ def _mapped(change: TransitionMap, point: Row | None, numbers: dict[str, Real]) 
     if point is None:
         return None
     try:
-        found = change.precisely(point, numbers, EXACT_BITS)
+        image = change.precisely(point, numbers, EXACT_BITS)
     except (ArithmeticError, TypeError, GeomtorsionError):
         return None
-    real = all(isinstance(x, mpmath.mpf) and mpmath.isfinite(x) for x in found)
-    return found if real else None
+    real = all(isinstance(x, mpmath.mpf) and mpmath.isfinite(x) for x in image)
+    return image if real else None
 
 
 def _is_right(atlas: Atlas, change: TransitionMap, point: Row, numbers: dict[str, Real]) -> bool:
@@ -223,17 +223,17 @@ def _compare_points(
 ) -> None:
     """A round trip leads to the same point, perhaps with other coordinates of it."""
     point, there = points
-    found = _mapped(back, there, numbers)
-    if found is None or _first_gap(back, point, found) is None:
+    trip = _mapped(back, there, numbers)
+    if trip is None or _first_gap(back, point, trip) is None:
         return
-    image = _mapped(change, found, numbers)
+    image = _mapped(change, trip, numbers)
     if image is not None and _first_gap(change, there, image) is None:
         return
-    k = _first_gap(back, point, found) or 0
+    k = _first_gap(back, point, trip) or 0
     name = atlas.chart(change.source).names[k]
     raise CoordinateError(
         f"{_name(change)} and {_name(back)} were needed to be inverse to each other, but "
-        f"{name} = {_short(point[k])} comes back as {_short(found[k])}. Mend one of them, or count "
+        f"{name} = {_short(point[k])} comes back as {_short(trip[k])}. Mend one of them, or count "
         f"{name} among the angles of the second."
     )
 

@@ -200,11 +200,11 @@ def parallel_transport(
     if not isinstance(rows, list | tuple):
         raise ShapeError(f"vector: a list of numbers was needed, {checks.shown(vectors)} came.")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
-    found = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
+    carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
     carrier = connection or levi_civita(problem.frame)
     if carrier.frame is not problem.frame:
         raise ShapeError("the connection belongs to another frame. Build it over this one.")
-    return problem.carry(TransportedVectors(carrier, found))
+    return problem.carry(TransportedVectors(carrier, carried))
 
 
 def geodesic_deviation(
@@ -301,13 +301,13 @@ def _posed(
     law.rates(frame, [f"u{k}" for k in range(frame.dimension)])
     numbers = checked_parameters(frame, parameters)
     place = None if start is None else checked_start(frame, start, numbers)
-    speeds, given = frame_velocities(frame, place, velocity, frame_velocity, numbers)
+    speeds, rates = frame_velocities(frame, place, velocity, frame_velocity, numbers)
     check_causal(frame, speeds, causal)
     written: dict[str, Any] = {} if atlas else _written(frame, law_key(law))
     names = () if place is None else [symbol.name for symbol in frame.coordinates]
     stops = () if stop is None else read_stops(stop, names, velocity_names(frame), numbers)
     problem = CurveProblem(
-        name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, given, stops,
+        name, frame, law, place, speeds, numbers, atlas or atlas_of(frame), None, rates, stops,
         written,
     )  # fmt: skip
     problem.check_parameters(problem.charts[0])

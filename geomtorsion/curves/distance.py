@@ -66,10 +66,10 @@ def distance_apart(
     >>> bool(distance_apart(straight, shortest).max() < 1e-9)
     True
     """
-    last, other = float(one.times[-1]), float(two.times[-1])
-    if abs(other) < abs(last) or last * other < 0:
+    last, end = float(one.times[-1]), float(two.times[-1])
+    if abs(end) < abs(last) or last * end < 0:
         raise TimeError(
-            f"the second solution ends at t = {other:.6g}, the first at {last:.6g}. "
+            f"the second solution ends at t = {end:.6g}, the first at {last:.6g}. "
             "Solve both to the same time."
         )
     return _gaps(one, two, chart, angles)
@@ -93,8 +93,8 @@ def _gaps(
     # The image behind an angle's half turn may be nearer where the metric mixes coordinates.
     for chosen in product((False, True), repeat=len(turning)):
         image = steps.copy()
-        for k, other in zip(turning, chosen, strict=True):
-            if other:
+        for k, is_turned in zip(turning, chosen, strict=True):
+            if is_turned:
                 image[:, k] -= np.where(image[:, k] < 0, -2 * np.pi, 2 * np.pi)
         if place.frame is None:
             rows = image.T
@@ -108,11 +108,11 @@ def _gaps(
 def angles_of(problem: CurveProblem, chart: str) -> list[int]:
     """Coordinates of a chart that count modulo 2 pi, according to maps into it or its domain."""
     routes = [problem.atlas.route(name, chart) for name in problem.atlas.names if name != chart]
-    found = {k for route in routes if route for k in route[-1].angles}
+    angles = {k for route in routes if route for k in route[-1].angles}
     frame = problem.atlas.chart(chart).frame
     if frame is not None:
-        found |= {k for k, symbol in enumerate(frame.coordinates) if is_angle(frame, symbol)}
-    return sorted(found)
+        angles |= {k for k, symbol in enumerate(frame.coordinates) if is_angle(frame, symbol)}
+    return sorted(angles)
 
 
 def _places(names: Sequence[str], angles: Sequence[str]) -> list[int]:

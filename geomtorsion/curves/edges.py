@@ -54,11 +54,11 @@ def edges_of(frame: Frame) -> tuple[Edge, ...]:
     >>> [edge.words for edge in edges_of(flat)]
     ['r > 0 holds no longer']
     """
-    found = [
+    edges = [
         *_of_domain(frame), *_of_signs(frame), *_of_roots(frame), *_of_branches(frame)
     ]  # fmt: skip
     inside = set(frame.coordinates)
-    moving = {edge.element: edge for edge in reversed(found) if edge.element.symbols & inside}
+    moving = {edge.element: edge for edge in reversed(edges) if edge.element.symbols & inside}
     return tuple(reversed(moving.values()))
 
 
@@ -86,8 +86,8 @@ def _of_signs(frame: Frame) -> Iterator[Edge]:
     """Signs that were declared of coordinates, and on which the frame may rely."""
     for symbol in frame.coordinates:
         if sign := sign_of(frame, symbol):
-            said = f"{symbol} was declared {'positive' if sign > 0 else 'negative'}"
-            yield Edge(frame.field.read(sign * symbol, said), said, said)
+            text = f"{symbol} was declared {'positive' if sign > 0 else 'negative'}"
+            yield Edge(frame.field.read(sign * symbol, text), text, text)
 
 
 def is_angle(frame: Frame, symbol: sp.Symbol) -> bool:

@@ -166,21 +166,21 @@ class Geodesic:
 
     def invariants(self, frame: Frame, names: Sequence[str]) -> dict[str, Products]:
         """Energy, momenta of coordinates that do not occur, and the size of the momentum."""
-        found = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
+        invariants = {"energy" if self.metric else "norm": _square(frame, self.metric, names)}
         lower = _lowered(frame, self.metric)
         for mu in _cyclic(frame):
             terms = []
             for (i, column), value in frame.coframe.components.nonzero.items():
                 if column == mu:
                     terms += [(value * entry, (names[j],)) for j, entry in lower[i]]
-            found[f"momentum of {frame.coordinates[mu]}"] = tuple(terms)
+            invariants[f"momentum of {frame.coordinates[mu]}"] = tuple(terms)
         if _is_bi_invariant(frame):
             terms = []
             for row in lower:
                 for i, one in row:
                     terms += [(one * two, (names[i], names[j])) for j, two in row]
-            found["angular momentum squared"] = tuple(terms)
-        return found
+            invariants["angular momentum squared"] = tuple(terms)
+        return invariants
 
 
 def _is_short(weight: Fraction) -> bool:
@@ -230,8 +230,8 @@ def _is_bi_invariant(frame: Frame) -> bool:
     if not twist.nonzero:
         return False
     for (k, j, i), value in twist.nonzero.items():
-        other = twist.get((i, j, k))
-        if other is None or value != -other:
+        opposite = twist.get((i, j, k))
+        if opposite is None or value != -opposite:
             return False
     return True
 
@@ -340,19 +340,19 @@ class Equations:
 
 def derivative(products: Products, name: str) -> Products:
     """The derivative of a sum of products with respect to a state, by name."""
-    found = []
+    terms = []
     for element, factors in products:
         symbol = next((s for s in element.field.symbols if s.name == name), None)
         if symbol is not None:
             slope = element.diff(symbol)
             if not slope.is_zero:
-                found.append((slope, factors))
+                terms.append((slope, factors))
         count = factors.count(name)
         if count:
             rest = list(factors)
             rest.remove(name)
-            found.append((element * count, tuple(rest)))
-    return tuple(found)
+            terms.append((element * count, tuple(rest)))
+    return tuple(terms)
 
 
 def velocity_names(frame: Frame) -> tuple[str, ...]:
@@ -429,8 +429,8 @@ def coordinate_groups(chart: Chart) -> list[tuple[int, ...]]:
 
 def symbols_in(products: Iterable[Products], states: Sequence[str]) -> tuple[str, ...]:
     """Names of the parameters that occur in the coefficients, in a fixed order."""
-    found = {s.name for terms in products for element, _ in terms for s in element.symbols}
-    return tuple(sorted(found - set(states)))
+    names = {s.name for terms in products for element, _ in terms for s in element.symbols}
+    return tuple(sorted(names - set(states)))
 
 
 def _is_constant(products: Products, frame: Frame) -> bool:

@@ -110,8 +110,8 @@ def holonomy(
         return solve(carried, [end], accuracy, engine).transported[-1].reshape(n, n).T
     needed = "{subject}: a curve or a list of expressions was needed, but {value} came."
     expressions = checks.entries(path, "path", ShapeError, message=needed)
-    given = checks.table(parameters, "parameters")
-    return transport_along(connection, expressions, end, given, accuracy, engine)
+    values = checks.table(parameters, "parameters")
+    return transport_along(connection, expressions, end, values, accuracy, engine)
 
 
 def transport_along(

@@ -59,11 +59,11 @@ def closed_form(
     def states(times: Sequence[float] | np.ndarray) -> list[list[mpmath.mpf]]:
         """States at times of the problem, as mpmath numbers, one list per time."""
         with working_precision(CONSTANT_BITS):
-            found = []
+            rows = []
             for t in times:
                 scaled = matrix * (mpf(t, CONSTANT_BITS) * mpf(problem.time_unit, CONSTANT_BITS))
                 end = mpmath.expm(scaled, method="taylor") * start
-                found.append([end[k] for k in range(n)])
-        return found
+                rows.append([end[k] for k in range(n)])
+        return rows
 
     return stage.label, states

@@ -141,8 +141,8 @@ class _Choice:
 
     def from_guess(self, first: np.ndarray, guess: Numbers) -> LogMap:
         """The motion that Newton's iteration reaches from a guess."""
-        found = self.search.hit(self.search.aim, first) if first.any() else None
-        answer = None if found is None else self.answer(found, "the motion nearest to the guess")
+        hit = self.search.hit(self.search.aim, first) if first.any() else None
+        answer = None if hit is None else self.answer(hit, "the motion nearest to the guess")
         if answer is None:
             raise EndpointError(
                 f"expected a motion {self.where}, got none from the guess {list(guess)}. "
@@ -165,34 +165,34 @@ class _Choice:
         lines, complete = self.search.shooter.lines(target)
         followed: list[Followed] = []
         for line in lines:
-            known = min((one.length for one in followed if one.hit), default=np.inf)
+            shortest = min((one.length for one in followed if one.hit), default=np.inf)
             # A line that is much longer than a motion known hardly leads to a shorter one.
-            if not line.length > 2 * known:
+            if not line.length > 2 * shortest:
                 followed.append(self.search.followed(line))
-        found = [one.hit for one in followed if one.hit is not None]
+        hits = [one.hit for one in followed if one.hit is not None]
         exhaustive = complete and self.is_geodesic and followed[0].hit is not None
-        directions = [] if exhaustive else self.search.directions(found)
-        found += self.search.fan(directions, reach_of(followed, lines), found)
+        directions = [] if exhaustive else self.search.directions(hits)
+        hits += self.search.fan(directions, reach_of(followed, lines), hits)
         # Among equal motions the first is kept, which took the fewest differences of coordinates.
-        found = sorted(self.search.apart(found), key=lambda hit: hit.length)
-        if not found:
+        hits = sorted(self.search.apart(hits), key=lambda hit: hit.length)
+        if not hits:
             raise EndpointError(
                 f"expected a motion {self.where}, got none from {len(followed)} images of "
                 f"the end and {len(directions)} directions. The end may be conjugate to the start "
                 "or beyond an edge of the chart. Give a guess (initial frame velocity), a "
                 "nearer end, or start and end in the opposite order."
             )
-        self.check_length(found[0], lines)
-        self.check_unique(found)
+        self.check_length(hits[0], lines)
+        self.check_unique(hits)
         if exhaustive:
             return self._answered(
-                found[0],
+                hits[0],
                 "shortest of all motions: the coframe is constant, and all images of the end under "
                 "full turns were compared",
             )
-        many = f"{len(found)} motions found from {len(followed)} images of the end "
+        many = f"{len(hits)} motions found from {len(followed)} images of the end "
         least = "shortest" if self.search.shooter.is_definite else "least frame velocity (|eta|)"
-        return self._answered(found[0], f"{least} of {many}and {len(directions)} directions")
+        return self._answered(hits[0], f"{least} of {many}and {len(directions)} directions")
 
     def check_length(self, found: Hit, lines: list[Line]) -> None:
         """Refuse a geodesic that is longer than a line in coordinates."""
@@ -214,10 +214,10 @@ class _Choice:
             return
         best, *others = found
         length = best.length
-        for other in others:
-            longer = other.length - length
+        for hit in others:
+            longer = hit.length - length
             if longer <= 4 * self.search.allowed(best.vector, self.search.aim):
-                one, two = (self.search.shooter.velocity(x.vector).round(6) for x in (best, other))
+                one, two = (self.search.shooter.velocity(x.vector).round(6) for x in (best, hit))
                 raise EndpointError(
                     f"expected one shortest motion {self.where}, got no unique answer: at least "
                     f"two have length {length:.9g}, with initial frame velocities {one.tolist()} "

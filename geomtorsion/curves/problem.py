@@ -128,7 +128,7 @@ class CurveProblem:
         """Names of the charts in which this motion can be followed, by preference."""
         if self.start is None:
             return ("",)
-        found = []
+        charts = []
         for name in self.atlas.names:
             if name != self.atlas.home and self.carried and not self.carried.any_chart:
                 continue
@@ -140,8 +140,8 @@ class CurveProblem:
             if name == self.atlas.home or (
                 stated and (not self.law.needs_frame or chart.keeps_frame)
             ):
-                found.append(name)
-        return tuple(found) or (self.atlas.home,)
+                charts.append(name)
+        return tuple(charts) or (self.atlas.home,)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -201,10 +201,10 @@ class CurveProblem:
         place = self.start if start is None else checked_start(self.frame, start, self.parameters)
         if velocity is None and frame_velocity is None:
             return replace(self, start=place, coordinate_velocity=None)
-        speeds, given = frame_velocities(
+        speeds, rates = frame_velocities(
             self.frame, place, velocity, frame_velocity, self.parameters
         )
-        return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=given)
+        return replace(self, start=place, frame_velocity=speeds, coordinate_velocity=rates)
 
     def carry(self, carried: Carried) -> CurveProblem:
         """The same motion with something carried along."""
@@ -277,8 +277,8 @@ class CurveProblem:
             self._check_stops({})
             return
         chart, point = self.atlas.chart(self.atlas.home), self.floats()
-        told = chart.edges if chart.edge is None else ()
-        for edge, value in zip(told, chart.at_edges(point).tolist() if told else (), strict=True):
+        edges = chart.edges if chart.edge is None else ()
+        for edge, value in zip(edges, chart.at_edges(point).tolist() if edges else (), strict=True):
             if not value > 0:
                 place = ", ".join(f"{name} = {point[name]:.6g}" for name in self.coordinates)
                 raise StartError(
@@ -327,12 +327,12 @@ class CurveProblem:
 
     def _starting_velocity(self, precision: int) -> Sequence[Real]:
         """u^i at the start, computed from q'^mu where more digits are needed."""
-        given = self.coordinate_velocity
-        if precision <= 53 or given is None or self.start is None:
+        rates = self.coordinate_velocity
+        if precision <= 53 or rates is None or self.start is None:
             return self.frame_velocity
         chart = self.atlas.chart(self.atlas.home)
         point = dict(zip(chart.names, self.start, strict=True)) | dict(self.parameters)
-        return chart.coframe.precisely(point, given, precision + 20)
+        return chart.coframe.precisely(point, rates, precision + 20)
 
     def _stage(
         self, label: str, point: MovingPoint, begin: float, precision: int, perturbation: float
@@ -423,13 +423,13 @@ class CurveProblem:
             return states
         velocities = self._own_velocities(segment)
         bits = precision_of(states)
-        found = []
+        rows = []
         for row in states:
             point = self._taken_apart(segment.label, row, velocities)
             there = self.atlas.moved(segment.label, label, point, self.parameters, bits)
             moving = there.velocities if self.equations(label).moves else []
-            found.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
-        return np.array(found)
+            rows.append(Taylor(bits).array([*there.coordinates, *moving, *there.carried]))
+        return np.array(rows)
 
     def _own_velocities(self, segment: Segment) -> list[Real]:
         """u^i of a segment where they are constant (in units of the time), else zeros."""
@@ -542,12 +542,12 @@ class CurveProblem:
         every = tuple(dict.fromkeys((*names, *self.parameters, "t")))
         read = expression(term, "event_times", symbol_table(every), smooth=False)
         used = sorted(symbol.name for symbol in read.free_symbols)
-        made = graph(used, [read], factor=False).numpy()
+        function = graph(used, [read], factor=False).numpy()
         numbers = {name: float(value) for name, value in self.parameters.items()}
 
         def values(moment: Moment) -> np.ndarray:
-            given = {"t": moment.time} | numbers
-            return made(*(moment[name] if name in names else given[name] for name in used))[0]
+            table = {"t": moment.time} | numbers
+            return function(*(moment[name] if name in names else table[name] for name in used))[0]
 
         return Term(values, frozenset(used))
 
@@ -615,28 +615,28 @@ CAUSAL = ("timelike", "null", "spacelike")
 
 def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> dict[str, Real]:
     """Parameters by name, each one known to the frame, finite and as it was declared."""
-    known = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
-    found: dict[str, Real] = {}
+    symbols = {s.name: s for s in frame.field.symbols if s not in frame.coordinates}
+    numbers: dict[str, Real] = {}
     for name, value in checks.by_name(parameters, "parameters", StartError).items():
-        if name not in known:
-            listed = ", ".join(sorted(known)) or "none"
+        if name not in symbols:
+            listed = ", ".join(sorted(symbols)) or "none"
             raise StartError(
                 f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
             )
         checked_numbers([value], 1, f"parameter {name}")
-        checks.check_declared(known[name], value)
-        found[name] = value
-    return found
+        checks.check_declared(symbols[name], value)
+        numbers[name] = value
+    return numbers
 
 
 def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -> tuple[Real, ...]:
     """Coordinates at which the frame is regular."""
     names = ", ".join(symbol.name for symbol in frame.coordinates)
-    found = checked_numbers(start, frame.dimension, f"start ({names})")
-    for symbol, value in zip(frame.coordinates, found, strict=True):
+    place = checked_numbers(start, frame.dimension, f"start ({names})")
+    for symbol, value in zip(frame.coordinates, place, strict=True):
         if sign_of(frame, symbol):
             checks.check_declared(symbol, value)
-    point = {s.name: float(x) for s, x in zip(frame.coordinates, found, strict=True)}
+    point = {s.name: float(x) for s, x in zip(frame.coordinates, place, strict=True)}
     where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
     point |= {name: float(value) for name, value in parameters.items()}
     try:
@@ -655,7 +655,7 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
             f"the frame {frame.name or 'of this problem'} is singular at the start {where}: "
             f"its determinant vanishes or has no value. {_advice(frame, point)}"
         )
-    return found
+    return place
 
 
 def _advice(frame: Frame, point: Mapping[str, float]) -> str:
@@ -671,7 +671,7 @@ def _advice(frame: Frame, point: Mapping[str, float]) -> str:
 
 def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
     """Which other charts hold at a point where the home chart ends, and its coordinates there."""
-    atlas, found = atlas_of(frame), []
+    atlas, hints = atlas_of(frame), []
     place = [point[symbol.name] for symbol in frame.coordinates]
     for name in atlas.names:
         if name == atlas.home or atlas.chart(name).frame is None:
@@ -683,11 +683,11 @@ def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
         values = {key: float(x) + 0.0 for key, x in zip(chart.names, there, strict=True)}
         if np.isfinite(there).all() and not (chart.at_edges({**point, **values}) <= 0).any():
             listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
-            found.append(
+            hints.append(
                 f"Chart {name!r} holds there, at {listed}; its frame is "
                 f"problem.atlas.chart({name!r}).frame of any curve of this space. "
             )
-    return "".join(found)
+    return "".join(hints)
 
 
 def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
@@ -699,8 +699,8 @@ def _has_legs(frame: Frame, point: Mapping[str, float]) -> bool:
         # Exact work names the missing value.
         return False
     branches = branch_check([frame.field], list(point))
-    kept = branches is None or not branches.broken(*point.values()).any()
-    return kept and not frame.complex and bool(np.isfinite(values).all())
+    on_branches = branches is None or not branches.broken(*point.values()).any()
+    return on_branches and not frame.complex and bool(np.isfinite(values).all())
 
 
 def frame_velocities(
@@ -724,8 +724,8 @@ def frame_velocities(
     point = {s.name: float(x) for s, x in zip(frame.coordinates, start, strict=True)}
     point |= {name: float(value) for name, value in parameters.items()}
     coframe = frame.coframe.at(point)
-    found = np.real(coframe) @ np.array(floats(rates))
-    return tuple(found.tolist()), rates
+    speeds = np.real(coframe) @ np.array(floats(rates))
+    return tuple(speeds.tolist()), rates
 
 
 def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> None:
@@ -744,9 +744,9 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     is_null = abs(norm) <= CALCULATED * size
     # Time is the one direction whose square has the other sign; in two dimensions the negative one.
     time = 1 if (squares > 0).sum() == 1 < (squares < 0).sum() else -1
-    found = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
-    if found != causal:
+    nature = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
+    if nature != causal:
         raise StartError(
-            f"the velocity is {found}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "
+            f"the velocity is {nature}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "
             "Give another velocity, or causal=None."
         )

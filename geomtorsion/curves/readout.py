@@ -169,13 +169,13 @@ def coordinate_velocities(
     """q'^mu = E_i^mu u^i at many points of the home chart."""
     chart = problem.atlas.chart(problem.atlas.home)
     if bits > 53:
-        found = [
+        velocities = [
             chart.frame_vectors.precisely(
                 dict(zip(chart.names, place, strict=True)) | dict(problem.parameters), speeds, bits
             )
             for place, speeds in zip(q, u, strict=True)
         ]
-        return _long_rows(found, bits)
+        return _long_rows(velocities, bits)
     place = dict(zip(chart.names, np.asarray(q, float).T, strict=True))
     numbers = {key: float(value) for key, value in problem.parameters.items()}
     return chart.frame_vectors.applied(place | numbers, np.asarray(u, float).T).T
@@ -192,10 +192,10 @@ def at_times(
 ) -> np.ndarray:
     """Coordinates at any times, in units of the problem, in a chart."""
     width = len(problem.atlas.chart(name).names)
-    found = np.empty((len(times), width))
+    rows = np.empty((len(times), width))
     for segment, states, index in trajectory.at(times * problem.time_unit):
-        found[index] = _placed(problem, segment, states, name)
-    return found
+        rows[index] = _placed(problem, segment, states, name)
+    return rows
 
 
 def _placed(problem: CurveProblem, segment: Segment, states: np.ndarray, name: str) -> np.ndarray:
@@ -221,9 +221,9 @@ def invariant_changes(problem: CurveProblem, trajectory: Trajectory) -> dict[str
                 before.append(np.full(missing, np.nan))
             before.append(change)
         done += segment.count
-    joined = {name: np.concatenate(parts) for name, parts in pieces.items()}
+    changes = {name: np.concatenate(parts) for name, parts in pieces.items()}
     return {
-        name: np.pad(x, (0, done - len(x)), constant_values=np.nan) for name, x in joined.items()
+        name: np.pad(x, (0, done - len(x)), constant_values=np.nan) for name, x in changes.items()
     }
 
 
@@ -240,7 +240,7 @@ def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np
         first, n = equations.width, len(equations.velocities)
         largest = float(np.abs(states[:, first : first + n]).max())
         sizes |= dict.fromkeys(equations.velocities, largest)
-    found = {}
+    changes = {}
     for name, products in equations.invariants.items():
         total, terms = equations.invariant_graphs[name]
         values = np.broadcast_to(total.numpy()(*states.T, *numbers)[0], len(states))
@@ -248,8 +248,8 @@ def _changes_of_segment(problem: CurveProblem, segment: Segment) -> dict[str, np
         parts = np.abs(terms.numpy()(*states.T, *numbers))
         size = float(np.max(sum(w * part for w, part in zip(weights, parts, strict=True))))
         change = np.abs(values - values[0])[1:]
-        found[name] = change / size if size else change
-    return found
+        changes[name] = change / size if size else change
+    return changes
 
 
 def read_members(
@@ -277,10 +277,10 @@ def read_members(
         pieces = [(x, x.states) for x in trajectory.segments if x.count]
         try:
             grid = np.concatenate([x.times for x, _ in pieces])
-            found = moment(single, grid, pieces, grid.shape, 53)
+            motion = moment(single, grid, pieces, grid.shape, 53)
         except ChartEdgeError:
             continue
-        q[k], u[k] = found.coordinates[-m:], found.frame_velocity[-m:]
+        q[k], u[k] = motion.coordinates[-m:], motion.frame_velocity[-m:]
     table = {"coordinates": q, "frame_velocity": u}
     if width:
         table |= {name: q[..., k] for k, name in enumerate(problem.coordinates)}
@@ -292,10 +292,10 @@ def start_lists(
 ) -> tuple[np.ndarray | None, np.ndarray]:
     """Coordinates (or None) and frame velocities, both with one row per motion."""
     n = problem.frame.dimension
-    given = {"starts": starts, "velocities": velocities, "frame_velocities": frame_velocities}
+    lists = {"starts": starts, "velocities": velocities, "frame_velocities": frame_velocities}
     if velocities is not None and frame_velocities is not None:
         raise StartError("velocities and frame_velocities were both given; give one of them.")
-    arrays = {key: _rows(value, n, key) for key, value in given.items() if value is not None}
+    arrays = {key: _rows(value, n, key) for key, value in lists.items() if value is not None}
     if not arrays:
         raise StartError("give starts, velocities or frame_velocities: one row per motion.")
     counts = {key: len(value) for key, value in arrays.items()}

@@ -178,13 +178,13 @@ class Search:
 
     def apart(self, found: list[Hit]) -> list[Hit]:
         """Motions that differ from each other, in the same order."""
-        kept: list[Hit] = []
+        distinct: list[Hit] = []
         for hit in found:
             # Near a conjugate point the same motion is found with large errors.
             same = np.sqrt(CONJUGATE) * hit.length + 4 * self.aim.rounding
-            if all(lengths_of(hit.vector - one.vector) > same for one in kept):
-                kept.append(hit)
-        return kept
+            if all(lengths_of(hit.vector - one.vector) > same for one in distinct):
+                distinct.append(hit)
+        return distinct
 
     def fan(self, directions: list[np.ndarray], reach: float, known: list[Hit]) -> list[Hit]:
         """Motions to the end that continue from the points of a fan that are nearest to it."""
@@ -214,17 +214,17 @@ class Search:
         measured = tried(self.shooter.spreads, vector, parts, self.aim)
         if measured is None:
             return ()
-        (spreads, is_reversed), found = measured, []
+        (spreads, is_reversed), conjugate = measured, []
         for k in range(1, len(spreads) - 1):
             before, here, after = spreads[k - 1 : k + 2]
             # Past a zero a singular value grows again as it fell, |t - t*|. Its lowest sample has
             # at most a quarter of the sum of its neighbours, or somewhat more where they curve.
             if here <= min(before, after) and here < (before + after) / 3:
-                found.append(float(parts[k] + parts[0] * (before - after) / (before + after)))
+                conjugate.append(float(parts[k] + parts[0] * (before - after) / (before + after)))
         # The end may be nearer to a conjugate point before it than to the next sample.
         if is_reversed and spreads[-1] < spreads[-2]:
-            found.append(float(1 - parts[0] * spreads[-1] / (spreads[-1] + spreads[-2])))
-        return tuple(found)
+            conjugate.append(float(1 - parts[0] * spreads[-1] / (spreads[-1] + spreads[-2])))
+        return tuple(conjugate)
 
 
 def _turned(vector: np.ndarray, move: np.ndarray) -> np.ndarray:
@@ -241,9 +241,9 @@ def _turned(vector: np.ndarray, move: np.ndarray) -> np.ndarray:
 
 def reach_of(followed: list[Followed], lines: list[Line]) -> float:
     """The length within which the shortest motion ends, or may end."""
-    known = [one.length for one in followed if one.hit is not None]
-    if known:
-        return min(*known, lines[0].length)
+    lengths = [one.length for one in followed if one.hit is not None]
+    if lengths:
+        return min(*lengths, lines[0].length)
     # Lines may be much longer than any motion, and motions of their length may take very long.
     longest = 2 * max(one.length for one in followed)
     line = lines[0].length

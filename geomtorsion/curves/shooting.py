@@ -90,8 +90,8 @@ def lengths_of(rows: np.ndarray) -> np.ndarray:
     """Euclidean lengths of rows, without underflow or overflow; infinite where not a number."""
     largest = np.abs(rows).max(axis=-1, keepdims=True)
     scale = np.where((largest > 0) & np.isfinite(largest), largest, 1.0)
-    found = np.linalg.norm(rows / scale, axis=-1) * scale[..., 0]
-    return np.where(np.isfinite(found), found, np.inf)
+    norms = np.linalg.norm(rows / scale, axis=-1) * scale[..., 0]
+    return np.where(np.isfinite(norms), norms, np.inf)
 
 
 def weights_of(frame: Frame) -> np.ndarray:
@@ -165,13 +165,13 @@ class Shooter:
         member = replace(self.problem, frame_velocity=tuple(velocity.tolist()))
         stage = member.first_stage(self.engine.precision, 0.0)
         times = np.array([0.0, *parts]) * member.time_unit
-        found, skip = [], 1
+        places, skip = [], 1
         for segment in integrate(stage, times, self.tolerance, self.engine).segments:
             width = member.equations(segment.label).width
             states = np.asarray(segment.states, dtype=float)[:, :width]
-            found += [(segment.label, row) for row in states[skip:]]
+            places += [(segment.label, row) for row in states[skip:]]
             skip = max(skip - len(states), 0)
-        return found
+        return places
 
     def end(self, vector: np.ndarray) -> tuple[str, np.ndarray]:
         """Chart and coordinates at t = 1."""
@@ -203,8 +203,8 @@ class Shooter:
             with np.errstate(all="ignore"):
                 there = self._in(label, aim.label, rows)
                 gaps = self._wrapped(aim.label, there[:, None, :] - aim.names)
-                found = lengths_of(np.einsum("kij,mkj->mki", aim.frames, gaps))
-            sizes[chosen] = found.min(axis=1)
+                distances = lengths_of(np.einsum("kij,mkj->mki", aim.frames, gaps))
+            sizes[chosen] = distances.min(axis=1)
         return sizes
 
     def slopes(self, shot: Shot, aim: Aim) -> np.ndarray:
@@ -374,11 +374,11 @@ class Shooter:
         columns = []
         for side in h * np.eye(len(vector)):
             both = [self.places(vector + x, parts) for x in (side, -side)]
-            found = []
-            for (label, _), one, other in zip(middle, *both, strict=False):
-                ahead, behind = (self._in(source, label, place) for source, place in (one, other))
-                found.append(self._wrapped(label, ahead - behind))
-            columns.append(found)
+            differences = []
+            for (label, _), plus, minus in zip(middle, *both, strict=False):
+                ahead, behind = (self._in(source, label, place) for source, place in (plus, minus))
+                differences.append(self._wrapped(label, ahead - behind))
+            columns.append(differences)
         count = min(map(len, columns), default=0)
         spreads, matrices = [], []
         for k in range(count):
@@ -397,9 +397,9 @@ class Shooter:
 
 def _turned(place: np.ndarray, turning: Sequence[int], turns: np.ndarray) -> np.ndarray:
     """A position after whole turns of its periodic coordinates."""
-    found = place.copy()
-    found[list(turning)] += TURN * turns
-    return found
+    turned = place.copy()
+    turned[list(turning)] += TURN * turns
+    return turned
 
 
 def tried(action, *given):

@@ -215,15 +215,15 @@ def _eta(frame: Frame) -> np.ndarray:
 
 def _unit(frame: Frame, speeds: list[float]) -> np.ndarray:
     """p^i of length one."""
-    found = np.array(speeds)
-    square = float(found @ _eta(frame) @ found)
+    momentum = np.array(speeds)
+    square = float(momentum @ _eta(frame) @ momentum)
     sign = 1 if frame.eta[0, 0].is_positive else -1
     if not square * sign > 0:
         raise StartError(
             "velocity: expected the velocity of a body, with a square of the sign of the first "
             f"leg, got the square {square:.6g}. Give a timelike velocity."
         )
-    return found / np.sqrt(abs(square))
+    return momentum / np.sqrt(abs(square))
 
 
 def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray:
@@ -237,13 +237,13 @@ def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray
         )
     if any(isinstance(row, list | tuple) for row in rows):
         table = [[float(x) for x in checked_numbers(row, n, "spin")] for row in rows]
-        found = np.array(table)
-        if (found != -found.T).any():
+        tensor = np.array(table)
+        if (tensor != -tensor.T).any():
             raise ShapeError(
                 "spin: expected an antisymmetric S^ij, got components that do not cancel. Give "
                 "S[j, i] = -S[i, j]."
             )
-        return found
+        return tensor
     if n != 4:
         raise ShapeError(
             f"spin: expected {n} rows of S^ij, got one row. A spin vector needs four dimensions."
@@ -251,12 +251,12 @@ def _spin_tensor(frame: Frame, spin: object, momentum: np.ndarray) -> np.ndarray
     eta = _eta(frame)
     lower_p, lower_s = eta @ momentum, eta @ [float(x) for x in checked_numbers(rows, n, "spin")]
     # S^ij = epsilon^ijkl p_k s_l with epsilon_0123 > 0 on the legs.
-    found, scale = np.zeros((n, n)), -1 / np.sqrt(abs(np.linalg.det(eta)))
+    tensor, scale = np.zeros((n, n)), -1 / np.sqrt(abs(np.linalg.det(eta)))
     for order in permutations(range(n)):
         i, j, k, m = order
         sign = round(np.linalg.det(np.eye(n)[list(order)]))
-        found[i, j] += scale * sign * lower_p[k] * lower_s[m]
-    return found
+        tensor[i, j] += scale * sign * lower_p[k] * lower_s[m]
+    return tensor
 
 
 def _orthogonal(frame: Frame, spin: np.ndarray, momentum: np.ndarray) -> np.ndarray:

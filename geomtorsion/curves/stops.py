@@ -59,7 +59,7 @@ def read_stops(
     names = tuple(dict.fromkeys((*coordinates, *velocities, *parameters)))
     table = symbol_table(names)
     values = {table[name]: _exact(value) for name, value in parameters.items()}
-    found = []
+    stops = []
     for k, entry in enumerate(entries):
         where = "stop" if len(entries) == 1 else f"stop[{k}]"
         term = entry.falls if isinstance(entry, When) else entry
@@ -72,16 +72,16 @@ def read_stops(
                 f"Use {', '.join(names)}."
             )
         text = term.strip() if isinstance(term, str) else str(read)
-        found.append(Stop(text, read.xreplace(values)))
-    return tuple(found)
+        stops.append(Stop(text, read.xreplace(values)))
+    return tuple(stops)
 
 
 def _exact(value: Real) -> sp.Expr:
     """A number, exactly."""
-    known = checks.fraction(value)
-    if known is None:
+    fraction = checks.fraction(value)
+    if fraction is None:
         return sp.Rational(str(value))
-    return sp.Rational(known.numerator, known.denominator)
+    return sp.Rational(fraction.numerator, fraction.denominator)
 
 
 def in_chart(stop: Stop, atlas: Atlas, chart: str, velocities: Sequence[str]) -> sp.Expr | None:

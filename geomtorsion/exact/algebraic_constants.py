@@ -105,9 +105,9 @@ def _size(field: Tower, poly: fmpq_mpoly, sizes: dict[str, _Size]) -> _Size:
         for generator, _ in powers:
             if generator.name not in sizes:
                 sizes[generator.name] = _size_of_generator(field, generator, sizes)
-        found = [(sizes[generator.name], exponent) for generator, exponent in powers]
-        below = lcm(below, int(coefficient.q) * prod(size.below**e for size, e in found))
-        parts.append((coefficient, prod(size.bound**e for size, e in found)))
+        factors = [(sizes[generator.name], exponent) for generator, exponent in powers]
+        below = lcm(below, int(coefficient.q) * prod(size.below**e for size, e in factors))
+        parts.append((coefficient, prod(size.bound**e for size, e in factors)))
     bound = sum((abs(value) * size for value, size in parts), fmpq(0))
     return _Size(below, -(-int(bound.p) // int(bound.q)))
 
@@ -142,12 +142,12 @@ def _degree(field: Tower, sizes: dict[str, _Size]) -> int:
 
 def _ball(field: Tower, poly: fmpq_mpoly, bits: int) -> acb:
     """A ball that contains a polynomial in algebraic constants."""
-    known: dict[str, acb] = {}
+    balls: dict[str, acb] = {}
 
     def of_generator(generator: Generator) -> acb:
-        if generator.name not in known:
-            known[generator.name] = computed(generator)
-        return known[generator.name]
+        if generator.name not in balls:
+            balls[generator.name] = computed(generator)
+        return balls[generator.name]
 
     def computed(generator: Generator) -> acb:
         if generator.kind == "imaginary":

@@ -48,14 +48,14 @@ class RationalBasis:
             # Different monomials are independent: no linear algebra is needed.
             return [(value, self._index[monomial]) for value, monomial in parts]
         # Sums that are atoms themselves may span this one; only if not, its terms become atoms.
-        found = self._express(element)
-        if found is None:
+        coefficients = self._express(element)
+        if coefficients is None:
             for _, part in parts:
                 if self._express(part) is None:
                     self._add(part)
-            found = self._express(element)
-            assert found is not None
-        return [(value, index) for index, value in enumerate(found) if value]
+            coefficients = self._express(element)
+            assert coefficients is not None
+        return [(value, index) for index, value in enumerate(coefficients) if value]
 
     def choose(self, elements: list[Element]) -> None:
         """Adds atoms for all these at once: whole sums where these are fewer than their terms.
@@ -302,9 +302,9 @@ class Angles:
 
     def _multiple(self, index: int, coefficient: fmpq) -> Pair:
         """cos and sin of coefficient * atom."""
-        known = self._multiples.get((index, coefficient))
-        if known is not None:
-            return known
+        multiple = self._multiples.get((index, coefficient))
+        if multiple is not None:
+            return multiple
         unit, pair = self._base(index, coefficient)
         count = coefficient / unit
         if count.q != 1:
@@ -511,9 +511,9 @@ class Exponents:
 
     def _power(self, index: int, coefficient: fmpq) -> tuple[Element, Element]:
         """exp of plus and of minus coefficient * atom."""
-        known = self._powers.get((index, coefficient))
-        if known is not None:
-            return known
+        pair = self._powers.get((index, coefficient))
+        if pair is not None:
+            return pair
         if index not in self._base:
             self._make(index, coefficient)
         unit, up, down = self._base[index]

@@ -131,14 +131,14 @@ def _divided(
     least, value = lead.monomial(0), lead.leading_coefficient()
     quotient = poly.context().constant(0)
     while True:
-        found = {
+        terms = {
             tuple(e - low for e, low in zip(monomial, least, strict=True)): x / value
             for monomial, x in poly.to_dict().items()
             if all(e >= low for e, low in zip(monomial, least, strict=True))
         }
-        if not found:
+        if not terms:
             return quotient, poly
-        part = poly.context().from_dict(found)
+        part = poly.context().from_dict(terms)
         quotient, poly = quotient + part, poly - part * divisor
 
 

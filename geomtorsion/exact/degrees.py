@@ -19,13 +19,13 @@ def degree(element: Element) -> int:
     weights: dict[str, int] = {}
 
     def of_element(whole: Element) -> int:
-        found: dict[int, int] = {}
-        for one in in_order(whole, lambda x: id(x) in found):
-            recipe = one._recipe
+        degrees: dict[int, int] = {}
+        for node in in_order(whole, lambda x: id(x) in degrees):
+            recipe = node._recipe
             # Over one common denominator the degrees of all denominators add up.
-            sizes = (found[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
-            found[id(one)] = sum(sizes)
-        return found[id(whole)] if whole.is_kept else of_polynomials(whole)
+            sizes = (degrees[id(x)] if x.is_kept else of_polynomials(x) for x in recipe.parts)
+            degrees[id(node)] = sum(sizes)
+        return degrees[id(whole)] if whole.is_kept else of_polynomials(whole)
 
     def of_polynomials(one: Element) -> int:
         total = _total(field.lift(one))

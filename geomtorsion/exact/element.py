@@ -272,18 +272,18 @@ class Element(ABC):
         """The partial derivative with respect to a coordinate or parameter."""
         if self._diffs is None:
             self._diffs = {}
-        known = self._diffs.get(symbol)
-        if known is None:
-            known = self._diffs[symbol] = self._field.derivative(self, symbol)
-        return known
+        slope = self._diffs.get(symbol)
+        if slope is None:
+            slope = self._diffs[symbol] = self._field.derivative(self, symbol)
+        return slope
 
     @property
     def symbols(self) -> frozenset[sympy.Symbol]:
         """The coordinates and parameters on which the element depends."""
-        found: set[sympy.Symbol] = set()
+        symbols: set[sympy.Symbol] = set()
         for generator in self._field.generators_of(self):
-            found |= generator.depends
-        return frozenset(found)
+            symbols |= generator.depends
+        return frozenset(symbols)
 
     def free_of(self, symbol: sympy.Symbol) -> bool:
         """Whether the element does not depend on the symbol."""
@@ -400,9 +400,9 @@ class Canonical(Element):
 
     def written_as(self, expression: sympy.Expr) -> Element:
         """See Element.written_as."""
-        found = Canonical(self._field, self._num, self._den, self._level)
-        found._sympy = expression
-        return found
+        element = Canonical(self._field, self._num, self._den, self._level)
+        element._sympy = expression
+        return element
 
 
 Term = tuple[Any, ...]
@@ -474,9 +474,9 @@ class Lazy(Element):
 
     def written_as(self, expression: sympy.Expr) -> Element:
         """See Element.written_as."""
-        found = Lazy(self._field, self._recipe)
-        found._sympy = expression
-        return found
+        element = Lazy(self._field, self._recipe)
+        element._sympy = expression
+        return element
 
 
 def _power(element: Element, exponent: int) -> Element:
@@ -484,10 +484,10 @@ def _power(element: Element, exponent: int) -> Element:
     field = element.field
 
     def product(one: Element, two: Element) -> Element:
-        found = field.added([(1, one, two)], LARGEST_PRODUCT)
-        if found is None:
+        whole = field.added([(1, one, two)], LARGEST_PRODUCT)
+        if whole is None:
             raise product_too_large(one, two)
-        return found
+        return whole
 
     result, square = field.one, element
     while exponent:
@@ -514,14 +514,14 @@ def inside_out(
     waiting = [] if is_done(whole) else [(whole, iter(parts(whole)))]
     while waiting:
         check_limits()
-        one, left = waiting[-1]
+        item, left = waiting[-1]
         for part in left:
             if not is_done(part):
                 waiting.append((part, iter(parts(part))))
                 break
         else:
             waiting.pop()
-            yield one
+            yield item
 
 
 def in_order(element: Element, is_done: Callable[[Lazy], bool]) -> Iterator[Lazy]:
@@ -539,9 +539,9 @@ def leaves(element: Element) -> Iterator[Element]:
     seen: set[int] = set()
     if not element.is_kept:
         yield element
-    for one in in_order(element, lambda x: id(x) in seen):
-        seen.add(id(one))
-        for part in one._recipe.parts:
+    for node in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(node))
+        for part in node._recipe.parts:
             if not part.is_kept and id(part) not in seen:
                 seen.add(id(part))
                 yield part
@@ -559,13 +559,13 @@ def occurring(field: Tower, element: Element) -> int:
             bits |= below[index]
         return bits
 
-    for one in in_order(element, lambda x: x._bits is not None):
+    for node in in_order(element, lambda x: x._bits is not None):
         bits = 0
-        for part in one._recipe.parts:
+        for part in node._recipe.parts:
             if part._bits is None:
                 part._bits = of_polynomials(part)
             bits |= part._bits
-        one._bits = bits
+        node._bits = bits
     if element._bits is None:
         element._bits = of_polynomials(element)
     return element._bits

@@ -56,9 +56,9 @@ def evaluate(
 
     at: known values there from other elements, by working precision.
     """
-    given = partial(_given, point)
+    number_of = partial(_given, point)
     value = settled_value(
-        partial(_written_value, element, given),
+        partial(_written_value, element, number_of),
         {} if at is None else at,
         precision,
         LARGEST_BITS,
@@ -111,17 +111,17 @@ def settled_value(
     bits, before = precision + _GUARD, None
     while True:
         with working_precision(bits):
-            known = levels.setdefault(mpmath.mp.prec, {})
+            numbers = levels.setdefault(mpmath.mp.prec, {})
             try:
-                value = compute(known)
+                value = compute(numbers)
             except (SingularPointError, ZeroDivisionError):
-                if bits > largest + 2 * min(more(known), _MOST_BEFORE_THE_POINT):
+                if bits > largest + 2 * min(more(numbers), _MOST_BEFORE_THE_POINT):
                     raise
                 value = None
             if before is not None and value is not None and mpmath.isfinite(value):
                 if value and abs(value - before) <= mpmath.ldexp(abs(value), -precision - 3):
                     return value
-                before_the_point = more(known) if bits > largest else 0
+                before_the_point = more(numbers) if bits > largest else 0
                 is_seen = before_the_point <= _MOST_BEFORE_THE_POINT
                 if bits > largest and (not is_seen or bits > largest + 2 * before_the_point):
                     if is_seen and abs(value) < mpmath.ldexp(1, -largest // 4):
@@ -199,8 +199,8 @@ def _kept_value(
             known[id(part)] = (part, value_of(part, given, known))
         return known[id(part)][1]
 
-    for one in in_order(element, lambda x: id(x) in known):
-        recipe = one._recipe
+    for node in in_order(element, lambda x: id(x) in known):
+        recipe = node._recipe
         total = mpmath.mpf(0)
         for coefficient, *factors in recipe.terms:
             ratio = as_fmpq(coefficient)
@@ -215,7 +215,7 @@ def _kept_value(
                     "move the point away from the edge of the chart"
                 )
             total = 1 / total
-        known[id(one)] = (one, total)
+        known[id(node)] = (node, total)
     return shared(element)
 
 
@@ -261,8 +261,8 @@ def _number_of(ball: arb) -> mpmath.mpf:
 
 def _generator(generator: Generator, given: Given, known: Known) -> mpmath.mpf:
     """The value of one generator, computed once per point after those that it is made of."""
-    for one in inside_out(generator, made_of, lambda inner: inner.name in known):
-        known[one.name] = _computed(one, given, known)
+    for part in inside_out(generator, made_of, lambda inner: inner.name in known):
+        known[part.name] = _computed(part, given, known)
     return known[generator.name]
 
 
@@ -438,8 +438,8 @@ class GenericPoint:
     def _value_of(self, generator: Generator) -> mpmath.mpf:
         shown = generator.shown
         if shown in self._given:
-            given = expression(self._given[shown], str(shown))
-            return mpmath.mpmathify(given.evalf(int(mpmath.mp.dps) + 10))
+            entry = expression(self._given[shown], str(shown))
+            return mpmath.mpmathify(entry.evalf(int(mpmath.mp.dps) + 10))
         share = _share(f"{shown} {self._place}")
         if self._place:
             value = 3 * share

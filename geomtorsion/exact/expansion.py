@@ -99,10 +99,10 @@ class Expansion:
         w = self._w
         place = self.approach.place(w)
         placed = self.expression.xreplace({self.approach.symbol: place})
-        found = self._read(with_roots(placed)).sympy
-        powers = [power.exp for power in found.atoms(sympy.Pow) if power.base == w]
+        local = self._read(with_roots(placed)).sympy
+        powers = [power.exp for power in local.atoms(sympy.Pow) if power.base == w]
         root = lcm(*(int(x.q) for x in powers if x.is_Rational))
-        return (self._read(found.xreplace({w: w**root})).sympy if root > 1 else found), root
+        return (self._read(local.xreplace({w: w**root})).sympy if root > 1 else local), root
 
     def _parts(self) -> tuple[sympy.Expr, sympy.Expr]:
         """Numerator and denominator in w."""
@@ -114,11 +114,11 @@ class Expansion:
     def _at_zero(self, element: Element) -> sympy.Expr:
         """The value of an element at w = 0."""
         # Not xreplace: the derivative of an unknown function is taken first.
-        found = with_roots(element.sympy.subs(self._w, 0))
-        bad = found.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo, sympy.AccumBounds)
-        if bad or any(power.base == 0 for power in found.atoms(sympy.Pow)):
+        value = with_roots(element.sympy.subs(self._w, 0))
+        bad = value.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo, sympy.AccumBounds)
+        if bad or any(power.base == 0 for power in value.atoms(sympy.Pow)):
             raise _NotAnalyticError
-        return found
+        return value
 
     def _coefficients(self, expression: sympy.Expr) -> Iterator[Element]:
         """Coefficients of 1, w, w**2, ... of an expression that is analytic at w = 0."""
@@ -191,16 +191,16 @@ class Expansion:
     ) -> sympy.Expr:
         """The quotient of two power series, from its first power up to an order in w."""
         first, count = above[0] - below[0], order - (above[0] - below[0]) + 1
-        tops, bottoms, found = [above[1]], [below[1]], []
+        tops, bottoms, coefficients = [above[1]], [below[1]], []
         terms = []
         for k in range(max(count, 0)):
             if k:
                 tops.append(next(above[2]))
                 bottoms.append(next(below[2]))
-            rest = [(-1, bottoms[j], found[k - j]) for j in range(1, k + 1)]
-            found.append(self._field.sum([(1, tops[k]), *rest]) / bottoms[0])
+            rest = [(-1, bottoms[j], coefficients[k - j]) for j in range(1, k + 1)]
+            coefficients.append(self._field.sum([(1, tops[k]), *rest]) / bottoms[0])
             power = self.approach.distance ** sympy.Rational(first + k, root)
-            terms.append(found[k].sympy * power)
+            terms.append(coefficients[k].sympy * power)
         return sympy.Add(*terms)
 
     def _grows(self) -> SingularPointError:
@@ -216,29 +216,29 @@ class Expansion:
             "of its symbols, such as positive=True, or take a simpler expression."
         )
         try:
-            found = sympy.limit(expression, self._w, 0, "+")
+            value = sympy.limit(expression, self._w, 0, "+")
         # sympy raises these if it finds no limit.
         except (NotImplementedError, ValueError, TypeError, sympy.PoleError):
             raise undecided from None
-        if found.has(sympy.AccumBounds):
+        if value.has(sympy.AccumBounds):
             raise SingularPointError(
                 f"{self.name} does not settle as {self.approach}: it has no limit."
             )
         far = (sympy.oo, -sympy.oo, sympy.zoo)
         # An unknown function at infinity is not known to be large.
-        if any(function.has(*far) for function in found.atoms(AppliedUndef)):
+        if any(function.has(*far) for function in value.atoms(AppliedUndef)):
             raise undecided
-        if found.has(*far):
+        if value.has(*far):
             raise self._grows()
-        if found.has(sympy.Limit, sympy.nan) or found.has(self._w):
+        if value.has(sympy.Limit, sympy.nan) or value.has(self._w):
             raise undecided
         try:
-            gaps = [self._gap(expression, found, near) for near in reversed(NEAR)]
+            gaps = [self._gap(expression, value, near) for near in reversed(NEAR)]
         except (GeomtorsionError, ArithmeticError, ValueError):
             raise undecided from None
         if not all(later < sooner or not later for sooner, later in pairwise(gaps)):
             raise undecided
-        return self._read(found).sympy
+        return self._read(value).sympy
 
     def _gap(self, expression: sympy.Expr, limit: sympy.Expr, near: sympy.Rational) -> sympy.Expr:
         """By how much an expression differs from its limit, near it."""

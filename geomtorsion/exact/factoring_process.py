@@ -37,9 +37,9 @@ def serve(requests: IO[str], replies: IO[str]) -> None:
     for line in requests:
         variables, terms = json.loads(line)
         content, factors = polynomial(ring(variables), terms).factor()
-        found = [[terms_of(factor), int(exponent)] for factor, exponent in factors]
+        powers = [[terms_of(factor), int(exponent)] for factor, exponent in factors]
         content = fmpq(content)
-        replies.write(json.dumps([str(content.p), str(content.q), found]) + "\n")
+        replies.write(json.dumps([str(content.p), str(content.q), powers]) + "\n")
         replies.flush()
 
 

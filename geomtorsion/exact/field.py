@@ -64,7 +64,7 @@ def _parts(
     field: Tower, poly: fmpq_mpoly, symbol: sympy.Symbol
 ) -> list[tuple[fmpq_mpoly, Element]]:
     """Pairs (d poly / d generator, d generator / d symbol) that are not zero."""
-    found = []
+    products = []
     pairs = zip(field.generators, poly.degrees(), strict=True)
     names = [generator for generator, degree in pairs if degree > 0 and symbol in generator.depends]
     if not names:
@@ -73,16 +73,16 @@ def _parts(
     inners, slopes = [], field.generator_slopes
     is_known = partial(_has_slope, field, symbol)
     for generator in names:
-        for one in inside_out(generator, partial(_made_of, symbol), is_known):
-            slopes[one.name, symbol] = _RULES[one.kind](field, one, symbol)
+        for part in inside_out(generator, partial(_made_of, symbol), is_known):
+            slopes[part.name, symbol] = _RULES[part.kind](field, part, symbol)
         inners.append(slopes[generator.name, symbol])
     if poly.context() is not field.ctx:
         grown = field.ctx.nvars() - poly.context().nvars()
         poly = polynomials.lifted(field.ctx, poly, grown)
     for generator, inner in zip(names, inners, strict=True):
         if inner.is_kept or inner._num:
-            found.append((poly.derivative(field.generators.index(generator)), inner))
-    return found
+            products.append((poly.derivative(field.generators.index(generator)), inner))
+    return products
 
 
 def _has_slope(field: Tower, symbol: sympy.Symbol, generator: Generator) -> bool:
@@ -103,12 +103,12 @@ def _made_of(symbol: sympy.Symbol, generator: Generator) -> list[Generator]:
 def _factor_derivative(field: Tower, index: int, symbol: sympy.Symbol) -> Element:
     """The derivative of a registered factor."""
     key = (index, symbol)
-    known = field.factor_slopes.get(key)
-    if known is None:
+    total = field.factor_slopes.get(key)
+    if total is None:
         parts = _parts(field, field.factors[index], symbol)
-        known = field.sum((1, Canonical(field, part, (), field.level), d) for part, d in parts)
-        field.factor_slopes[key] = known
-    return known
+        total = field.sum((1, Canonical(field, part, (), field.level), d) for part, d in parts)
+        field.factor_slopes[key] = total
+    return total
 
 
 def _constant(field: Tower, generator: Generator, symbol: sympy.Symbol) -> Element:
@@ -245,8 +245,8 @@ class Field(Tower):
     def __reduce__(self) -> tuple[object, ...]:
         if self.owner is not None:
             return getattr, (self.owner, "field")
-        given = (self.is_complex, self._given_sample, self.chosen)
-        return _made_again, (self.symbols, *given)
+        settings = (self.is_complex, self._given_sample, self.chosen)
+        return _made_again, (self.symbols, *settings)
 
     def __deepcopy__(self, _: object) -> Field:
         """Itself: it only grows, and growth changes no element."""
@@ -322,8 +322,8 @@ class Field(Tower):
                 # If a sum under a root is short, so is the remainder after the root is cleared.
                 own = int(element.length) + sum(len(self.lift(tail)) for tail in tails)
                 largest = min(largest, own**4)
-        found = inverse(self, element, largest)
-        return kept.reciprocal(self, element) if found is None else found
+        reciprocal = inverse(self, element, largest)
+        return kept.reciprocal(self, element) if reciprocal is None else reciprocal
 
     def cleared(self, element: Element, largest: int) -> Element | None:
         """1 over an element, multiplied out; None where a product would be above the largest."""
@@ -337,9 +337,9 @@ class Field(Tower):
         LimitError
             a product is above the limit of all products.
         """
-        found = kept.multiplied_out(self, element)
-        assert found is not None
-        return found
+        expanded = kept.multiplied_out(self, element)
+        assert expanded is not None
+        return expanded
 
     def brief(self, element: Element) -> Element | None:
         """An element multiplied out, if that takes little."""
@@ -404,9 +404,9 @@ class Field(Tower):
             return False
         whole = self.brief(element)
         if whole is not None:
-            found = algebraic_constants.vanishes(whole)
-            if found is not None:
-                return found
+            verdict = algebraic_constants.vanishes(whole)
+            if verdict is not None:
+                return verdict
         image = self._image(element)
         return True if image is not None and image == 0 else None
 

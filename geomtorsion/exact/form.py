@@ -96,22 +96,22 @@ class Radicals:
 def form(element: Element) -> Form:
     """The written form of an element, made once for all that are equal."""
     if element._form is None:
-        known = element.field.tables.setdefault("forms", {})
+        forms = element.field.tables.setdefault("forms", {})
         # Equal elements are often different objects; factoring is dear, their text is cheap.
         key = (str(element.field.lift(element)), element._den)
-        if key not in known:
-            known[key] = _made(element)
-        element._form = known[key]
+        if key not in forms:
+            forms[key] = _made(element)
+        element._form = forms[key]
     return element._form
 
 
 def radicals(field: Tower) -> Radicals:
     """The table of radicals, made again when the field has grown."""
-    known = field.tables.get("radicals")
-    if known is None or known.level != field.level:
+    table = field.tables.get("radicals")
+    if table is None or table.level != field.level:
         fresh = Radicals(field)
-        field.tables["radicals"] = known = fresh
-    return known
+        field.tables["radicals"] = table = fresh
+    return table
 
 
 def _made(element: Element) -> Form:
@@ -197,10 +197,10 @@ def _base(
     if generator is not None:
         return generator, 1
     assert poly is not None
-    known = table.sums.get(key)
-    if known is None:
-        known = table.sums[key] = _sum(field, table, poly)
-    return known
+    entry = table.sums.get(key)
+    if entry is None:
+        entry = table.sums[key] = _sum(field, table, poly)
+    return entry
 
 
 def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
@@ -216,13 +216,13 @@ def _sum(field: Tower, table: Radicals, poly: fmpq_mpoly) -> tuple[Sum, int]:
             if len(terms) <= LONGEST_FACTORED and any(m[cos] > 1 for m in terms):
                 others = (_paired(terms, cos, sin, sign), _rewritten(terms, cos, sin, sign))
                 terms = min((terms, *others), key=len)
-        found = [(value, polynomials.powers(field.generators, m)) for m, value in terms.items()]
+        summands = [(value, polynomials.powers(field.generators, m)) for m, value in terms.items()]
     else:
-        found = list(polynomials.terms(field.generators, poly))
+        summands = list(polynomials.terms(field.generators, poly))
     # A sum with more minus than plus signs reads better with its sign outside.
-    positive = sum(1 for value, _ in found if value > 0)
-    sign = -1 if 2 * positive < len(found) else 1
-    named = tuple([(value * sign, own) for value, own in found])
+    positive = sum(1 for value, _ in summands if value > 0)
+    sign = -1 if 2 * positive < len(summands) else 1
+    named = tuple([(value * sign, own) for value, own in summands])
     source = field.polynomial(poly * sign)
     if 2 * positive != len(named):
         return Sum(named, source=source), sign
@@ -288,17 +288,17 @@ def _multiple_angles(field: Tower, terms: Terms, pairs: list[tuple[int, int]]) -
             waves = _harmonics(monomial[cos], monomial[sin])
             rest[cos] = rest[sin] = 0
             products = [
-                (v * share, (*made, wave)) for v, made in products for wave, share in waves.items()
+                (v * share, (*mode, wave)) for v, mode in products for wave, share in waves.items()
             ]
-        for share, made in products:
-            key = (tuple(rest), made)
+        for share, mode in products:
+            key = (tuple(rest), mode)
             collected[key] = collected.get(key, fmpq(0)) + share
     named: Named = []
-    for (rest, made), value in collected.items():
+    for (rest, mode), value in collected.items():
         if value:
             factors = [
                 (_multiple(field, field.generators[sin if odd else cos], k), 1)
-                for (cos, sin), (k, odd) in zip(pairs, made, strict=True)
+                for (cos, sin), (k, odd) in zip(pairs, mode, strict=True)
                 if k
             ]
             named.append((value, (*factors, *polynomials.powers(field.generators, rest))))
@@ -316,32 +316,32 @@ def _harmonics(a: int, b: int) -> dict[tuple[int, bool], fmpq]:
             powers[k] = powers.get(k, 0) + comb(a, j) * comb(b, m) * (-1) ** m
     # 1/i**b is real for even b, where z**k pairs to cosines, else to sines.
     sign = (-1) ** (b // 2)
-    found: dict[tuple[int, bool], fmpq] = {}
+    waves: dict[tuple[int, bool], fmpq] = {}
     for k, value in powers.items():
         if k < 0 or not value:
             continue
         weight = 1 if k == 0 else 2
-        found[k, bool(b % 2)] = fmpq(sign * weight * value, 2 ** (a + b))
-    return found
+        waves[k, bool(b % 2)] = fmpq(sign * weight * value, 2 ** (a + b))
+    return waves
 
 
 def _multiple(field: Tower, generator: Generator, k: int) -> Generator:
     """cos or sin of k times the angle: for writing only, no generator of the field."""
     if k == 1:
         return generator
-    known = field.tables.setdefault("multiples", {})
+    multiples = field.tables.setdefault("multiples", {})
     key = (generator.name, k)
-    if key not in known:
+    if key not in multiples:
         angle = generator.argument[0] * k
         function = sympy.cos if generator.kind == "cos" else sympy.sin
-        known[key] = Generator(
+        multiples[key] = Generator(
             generator.kind,
             f"{generator.name}_{k}",
             function(angle.sympy),
             generator.depends,
             argument=(angle, generator.argument[1]),
         )
-    return known[key]
+    return multiples[key]
 
 
 def of_same_sign(element: Element) -> Element:

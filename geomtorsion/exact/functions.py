@@ -74,9 +74,9 @@ def jet(
     depends: frozenset[sympy.Symbol] | None = None
     for generator in field.generators:
         if generator.kind == "jet":
-            other, known, places = generator.argument
+            other, old_orders, places = generator.argument
             if other.__name__ == function.__name__ and (other, places) == (function, arguments):
-                if known == orders:
+                if old_orders == orders:
                     return field.generator_element(generator)
                 depends = generator.depends
     if depends is None:

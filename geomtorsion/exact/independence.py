@@ -28,10 +28,10 @@ def without_idle_symbols(element: Element) -> Element | None:
     try:
         point = roomy_point_of(field)
         idle = [x for x in sorted(element.symbols, key=str) if point.moves(element, x) is False]
-        found = element
+        reduced = element
         for symbol in idle:
-            found = _at_some_place(found, symbol)
-        short = found.field.brief(found) if idle else None
+            reduced = _at_some_place(reduced, symbol)
+        short = reduced.field.brief(reduced) if idle else None
         if short is None:
             return None
         # Numbers such as sin(1) drop out of the whole.
@@ -70,26 +70,26 @@ def _at(element: Element, symbol: sympy.Symbol, number: sympy.Expr) -> Element:
     if any(image.is_kept or image._den for image in images):
         raise ZeroDivisionError
     polys = [other.lift(image) for image in images]
-    found: dict[int, Element] = {}
+    values: dict[int, Element] = {}
     below: dict[int, Element] = {}
 
     def of_polynomial(poly: fmpq_mpoly) -> Element:
         return other.polynomial(other.reduced(poly.compose(*polys, ctx=other.ctx)))
 
     def at(part: Element) -> Element:
-        if id(part) not in found:
+        if id(part) not in values:
             whole = of_polynomial(field.lift(part))
             for index, exponent in part._den:
                 if index not in below:
                     below[index] = of_polynomial(field.factors[index]).inverse()
                 whole = whole * below[index] ** exponent
-            found[id(part)] = whole
-        return found[id(part)]
+            values[id(part)] = whole
+        return values[id(part)]
 
-    for one in in_order(element, lambda x: id(x) in found):
-        recipe = one._recipe
+    for node in in_order(element, lambda x: id(x) in values):
+        recipe = node._recipe
         whole = other.sum([(c, *map(at, factors)) for c, *factors in recipe.terms])
         if recipe.below and whole.is_zero:
             raise ZeroDivisionError
-        found[id(one)] = whole.inverse() if recipe.below else whole
+        values[id(node)] = whole.inverse() if recipe.below else whole
     return at(element)

@@ -66,37 +66,37 @@ def derivative(field: Tower, element: Element, symbol: sympy.Symbol) -> Element:
             slopes[id(part)] = part._diffs[symbol]
         return id(part) in slopes
 
-    found = field.zero
-    for one in in_order(element, known):
+    result = field.zero
+    for node in in_order(element, known):
         terms = []
-        for coefficient, *factors in one._recipe.terms:
+        for coefficient, *factors in node._recipe.terms:
             for place, factor in enumerate(factors):
                 inner = slope(factor)
                 if inner.is_kept or inner._num:
                     others = (*factors[:place], *factors[place + 1 :])
                     terms.append((coefficient, inner, *others))
-        found = field.sum(terms) if terms else field.zero
-        if one._recipe.below and terms:
-            found = field.sum(((-1, found, one, one),))
-        if found.is_kept and found.is_zero:
-            found = field.zero
-        slopes[id(one)] = found
-        if one._diffs is None:
-            one._diffs = {}
-        one._diffs[symbol] = found
-    return found
+        result = field.sum(terms) if terms else field.zero
+        if node._recipe.below and terms:
+            result = field.sum(((-1, result, node, node),))
+        if result.is_kept and result.is_zero:
+            result = field.zero
+        slopes[id(node)] = result
+        if node._diffs is None:
+            node._diffs = {}
+        node._diffs[symbol] = result
+    return result
 
 
 def conjugate(field: Tower, element: Element) -> Element:
     """The element with its parts conjugated."""
-    found: dict[int, Element] = {}
-    for one in in_order(element, lambda x: id(x) in found):
+    conjugates: dict[int, Element] = {}
+    for node in in_order(element, lambda x: id(x) in conjugates):
         terms = tuple(
-            (c, *(found[id(x)] if x.is_kept else x.conjugate() for x in xs))
-            for c, *xs in one._recipe.terms
+            (c, *(conjugates[id(x)] if x.is_kept else x.conjugate() for x in xs))
+            for c, *xs in node._recipe.terms
         )
-        found[id(one)] = Lazy(field, Recipe(terms, one._recipe.below))
-    return found[id(element)]
+        conjugates[id(node)] = Lazy(field, Recipe(terms, node._recipe.below))
+    return conjugates[id(element)]
 
 
 def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Element | None:
@@ -113,14 +113,14 @@ def multiplied_out(field: Tower, element: Element, briefly: bool = False) -> Ele
     # must not depend on that.
     spent = 0
     counted: set[int] = set()
-    for one in in_order(element, lambda x: id(x) in counted):
-        counted.add(id(one))
-        if one._whole is None or (one._whole is _LONG and not briefly):
-            one._whole = _worked_out(field, one, briefly) or _LONG
-        if one._whole is _LONG:
+    for node in in_order(element, lambda x: id(x) in counted):
+        counted.add(id(node))
+        if node._whole is None or (node._whole is _LONG and not briefly):
+            node._whole = _worked_out(field, node, briefly) or _LONG
+        if node._whole is _LONG:
             return None
-        spent += one._whole.pairs
-        if briefly and (not one._whole.brief or spent > LARGEST_POWER_TERMS):
+        spent += node._whole.pairs
+        if briefly and (not node._whole.brief or spent > LARGEST_POWER_TERMS):
             return None
     if not isinstance(element, Lazy):
         return element
@@ -196,9 +196,9 @@ def stays_kept(element: Element) -> bool:
     def terms_of(powers: Counter[_Divisor]) -> int:
         return prod(terms_of_power(lengths[key], exponent) for key, exponent in powers.items())
 
-    for one in in_order(element, lambda x: id(x) in sizes):
+    for node in in_order(element, lambda x: id(x) in sizes):
         quotients = []
-        for _, *factors in one._recipe.terms:
+        for _, *factors in node._recipe.terms:
             num: int = 1
             den: Counter[_Divisor] = Counter()
             for factor, times in Counter(map(id, factors)).items():
@@ -211,11 +211,11 @@ def stays_kept(element: Element) -> bool:
         for _, den in quotients:
             common |= den
         above = sum(num * terms_of(common - den) for num, den in quotients)
-        if one._recipe.below:
-            lengths["kept", id(one)] = above
-            sizes[id(one)] = (terms_of(common), Counter({("kept", id(one)): 1}))
+        if node._recipe.below:
+            lengths["kept", id(node)] = above
+            sizes[id(node)] = (terms_of(common), Counter({("kept", id(node)): 1}))
         else:
-            sizes[id(one)] = (above, common)
+            sizes[id(node)] = (above, common)
     above, common = sizes[id(element)]
     if terms_of(common) == 1:
         return False

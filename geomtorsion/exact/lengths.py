@@ -47,18 +47,18 @@ def check_sums(element: Element, size_of: Callable[[Generator | Sum], int]) -> N
     seen: set[int] = set()
     waiting = [element]
     while waiting:
-        one = waiting.pop()
-        if id(one) in seen or vanishes(one):
+        node = waiting.pop()
+        if id(node) in seen or vanishes(node):
             continue
-        seen.add(id(one))
-        if not isinstance(one, Lazy):
-            sums.update((base, None) for base, _ in form(one).powers if isinstance(base, Sum))
-        elif (short := short_of(one)) is not None:
-            either[id(one)] = short
+        seen.add(id(node))
+        if not isinstance(node, Lazy):
+            sums.update((base, None) for base, _ in form(node).powers if isinstance(base, Sum))
+        elif (short := short_of(node)) is not None:
+            either[id(node)] = short
         else:
-            waiting += one._recipe.parts
+            waiting += node._recipe.parts
     # A sum that may be written in several forms counts as one part.
-    sizes = {base: 1 for one in either.values() for base, _ in form(one).powers}
+    sizes = {base: 1 for node in either.values() for base, _ in form(node).powers}
     longest = sorted((base for base in sums if base not in sizes), key=lambda x: -len(x.terms))
     for k, base in enumerate(longest):
         sizes[base] = size_of(base)
@@ -79,27 +79,27 @@ def parts_at_least(
     separately; a common factor of a sum is written once in front of it, as in `_sum_of`.
     """
     sizes: dict[object, int] = {}
-    known: dict[int, dict[Any, int]] = {}
+    base_powers: dict[int, dict[Any, int]] = {}
 
     def size(powers: Iterable[tuple[object, int]]) -> int:
         return max(sum(sizes[base] + exponents(base, power) for base, power in powers), 1)
 
     def powers_of(part: Element) -> dict[Any, int]:
-        if id(part) not in known:
-            found = known[id(part)] = dict(form(chosen.get(id(part), part)).powers)
-            sizes.update((base, size_of(base)) for base in found if base not in sizes)
-        return known[id(part)]
+        if id(part) not in base_powers:
+            bases = base_powers[id(part)] = dict(form(chosen.get(id(part), part)).powers)
+            sizes.update((base, size_of(base)) for base in bases if base not in sizes)
+        return base_powers[id(part)]
 
-    for one in in_order(element, lambda x: id(x) in known or id(x) in chosen or vanishes(x)):
-        recipe = one._recipe
+    for node in in_order(element, lambda x: id(x) in base_powers or id(x) in chosen or vanishes(x)):
+        recipe = node._recipe
         terms: list[Counter[Any]] = []
         for _, *factors in recipe.terms:
             if not any(map(vanishes, factors)):
                 terms.append(Counter())
                 for factor in factors:
                     terms[-1].update(powers_of(factor))
-        found = dict.fromkeys(terms[0]) if terms else {}
-        common = {b: min(term[b] for term in terms) for b in found if all(b in t for t in terms)}
+        first = dict.fromkeys(terms[0]) if terms else {}
+        common = {b: min(term[b] for term in terms) for b in first if all(b in t for t in terms)}
         if len(terms) > 1:
             # Sums of equal terms are equal, wherever they were built.
             inside = tuple(
@@ -108,16 +108,16 @@ def parts_at_least(
             )
             sizes[inside] = sum(map(size, inside))
             common[inside] = 1
-        known[id(one)] = {b: -e if recipe.below else e for b, e in common.items()}
+        base_powers[id(node)] = {b: -e if recipe.below else e for b, e in common.items()}
     return size(power for power in powers_of(element).items() if power[1])
 
 
 def terms_of(element: Element) -> Iterator[object]:
     """All terms of a kept element, including the terms of its parts."""
     seen: set[int] = set()
-    for one in in_order(element, lambda x: id(x) in seen):
-        seen.add(id(one))
-        yield from one._recipe.terms
+    for node in in_order(element, lambda x: id(x) in seen):
+        seen.add(id(node))
+        yield from node._recipe.terms
 
 
 def exponents(base: object, exponent: int) -> int:

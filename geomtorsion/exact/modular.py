@@ -198,14 +198,14 @@ class ModularPoint:
 
     def _below(self, elements: Iterable[Element]) -> list[int]:
         """The places of the generators of elements and of those on which they rest."""
-        found: set[Generator] = set()
+        generators: set[Generator] = set()
         waiting = list(elements)
         while waiting:
-            new = set(self._field.generators_of(waiting.pop())) - found
-            found |= new
+            new = set(self._field.generators_of(waiting.pop())) - generators
+            generators |= new
             waiting += [inner for generator in new for inner in self._inner(generator)]
         oldest = self._field.generators[::-1]
-        return [place for place, generator in enumerate(oldest) if generator in found]
+        return [place for place, generator in enumerate(oldest) if generator in generators]
 
     def _inner(self, generator: Generator) -> list[Element]:
         """What the value of a generator is made of: the other side of its relation."""
@@ -226,32 +226,32 @@ class ModularPoint:
     def _image(self, element: Element) -> fmpz_mod:
         if not element.is_kept:
             return self._of_polynomials(element)
-        for one in in_order(element, lambda x: self._known(x) is not None):
-            recipe = one._recipe
+        for node in in_order(element, lambda x: self._known(x) is not None):
+            recipe = node._recipe
             total = self._zero
             for coefficient, *factors in recipe.terms:
                 value = self._number(coefficient)
                 for factor in factors:
-                    known = self._known(factor)
-                    value = value * (self._of_polynomials(factor) if known is None else known)
+                    stored = self._known(factor)
+                    value = value * (self._of_polynomials(factor) if stored is None else stored)
                 total = total + value
             if recipe.below:
                 total = self._inverse(total)
-            self._keep(one, total)
-        found = self._known(element)
-        assert found is not None
-        return found
+            self._keep(node, total)
+        image = self._known(element)
+        assert image is not None
+        return image
 
     def _of_polynomials(self, element: Element) -> fmpz_mod:
         """The value of an element that is multiplied out."""
-        known = self._known(element)
-        if known is None:
-            known = self._polynomial(self._field.lift(element))
+        value = self._known(element)
+        if value is None:
+            value = self._polynomial(self._field.lift(element))
             for index, exponent in element._den:
                 below = self._polynomial(self._field.factors[index])
-                known = known * self._inverse(below) ** exponent
-            self._keep(element, known)
-        return known
+                value = value * self._inverse(below) ** exponent
+            self._keep(element, value)
+        return value
 
     def _polynomial(self, poly: fmpq_mpoly) -> fmpz_mod:
         """The value of a polynomial of the present ring."""
@@ -364,14 +364,14 @@ class ModularPoint:
     def _rests_on(self, generator: Generator) -> frozenset[int]:
         """The places of the generators with random values on which one rests, its own included."""
         if generator.name not in self._rests:
-            generators, found = self._field.generators, frozenset[int]()
+            generators, places = self._field.generators, frozenset[int]()
             if self._inner(generator):
                 for element in self._inner(generator):
                     inner = map(self._rests_on, self._field.generators_of(element))
-                    found = found.union(*inner)
+                    places = places.union(*inner)
             elif generator.depends or generator.kind == "constant":
-                found = frozenset([len(generators) - 1 - generators.index(generator)])
-            self._rests[generator.name] = found
+                places = frozenset([len(generators) - 1 - generators.index(generator)])
+            self._rests[generator.name] = places
         return self._rests[generator.name]
 
     def _value(self, generator: Generator) -> fmpz_mod:

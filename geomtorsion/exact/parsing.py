@@ -224,9 +224,9 @@ class _Reader:
             self._fail(node, f"{name} is a function", f"Write its argument: {name}(...).")
         # I1 is near to I by its letters only: a constant of one letter is meant where all agree.
         constants = [one for one in CONSTANTS if len(one) > 1 or one.lower() == name.lower()]
-        known = [*self.symbols, *(self.functions or ()), *constants]
+        names = [*self.symbols, *(self.functions or ()), *constants]
         remedy = f"Otherwise declare {name} as a parameter."
-        near = near_names(name, known)
+        near = near_names(name, names)
         remedy = f"Did you mean {near}? {remedy}" if near else remedy.removeprefix("Otherwise ")
         reason = f"{name} is neither a coordinate nor a declared parameter"
         self._fail(node, reason, remedy[0].upper() + remedy[1:])
@@ -245,11 +245,11 @@ class _Reader:
         arguments = [self.read(argument) for argument in node.parts]
         if self.functions and name in self.functions:
             return self._declared(node, name, self.functions[name], arguments)
-        known = FUNCTIONS.get(name) or SPECIAL.get(name)
-        if known is None and self.functions is not None:
-            known = SPECIAL_IF_DECLARED.get(name)
-        if known is not None:
-            function, counts = known
+        entry = FUNCTIONS.get(name) or SPECIAL.get(name)
+        if entry is None and self.functions is not None:
+            entry = SPECIAL_IF_DECLARED.get(name)
+        if entry is not None:
+            function, counts = entry
             self._count(node, name, counts)
             self._bound(node, too_large(name, arguments, self.limits.argument))
             value = function(*arguments)

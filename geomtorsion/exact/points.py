@@ -45,7 +45,7 @@ def roomy_point_of(field: Tower) -> ModularPoint:
     if len(square) < many:
         return point_of(field)
     inner = [field.generators_of(g.tail) for g in square if g.tail is not None]
-    if sum(any(g.kind == "root" and g.degree == 2 for g in found) for found in inner) > many:
+    if sum(any(g.kind == "root" and g.degree == 2 for g in radicand) for radicand in inner) > many:
         raise NoPointError
     point = field.tables.get("extended point")
     if point is None:

@@ -106,18 +106,18 @@ def prime_factors(number: fmpz | int) -> list[tuple[fmpz, int]]:
     number = fmpz(number)
     if number.bit_length() <= _BITS:
         return list(number.factor())
-    found: list[tuple[fmpz, int]] = []
+    factors: list[tuple[fmpz, int]] = []
     for part, exponent in number.factor_smooth(_SMOOTH_BITS):
         if part.bit_length() <= _BITS:
-            found += [(prime, inner * exponent) for prime, inner in part.factor()]
+            factors += [(prime, inner * exponent) for prime, inner in part.factor()]
         elif part.is_probable_prime():
-            found.append((part, exponent))
+            factors.append((part, exponent))
         else:
             raise LimitError(
                 f"the integer {str(part)[:20]}... of {len(str(part))} digits is too large to be "
                 "factored; name it by a parameter"
             )
-    return found
+    return factors
 
 
 def as_fmpq(value: int | Fraction | fmpq) -> fmpq:
@@ -140,9 +140,9 @@ def factored(poly: fmpq_mpoly, largest: int) -> Factors:
     if single or (len(poly) > 2 * poly.total_degree() and is_irreducible_on_a_line(poly)):
         return _irreducible(poly)
     if len(poly) * sum(degrees) > largest:
-        found = factored_apart(poly, _OTHER)
-        if found is not None:
-            return found
+        factorization = factored_apart(poly, _OTHER)
+        if factorization is not None:
+            return factorization
     if slope is not None:
         shared = poly.gcd(slope)
         if shared.is_constant():
@@ -219,8 +219,8 @@ def factored_apart(poly: fmpq_mpoly, other: OtherProcess) -> Factors | None:
     if not line:
         return None
     p, q, factors = json.loads(line)
-    found = [(factoring_process.polynomial(ctx, terms), e) for terms, e in factors]
-    return fmpq(fmpz(int(p)), fmpz(int(q))), found
+    pairs = [(factoring_process.polynomial(ctx, terms), e) for terms, e in factors]
+    return fmpq(fmpz(int(p)), fmpz(int(q))), pairs
 
 
 _OTHER = OtherProcess(str(Path(factoring_process.__file__)))

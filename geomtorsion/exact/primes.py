@@ -28,8 +28,8 @@ def order_for(field: Tower) -> int:
     Where it has none of order 3, each number has one cube root; else one number in three has any.
     So with all odd degrees, unless a constant needs the roots of unity.
     """
-    known = field.tables.get("order of unity")
-    if known is None or known[0] != field.level:
+    entry = field.tables.get("order of unity")
+    if entry is None or entry[0] != field.level:
         degrees = [g.degree for g in field.generators if g.degree > 2 and not g.middle]
         left = {int(q) for degree in degrees for q, _ in fmpz(degree).factor() if q > 2}
         for generator in field.generators if left else ():
@@ -42,19 +42,19 @@ def order_for(field: Tower) -> int:
                 # Square roots of numbers are Gauss sums.
                 left -= {q for q in left if not generator.tail.as_fraction().numerator % q}
         order = prod(q**e for q, e in fmpz(ORDER).factor() if int(q) not in left)
-        known = field.tables["order of unity"] = field.level, int(order)
-    return known[1]
+        entry = field.tables["order of unity"] = field.level, int(order)
+    return entry[1]
 
 
 def nth_prime(number: int, order: int) -> fmpz:
     """The prime of a number: BITS bits, without roots of unity of other parts of ORDER."""
     digest = hashlib.sha512(f"prime {number}".encode()).digest()
     start = (int.from_bytes(digest, "big") % 2 ** (BITS - 1)) | 2 ** (BITS - 1)
-    found = fmpz(start - start % order + 1)
+    prime = fmpz(start - start % order + 1)
     others = fmpz(ORDER // order)
-    while not found.is_probable_prime() or (found - 1).gcd(others) != 1:
-        found += order
-    return found
+    while not prime.is_probable_prime() or (prime - 1).gcd(others) != 1:
+        prime += order
+    return prime
 
 
 def root_of_unity(ring: fmpz_mod_ctx, prime: fmpz, order: int) -> fmpz_mod:
@@ -62,7 +62,7 @@ def root_of_unity(ring: fmpz_mod_ctx, prime: fmpz, order: int) -> fmpz_mod:
     orders = [int(q) for q, _ in fmpz(order).factor()]
     base = 2
     while True:
-        found = ring(base) ** ((prime - 1) // order)
-        if all(found ** (order // q) != 1 for q in orders):
-            return found
+        root = ring(base) ** ((prime - 1) // order)
+        if all(root ** (order // q) != 1 for q in orders):
+            return root
         base += 1

@@ -144,9 +144,9 @@ class Primitives:
     def _log_of_factor(self, base: Element) -> Element:
         """The logarithm of one factor; exponentials and roots need no generator."""
         field = self._field
-        known = self._by_argument.get(("log", (base,)))
-        if known is not None:
-            return known
+        logarithm = self._by_argument.get(("log", (base,)))
+        if logarithm is not None:
+            return logarithm
         # log(exp(u)) is u; the logarithm of a root is a part of a logarithm.
         for generator in field.generators_of(base):
             if generator.kind == "imaginary" and base == field.imaginary:
@@ -174,15 +174,15 @@ class Primitives:
     def _primitive(
         self, name: str, arguments: tuple[Element, ...], inner: Element, slope: Element
     ) -> Element:
-        known = self._by_argument.get((name, arguments))
-        if known is None:
+        primitive = self._by_argument.get((name, arguments))
+        if primitive is None:
             # Unevaluated, so that its type stays the name: sympy rewrites asinh(-u).
             shown = getattr(sympy, name)(*(part.sympy for part in arguments), evaluate=False)
             slopes = tuple(slope * inner.diff(s) for s in self._field.symbols)
             data = (inner, slope, arguments)
-            known = self._added(name, shown, arguments, slopes, data)
-            self._by_argument[name, arguments] = known
-        return known
+            primitive = self._added(name, shown, arguments, slopes, data)
+            self._by_argument[name, arguments] = primitive
+        return primitive
 
     def _added(
         self,
@@ -245,10 +245,10 @@ class Primitives:
         if field.is_complex:
             turn = field.imaginary
             basis += [(turn * f, [turn * d for d in slope]) for f, slope in candidates]
-        found = express(field, slopes, [slope for _, slope in basis])
-        if found is None:
+        coefficients = express(field, slopes, [slope for _, slope in basis])
+        if coefficients is None:
             return None
-        return field.sum((q, f) for q, (f, _) in zip(found, basis, strict=True) if q)
+        return field.sum((q, f) for q, (f, _) in zip(coefficients, basis, strict=True) if q)
 
     def _number(self, name: str, arguments: tuple[Element, ...]) -> mpmath.mpf | None:
         """The value of the function at the sample point, or None."""

@@ -150,38 +150,38 @@ def counted_as(
     geomtorsion.errors.CoordinateError: two different symbols are called r: Symbol('r') and \
 Symbol('r', positive=True). Create the symbol once and use it everywhere.
     """
-    known = _by_name(declared, error)
-    found: dict[sympy.Basic, sympy.Symbol] = {}
+    by_name = _by_name(declared, error)
+    twins: dict[sympy.Basic, sympy.Symbol] = {}
     others = []
     for symbol in symbols:
         if not isinstance(symbol, sympy.Symbol):
             continue
-        own = known.get(symbol.name)
+        own = by_name.get(symbol.name)
         if own is None:
             others.append(symbol)
         elif own != symbol:
-            found[symbol] = own
+            twins[symbol] = own
     _by_name(others, error)
-    return found
+    return twins
 
 
 def _by_name(symbols: Iterable[sympy.Symbol], error: ErrorClass) -> dict[str, sympy.Symbol]:
     """Symbols by their names, each of which belongs to one only."""
-    given = set(symbols)
-    found = {symbol.name: symbol for symbol in given}
-    if len(found) == len(given):
-        return found
-    found = {}
+    distinct = set(symbols)
+    by_name = {symbol.name: symbol for symbol in distinct}
+    if len(by_name) == len(distinct):
+        return by_name
+    by_name = {}
     # In an order that does not depend on the addresses of symbols.
-    for symbol in sorted(given, key=sympy.srepr):
-        twin = found.setdefault(symbol.name, symbol)
+    for symbol in sorted(distinct, key=sympy.srepr):
+        twin = by_name.setdefault(symbol.name, symbol)
         if twin != symbol:
             both = " and ".join(cut(sympy.srepr(one)) for one in (twin, symbol))
             raise error(
                 f"two different symbols are called {cut(symbol.name)}: {both}. "
                 "Create the symbol once and use it everywhere."
             )
-    return found
+    return by_name
 
 
 # The value of a function from what reads its argument, and the argument.
@@ -328,10 +328,10 @@ class Reader:
             real, imaginary = self._parts(self.element(arg))
             circular.append(real)
             doubled.append(imaginary)
-        for batch, kept in ((exponents, plain), (hyperbolic, doubled)):
+        for batch, real_parts in ((exponents, plain), (hyperbolic, doubled)):
             for arg in batch:
                 real, imaginary = self._parts(self.element(arg))
-                kept.append(real)
+                real_parts.append(real)
                 circular.append(imaginary)
         self.angles.prepare(circular)
         self.exponents.prepare(plain, doubled)
@@ -350,9 +350,9 @@ class Reader:
 
     def element(self, expr: sympy.Basic) -> Element:
         """Reads one expression."""
-        known = self._known.get(expr)
-        if known is not None:
-            return known
+        element = self._known.get(expr)
+        if element is not None:
+            return element
         for part in inside_out(expr, self._parts_of, self._known.__contains__):
             self._known[part] = self._read(part)
         return self._known[expr]
@@ -525,9 +525,9 @@ class Reader:
 
     def _give_meaning(self, generator: Generator) -> None:
         """Looks for the meaning of a generator; values that were chosen without it are left."""
-        found = meaning(self.field, generator)
-        if found is not None:
-            self.field.meanings[generator.name] = found
+        value = meaning(self.field, generator)
+        if value is not None:
+            self.field.meanings[generator.name] = value
             leave_point(self.field)
 
     def _close(self) -> None:
@@ -565,9 +565,9 @@ class Reader:
         if expr is sympy.E:
             return self.exp(field.one)
         if expr is sympy.pi:
-            known = field.by_name.get("pi")
-            if known is not None:
-                return field.generator_element(known)
+            generator = field.by_name.get("pi")
+            if generator is not None:
+                return field.generator_element(generator)
             return field.add(Generator("constant", "pi", sympy.pi, frozenset()))
         if expr is sympy.GoldenRatio:
             return self.element((1 + sympy.sqrt(5)) / 2)

@@ -63,9 +63,9 @@ class Echelon:
         images = roomy_point_of(self.field).images([x for row in every for x in row])
         table = [images[k : k + self.width] for k in range(0, len(images), self.width)]
         chosen = [every[k] for k in _independent(table)]
-        found = chosen[self.rank :]
+        added = chosen[self.rank :]
         self.rows = chosen
-        return found
+        return added
 
     def rank_of_columns(self, columns: Sequence[int]) -> int:
         """The rank of the rows cut to some columns."""
@@ -79,9 +79,9 @@ class Echelon:
 def _independent(table: Sequence[Sequence[Any]]) -> list[int]:
     """Numbers of the rows that do not depend on earlier ones, by elimination."""
     pivots: list[tuple[int, list[Any]]] = []
-    found = []
-    for number, given in enumerate(table):
-        row = list(given)
+    numbers = []
+    for number, original in enumerate(table):
+        row = list(original)
         for column, pivot in pivots:
             if row[column] != 0:
                 factor = row[column]
@@ -90,8 +90,8 @@ def _independent(table: Sequence[Sequence[Any]]) -> list[int]:
         if column is not None:
             inverse = row[column] ** -1
             pivots.append((column, [x * inverse for x in row]))
-            found.append(number)
-    return found
+            numbers.append(number)
+    return numbers
 
 
 def vanishing_sums(equations: Iterable[Sequence[Element]], width: int) -> list[list[Fraction]]:
@@ -157,15 +157,15 @@ def _kernel(
     for i in range(rank):
         start = pivots[-1] + 1 if pivots else 0
         pivots.append(next(k for k in range(start, len(unknowns)) if reduced[i, k] != 0))
-    found = {}
+    solutions = {}
     for place in sorted(set(range(len(unknowns))) - set(pivots)):
         solution = [Fraction(0)] * width
         solution[unknowns[place]] = Fraction(1)
         for i, pivot in enumerate(pivots):
             value = -reduced[i, place]
             solution[unknowns[pivot]] = Fraction(int(value.p), int(value.q))
-        found[unknowns[place]] = solution
-    return found
+        solutions[unknowns[place]] = solution
+    return solutions
 
 
 def _by_monomials(equation: Sequence[Element]) -> list[list[tuple[int, Any]]]:
@@ -181,11 +181,11 @@ def _by_monomials(equation: Sequence[Element]) -> list[list[tuple[int, Any]]]:
     common: Any = ()
     for _, value in filled:
         common = field.lcm(common, value._den)
-    found: dict[Any, list[tuple[int, Any]]] = {}
+    equations: dict[Any, list[tuple[int, Any]]] = {}
     for k, value in filled:
         numerator = field.lift(value)
         if value._den != common:
             numerator = field.reduced(numerator * field.cofactor(common, value._den))
         for monomial, coefficient in numerator.to_dict().items():
-            found.setdefault(monomial, []).append((k, coefficient))
-    return list(found.values())
+            equations.setdefault(monomial, []).append((k, coefficient))
+    return list(equations.values())

@@ -215,9 +215,9 @@ def _irreducible_root(field: Tower, base: Element, order: int) -> Element:
     # x**(1/3) and x**(1/9) are dependent: the finest root so far gives the others.
     finest, depth = base, 1
     for generator in reversed(field.generators):
-        known = generator.argument if generator.kind == "root" else None
-        if known is not None and known[0] == base:
-            finest, depth = field.generator_element(generator), known[1]
+        base_and_order = generator.argument if generator.kind == "root" else None
+        if base_and_order is not None and base_and_order[0] == base:
+            finest, depth = field.generator_element(generator), base_and_order[1]
     if depth % order == 0:
         return finest ** (depth // order)
     step = lcm(depth, order) // depth
@@ -317,9 +317,9 @@ def _by_classes(field: Tower, element: Element, quadratic: list[Generator]) -> E
     for generator in chosen:
         assert generator.tail is not None
         element = element * generator.tail
-    found = _by_classes(field, element, [g for g in quadratic if g not in outer])
+    square_root = _by_classes(field, element, [g for g in quadratic if g not in outer])
     roots = prod(map(field.generator_element, chosen), start=field.one)
-    return None if found is None else found / roots
+    return None if square_root is None else square_root / roots
 
 
 class _DearError(Exception):
@@ -328,13 +328,13 @@ class _DearError(Exception):
 
 def _with_those_below(field: Tower, element: Element) -> set[Generator]:
     """The algebraic generators of an element, and of their radicands in turn."""
-    found: set[Generator] = set()
+    generators: set[Generator] = set()
     waiting = [element]
     while waiting:
-        new = {g for g in field.generators_of(waiting.pop()) if g.degree} - found
-        found |= new
+        new = {g for g in field.generators_of(waiting.pop()) if g.degree} - generators
+        generators |= new
         waiting += [g.tail for g in new if g.tail is not None]
-    return found
+    return generators
 
 
 def _plain(field: Tower, generator: Generator) -> bool:
@@ -380,11 +380,11 @@ def _inside(
     position = field.generators.index(top)
     low, high = split(field.lift(element), position)
     if not high:
-        found = _inside(field, element, *below, briefly)
-        if found is not None:
-            return found
-        found = _inside(field, element * top.tail, *below, briefly)
-        return None if found is None else found / field.generator_element(top)
+        square_root = _inside(field, element, *below, briefly)
+        if square_root is not None:
+            return square_root
+        square_root = _inside(field, element * top.tail, *below, briefly)
+        return None if square_root is None else square_root / field.generator_element(top)
     den = field.denominator(element).inverse()
     a, b = field.polynomial(low) * den, field.polynomial(high) * den
     norm = _inside(field, a * a - b * b * top.tail, *below, briefly)
@@ -424,8 +424,8 @@ def _by_parity(field: Tower, element: Element, base: list[Generator]) -> Element
     for k in used:
         product = product * tails[k]
         roots = roots * field.generator_element(base[k])
-    found = _rational_square_root(field, product)
-    return None if found is None else found / roots
+    square_root = _rational_square_root(field, product)
+    return None if square_root is None else square_root / roots
 
 
 def _odd_factors(field: Tower, element: Element) -> frozenset[str]:
@@ -509,19 +509,19 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     rooted = len(num) > 1 and any(
         g.degree and d > 0 for g, d in zip(field.generators, degrees, strict=True)
     )
-    given = num
+    numerator = num
     for position, generator in enumerate(field.generators):
         if generator.degree and degrees[position] > 0:
             if generator.degree > 2:
-                found = _conjugate_of_few_powers(field, num, position, largest)
-                if found is None:
-                    found = _conjugate(field, num, position, largest)
-                if found is None or len(multiplier) * len(found[1]) > largest:
+                pair = _conjugate_of_few_powers(field, num, position, largest)
+                if pair is None:
+                    pair = _conjugate(field, num, position, largest)
+                if pair is None or len(multiplier) * len(pair[1]) > largest:
                     return None
                 # Division by factors of such a high degree takes as long as the square.
-                if _is_high(generator) and (len(multiplier) * len(found[1])) ** 2 > largest:
+                if _is_high(generator) and (len(multiplier) * len(pair[1])) ** 2 > largest:
                     return None
-                num, conjugate = found
+                num, conjugate = pair
                 multiplier = field.reduced(multiplier * conjugate)
                 # A conjugate may bring in roots of the radicand; later passes clear them.
                 degrees = num.degrees()
@@ -548,7 +548,7 @@ def inverse(field: Tower, element: Element, largest: int = LARGEST_PRODUCT) -> E
     if len(num) ** 2 > largest or len(multiplier) * len(den) > largest:
         return None
     if rooted:
-        field.note_rooted(field.polynomial(given))
+        field.note_rooted(field.polynomial(numerator))
     content, factors = field.factored(num)
     # Irreducible factors are registered once, so that later sums share them.
     return field.over_factors(multiplier * den * (1 / content), factors)
@@ -578,8 +578,8 @@ def _conjugate_of_few_powers(
     n, k = generator.degree, powers[-1]
     w = field.ctx.gen(position)
     if len(powers) == 1:
-        other = w ** (n - k)
-        return field.reduced(num * other), other
+        factor = w ** (n - k)
+        return field.reduced(num * factor), factor
     parts = coefficients(field, num, position, n)
     below, above = parts[0], parts[k]
     m = n // gcd(n, k)
@@ -728,10 +728,10 @@ class Norms:
 
 def norms(field: Tower) -> Norms:
     """The table of norms, made again when the field has grown."""
-    known = field.tables.get("norms")
-    if known is None or known.level != field.level or known.count != len(field.rooted):
-        known = field.tables["norms"] = Norms(field)
-    return known
+    table = field.tables.get("norms")
+    if table is None or table.level != field.level or table.count != len(field.rooted):
+        table = field.tables["norms"] = Norms(field)
+    return table
 
 
 def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
@@ -746,17 +746,17 @@ def roots_restored(element: Element) -> tuple[fmpq_mpoly, Denominator, Below]:
         for conjugates, powers in norms(field).table:
             while part := _shared(den, powers, whole):
                 check_limits()
-                found = _divided(field, num, conjugates, part)
-                if found is None:
+                quotient = _divided(field, num, conjugates, part)
+                if quotient is None:
                     break
                 # num/part = quotient/divisor, and the cleared factor is gone from the denominator.
-                num, divisor = found
+                num, divisor = quotient
                 den = _without(den, part)
                 if divisor.leading_coefficient() < 0:
                     num, divisor = -num, -divisor
                 _enter_below(below, divisor)
-        if whole and den and not below and (found := _reciprocal(field, num, den)) is not None:
-            return field.ctx.constant(1), (), {str(found): (found, 1)}
+        if whole and den and not below and (quotient := _reciprocal(field, num, den)) is not None:
+            return field.ctx.constant(1), (), {str(quotient): (quotient, 1)}
     for unit in norms(field).units:
         # sqrt(x**2 + 1) - x has no right digit for large x; 1/(sqrt(x**2 + 1) + x) has them all.
         while _mixed(num) and len(product := field.reduced(num * unit)) < len(num):
@@ -796,19 +796,19 @@ def _reciprocal(field: Tower, num: fmpq_mpoly, den: Denominator) -> fmpq_mpoly |
     # Clearing the denominator does not shorten the conjugate in the numerator.
     if len(num) > len(norm) or len(num) < 2:
         return None
-    other, own = field.ctx.constant(1), num
+    conjugate, own = field.ctx.constant(1), num
     for place, generator in enumerate(field.generators):
         if generator.degree == 2 and own.degrees()[place]:
             below, above = polynomials.split(own, place)
             flipped = below - above * field.ctx.gen(place)
             # A long norm belongs to a long polynomial, which is not worth writing.
-            if max(len(other), len(own)) * len(flipped) > MOST_AT_ONCE:
+            if max(len(conjugate), len(own)) * len(flipped) > MOST_AT_ONCE:
                 return None
-            other, own = field.reduced(other * flipped), field.reduced(own * flipped)
+            conjugate, own = field.reduced(conjugate * flipped), field.reduced(own * flipped)
     if own == num:
         return None
     try:
-        return other / (own / norm)
+        return conjugate / (own / norm)
     except (DomainError, ZeroDivisionError):
         return None
 

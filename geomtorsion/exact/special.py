@@ -69,17 +69,17 @@ def meaning(field: Tower, generator: Generator) -> Element | None:
     """
     name, arguments = type(generator.shown).__name__, generator.argument
     if generator.kind == "log":
-        found = _of_logarithm(field, generator)
+        candidate = _of_logarithm(field, generator)
     elif name in _MEANINGS:
-        found = _attempt(partial(_MEANINGS[name], field, arguments))
+        candidate = _attempt(partial(_MEANINGS[name], field, arguments))
     else:
         expanded = generator.shown.expand(func=True)
-        found = None
+        candidate = None
         if expanded != generator.shown and arguments:
-            found = _attempt(partial(field.read, expanded))
-    if found is None or not _agree(field, field.generator_element(generator), found):
+            candidate = _attempt(partial(field.read, expanded))
+    if candidate is None or not _agree(field, field.generator_element(generator), candidate):
         return None
-    return found
+    return candidate
 
 
 def _attempt(read: Callable[[], Element | None]) -> Element | None:
@@ -94,9 +94,9 @@ def _agree(field: Tower, one: Element, other: Element) -> bool:
     """Whether two elements have one value at the generic point."""
     try:
         with working_precision(EXACT_BITS):
-            known, found = field.sample.value(one), field.sample.value(other)
-            size = abs(known) + abs(found)
-            return bool(abs(known - found) <= mpmath.ldexp(size, -EXACT_BITS // 2))
+            first, second = field.sample.value(one), field.sample.value(other)
+            size = abs(first) + abs(second)
+            return bool(abs(first - second) <= mpmath.ldexp(size, -EXACT_BITS // 2))
     except (GeomtorsionError, ArithmeticError, ValueError):
         return False
 
@@ -157,14 +157,14 @@ def _bessel_slopes(
         both = _called(field, function, below, z) * (lower * half)
         return None, both + _called(field, function, above, z) * (upper * half)
     own = _called(field, function, order, z) * order / z
-    known = {
+    orders = {
         generator.argument[0]
         for generator in field.generators
         if generator.kind == "opaque"
         and type(generator.shown).__name__ == name
         and generator.argument[1] == z
     }
-    if above in known and below not in known:
+    if above in orders and below not in orders:
         return None, own + _called(field, function, above, z) * upper
     return None, _called(field, function, below, z) * lower - own
 
@@ -234,8 +234,8 @@ def _by_wronskian(name: str, field: Tower, order: Element, z: Element) -> Elemen
     if name in ("besselj", "besseli"):
         return None
     own = _called(field, getattr(sympy, name), order, z)
-    other = sympy.besselj if name == "bessely" else sympy.besseli
-    low, high = _called(field, other, order, z), _called(field, other, order + 1, z)
+    partner = sympy.besselj if name == "bessely" else sympy.besseli
+    low, high = _called(field, partner, order, z), _called(field, partner, order + 1, z)
     if name == "bessely":
         return (high * own - field.read(2 / sympy.pi) / z) / low
     return (z.inverse() - high * own) / low
@@ -287,7 +287,7 @@ def _inverted(field: Tower, value: mpmath.mpf, z: Element) -> list[Element]:
             degree = field.lift(z).degrees()[field.generators.index(generator)]
             rest = rest / field.generator_element(generator) ** int(degree)
     parts = [rest, *(field.polynomial(factor) for factor, _ in field.factored(field.lift(z))[1])]
-    found = []
+    multiples = []
     for part in parts:
         try:
             with working_precision(EXACT_BITS):
@@ -298,8 +298,8 @@ def _inverted(field: Tower, value: mpmath.mpf, z: Element) -> list[Element]:
         except (GeomtorsionError, ArithmeticError, ValueError):
             continue
         if near and far < mpmath.ldexp(1, -EXACT_BITS // 2):
-            found.append(part * near)
-    return found
+            multiples.append(part * near)
+    return multiples
 
 
 def _of_logarithm(field: Tower, generator: Generator) -> Element | None:
@@ -325,10 +325,10 @@ def _of_logarithm(field: Tower, generator: Generator) -> Element | None:
 
 def _product(base: Element, n: int) -> Element:
     """gamma(base + n) / gamma(base)."""
-    found = base.field.one
+    product = base.field.one
     for k in range(abs(n)):
-        found = found * (base + k if n > 0 else base - (k + 1))
-    return found if n > 0 else found.inverse()
+        product = product * (base + k if n > 0 else base - (k + 1))
+    return product if n > 0 else product.inverse()
 
 
 def _gamma(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
@@ -336,8 +336,8 @@ def _gamma(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
     base, n, _ = _split(u)
     if base._num and not base.is_rational and _is_turned(base):
         # The reflection: gamma(u) gamma(1 - u) = pi/sin(pi u).
-        other = _called(field, sympy.gamma, 1 - u)
-        return field.read(sympy.pi / sympy.sin(sympy.pi * u.sympy)) / other
+        reflected = _called(field, sympy.gamma, 1 - u)
+        return field.read(sympy.pi / sympy.sin(sympy.pi * u.sympy)) / reflected
     if abs(n) > LARGEST_MULTIPLE:
         return None
     if n:
@@ -387,12 +387,12 @@ def _uppergamma(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
         if base.is_rational and share == fmpq(1, 2):
             return field.read(sympy.sqrt(sympy.pi) * sympy.erfc(sympy.sqrt(x.sympy)))
         return field.read(sympy.expint(1, x.sympy)) if not base._num else None
-    found = _called(field, sympy.uppergamma, base, x)
+    value = _called(field, sympy.uppergamma, base, x)
     steps = range(n) if n > 0 else range(-1, n - 1, -1)
     for k in steps:
         term = field.read(x.sympy ** (base + k).sympy * sympy.exp(-x.sympy))
-        found = found * (base + k) + term if n > 0 else (found - term) / (base + k)
-    return found
+        value = value * (base + k) + term if n > 0 else (value - term) / (base + k)
+    return value
 
 
 def _expint(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
@@ -406,10 +406,10 @@ def _expint(field: Tower, arguments: tuple[Element, ...]) -> Element | None:
         return -_called(field, sympy.Ei, -x)
     if not 1 < n <= LARGEST_MULTIPLE:
         return None
-    found, falling = _called(field, sympy.expint, 1, x), field.read(sympy.exp(-x.sympy))
+    integral, falling = _called(field, sympy.expint, 1, x), field.read(sympy.exp(-x.sympy))
     for k in range(1, n):
-        found = (falling - x * found) * fmpq(1, k)
-    return found
+        integral = (falling - x * integral) * fmpq(1, k)
+    return integral
 
 
 # -- by other functions ------------------------------------------------------------------------

@@ -205,16 +205,16 @@ class Tower(ABC):
         argument = generator.argument
         parts = [generator.tail, *(argument if isinstance(argument, tuple) else (argument,))]
         built = (self.generators_of(part) for part in parts if isinstance(part, Element))
-        sure = generator.sure and all(known.sure for found in built for known in found)
+        sure = generator.sure and all(inner.sure for generators in built for inner in generators)
         return replace(generator, sure=sure)
 
     def add_root(
         self, tail: Element, order: int, sure: bool, base: tuple[Element, int] | None = None
     ) -> Element:
         """w with w**order = tail, added if new; base = (f, n): w is the n-th root of f."""
-        for known in self.generators:
-            if known.kind == "root" and known.degree == order and known.tail == tail:
-                return self.generator_element(known)
+        for generator in self.generators:
+            if generator.kind == "root" and generator.degree == order and generator.tail == tail:
+                return self.generator_element(generator)
         shown = tail.sympy ** sympy.Rational(1, order)
         if base is not None:
             shown = base[0].sympy ** sympy.Rational(1, base[1])
@@ -289,8 +289,8 @@ class Tower(ABC):
 
     def generators_of(self, element: Element) -> list[Generator]:
         """The generators that occur in an element."""
-        known, newest = element._bits, len(self.generators) - 1
-        bits = occurring(self, element) if known is None else known
+        stored, newest = element._bits, len(self.generators) - 1
+        bits = occurring(self, element) if stored is None else stored
         return [g for k, g in enumerate(self.generators) if bits >> (newest - k) & 1]
 
     def lift(self, element: Element) -> fmpq_mpoly:
@@ -326,8 +326,8 @@ class Tower(ABC):
                 factors.pop(0)
             if coefficient == 1 and len(factors) == 1:
                 return factors[0]
-        found = self.added(left, limits.MOST_AT_ONCE)
-        return kept(self, left) if found is None else found
+        total = self.added(left, limits.MOST_AT_ONCE)
+        return kept(self, left) if total is None else total
 
     def added(self, terms: list[tuple[Any, ...]], largest: int) -> Element | None:
         """The sum multiplied out; None if a product of more pairs of terms would be needed."""
@@ -387,14 +387,14 @@ class Tower(ABC):
 
     def _cofactor_terms(self, common: Denominator, den: Denominator) -> int:
         """How many terms common/den has at most, whether or not it has been multiplied out."""
-        known = self._cofactor_sizes.get((common, den))
-        if known is None:
+        count = self._cofactor_sizes.get((common, den))
+        if count is None:
             have = dict(den)
-            known = self._cofactor_sizes[common, den] = prod(
+            count = self._cofactor_sizes[common, den] = prod(
                 limits.terms_of_power(len(self.factors[index]), exponent - have.get(index, 0))
                 for index, exponent in common
             )
-        return known
+        return count
 
     def scaled(self, element: Element, factor: int | Fraction | fmpq) -> Element:
         """A rational multiple of an element."""
@@ -445,13 +445,13 @@ class Tower(ABC):
 
     def merged(self, a: Denominator, b: Denominator) -> Denominator:
         """The product of two denominators."""
-        known = self._merged.get((a, b))
-        if known is None:
+        product = self._merged.get((a, b))
+        if product is None:
             powers = dict(a)
             for index, exponent in b:
                 powers[index] = powers.get(index, 0) + exponent
-            known = self._merged[a, b] = tuple(sorted(powers.items()))
-        return known
+            product = self._merged[a, b] = tuple(sorted(powers.items()))
+        return product
 
     def lcm(self, a: Denominator, b: Denominator) -> Denominator:
         """The least common multiple of two denominators."""
@@ -459,24 +459,24 @@ class Tower(ABC):
             return a
         if not a:
             return b
-        known = self._lcms.get((a, b))
-        if known is None:
+        multiple = self._lcms.get((a, b))
+        if multiple is None:
             powers = dict(a)
             for index, exponent in b:
                 powers[index] = max(powers.get(index, 0), exponent)
-            known = self._lcms[a, b] = tuple(sorted(powers.items()))
-        return known
+            multiple = self._lcms[a, b] = tuple(sorted(powers.items()))
+        return multiple
 
     def cofactor(self, common: Denominator, den: Denominator) -> fmpq_mpoly:
         """The polynomial common/den."""
-        known = self._cofactors.get((common, den))
-        if known is None:
+        quotient = self._cofactors.get((common, den))
+        if quotient is None:
             have = dict(den)
-            known = self.ctx.constant(1)
+            quotient = self.ctx.constant(1)
             for index, exponent in common:
-                known = known * self.factors[index] ** (exponent - have.get(index, 0))
-            self._cofactors[common, den] = known
-        return known
+                quotient = quotient * self.factors[index] ** (exponent - have.get(index, 0))
+            self._cofactors[common, den] = quotient
+        return quotient
 
     def factored(self, poly: fmpq_mpoly) -> Factors:
         """(content, [(factor, exponent)]) of a polynomial of the present ring that is not zero."""

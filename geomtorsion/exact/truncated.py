@@ -79,15 +79,15 @@ class Truncated(Element):
     @property
     def symbols(self) -> frozenset[sympy.Symbol]:
         """The coordinates and parameters on which the series depends."""
-        found = [part.symbols for _, part in self.filled]
+        symbol_sets = [part.symbols for _, part in self.filled]
         small = {self._field.symbol} if any(k for k, _ in self.filled) else set()
-        return frozenset().union(small, *found)
+        return frozenset().union(small, *symbol_sets)
 
     def written_as(self, expression: sympy.Expr) -> Element:
         """See Element.written_as."""
-        found = Truncated(self._field, self.parts)
-        found._sympy = expression
-        return found
+        series = Truncated(self._field, self.parts)
+        series._sympy = expression
+        return series
 
     def __hash__(self) -> int:
         return hash(self.parts)
@@ -200,8 +200,8 @@ class TruncatedField:
 
     def generators_of(self, element: Truncated) -> list[Generator]:
         """The generators that occur in the coefficients."""
-        found = {id(g): g for _, part in element.filled for g in self.base.generators_of(part)}
-        return list(found.values())
+        generators = {id(g): g for _, part in element.filled for g in self.base.generators_of(part)}
+        return list(generators.values())
 
     def generator_element(self, generator: Generator) -> Element:
         """A generator as an element of the exact field."""
@@ -248,11 +248,11 @@ class TruncatedField:
             raise ZeroDivisionError("division by a series that is exactly zero")
         self._check_leading(element, "1 over it")
         below = self.base.inverse(first, briefly)
-        found = [below]
+        coefficients = [below]
         for k in range(1, self.order + 1):
-            terms = [(-1, below, element.parts[j], found[k - j]) for j in range(1, k + 1)]
-            found.append(self.base.sum(terms))
-        return Truncated(self, found)
+            terms = [(-1, below, element.parts[j], coefficients[k - j]) for j in range(1, k + 1)]
+            coefficients.append(self.base.sum(terms))
+        return Truncated(self, coefficients)
 
     def root(self, element: Truncated, order: int) -> Element:
         """The root of a series that does not vanish at order zero."""
@@ -263,14 +263,14 @@ class TruncatedField:
     def _power(self, element: Truncated, power: Fraction, first: Element) -> Truncated:
         """A power of a series, whose coefficient at order zero is given."""
         # k b0 c_k = sum_j (power j - (k - j)) b_j c_{k-j}, from b c' = power b' c.
-        below, found = self.base.inverse(element.parts[0]), [first]
+        below, coefficients = self.base.inverse(element.parts[0]), [first]
         for k in range(1, self.order + 1):
             terms = [
-                ((power * j - (k - j)) / k, below, element.parts[j], found[k - j])
+                ((power * j - (k - j)) / k, below, element.parts[j], coefficients[k - j])
                 for j in range(1, k + 1)
             ]
-            found.append(self.base.sum(terms))
-        return Truncated(self, found)
+            coefficients.append(self.base.sum(terms))
+        return Truncated(self, coefficients)
 
     def _check_leading(self, element: Truncated, what: str) -> None:
         """Refuse a series that vanishes at order zero."""
@@ -293,11 +293,11 @@ class TruncatedField:
                 f"expected a derivative by another symbol, got one by {symbol}: it loses an order. "
                 "Take the next order of the series."
             )
-        found = [(k, part.diff(symbol)) for k, part in element.filled]
+        slopes = [(k, part.diff(symbol)) for k, part in element.filled]
         parts = [self.base.zero] * (self.order + 1)
-        for k, part in found:
+        for k, part in slopes:
             parts[k] = part
-        return Truncated(self, parts) if found else self.zero
+        return Truncated(self, parts) if slopes else self.zero
 
     def conjugate(self, element: Truncated) -> Truncated:
         """The complex conjugate; the small parameter is real."""

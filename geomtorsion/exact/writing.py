@@ -96,15 +96,15 @@ class Parts:
         if base in self._sizes:
             return self._sizes[base]
         if isinstance(base, Generator):
-            found = sum(not part.args for part in sympy.preorder_traversal(self._root(base)))
+            count = sum(not part.args for part in sympy.preorder_traversal(self._root(base)))
         else:
             collected = self.collector.collected(base) if self.collector else None
             terms = (
                 base.terms if collected is None else [(x.coefficient, x.powers) for x in collected]
             )
-            found = sum(self._size_of_product(value, powers) for value, powers in terms)
-        self._sizes[base] = found
-        return found
+            count = sum(self._size_of_product(value, powers) for value, powers in terms)
+        self._sizes[base] = count
+        return count
 
     def _size_of_product(self, value: fmpq, powers: Iterable[tuple[Generator | Sum, int]]) -> int:
         inside = sum(self.size(base) + exponents(base, power) for base, power in powers)
@@ -112,20 +112,20 @@ class Parts:
 
     def power(self, base: Generator | Sum, exponent: int) -> Part:
         """base**exponent."""
-        found = self._powers.get((base, exponent))
-        if found is None:
+        part = self._powers.get((base, exponent))
+        if part is None:
             plain = self._root(base) if isinstance(base, Generator) else _sum(self, base)
-            found = Part.of(plain if exponent == 1 else plain**exponent)
-            self._powers[base, exponent] = found
-        return found
+            part = Part.of(plain if exponent == 1 else plain**exponent)
+            self._powers[base, exponent] = part
+        return part
 
     def exponential(self, powers: tuple[tuple[Generator, int], ...]) -> Part:
         """The product of powers of exponentials, joined in one."""
-        found = self._exponentials.get(powers)
-        if found is None:
+        part = self._exponentials.get(powers)
+        if part is None:
             exponents = (exponent * base.shown.args[0] for base, exponent in powers)
-            found = self._exponentials[powers] = Part.of(sympy.exp(sympy.Add(*exponents)))
-        return found
+            part = self._exponentials[powers] = Part.of(sympy.exp(sympy.Add(*exponents)))
+        return part
 
     def _root(self, base: Generator) -> sympy.Expr:
         """A generator as it is shown; the radicand of a root by names, if there are any."""
@@ -135,10 +135,10 @@ class Parts:
 
     def number(self, value: fmpq) -> Part:
         """A coefficient."""
-        found = self._numbers.get(value)
-        if found is None:
-            found = self._numbers[value] = Part.of(_number(value))
-        return found
+        part = self._numbers.get(value)
+        if part is None:
+            part = self._numbers[value] = Part.of(_number(value))
+        return part
 
     def order(self, parts: Iterable[Part]) -> dict[Part, int]:
         """The places, including the places of the parts."""
@@ -164,12 +164,12 @@ def to_sympy(element: Element) -> sympy.Expr:
         return sympy.S.Zero
     written = form(element)
     # Equal elements, which are often different objects, have one form.
-    known = element._field.tables.setdefault("written", {})
-    found = known.get(written)
-    if found is None:
+    written_forms = element._field.tables.setdefault("written", {})
+    expression = written_forms.get(written)
+    if expression is None:
         parts = element._field.tables.setdefault("parts", Parts())
-        found = known[written] = _of_form(parts, written)
-    return found
+        expression = written_forms[written] = _of_form(parts, written)
+    return expression
 
 
 def shortest(element: Element, names: Names = ()) -> sympy.Expr:
@@ -177,10 +177,10 @@ def shortest(element: Element, names: Names = ()) -> sympy.Expr:
 
     names: quantities that may be written by their names.
     """
-    known = element._field.tables.setdefault("collected parts", {})
-    if names not in known:
-        known[names] = Parts(Collector(names))
-    parts = known[names]
+    parts_by_names = element._field.tables.setdefault("collected parts", {})
+    if names not in parts_by_names:
+        parts_by_names[names] = Parts(Collector(names))
+    parts = parts_by_names[names]
     whole = short_of(element) if element.is_kept else element
     if whole is None:
         return _short_as_built(element, parts)
@@ -229,8 +229,8 @@ def _with_names(known: Parts, written: Form) -> sympy.Expr:
 
 def _as_built(element: Element, parts: Parts) -> sympy.Expr:
     """A kept element without symbols that drop out of it, or else by its parts."""
-    found = without_idle_symbols(element)
-    return _by_parts(element, parts) if found is None else parts.written(found)
+    reduced = without_idle_symbols(element)
+    return _by_parts(element, parts) if reduced is None else parts.written(reduced)
 
 
 def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
@@ -256,51 +256,51 @@ def _by_parts(element: Element, parts: Parts) -> sympy.Expr:
             lengths[id(part)] = 0
         return id(part) in lengths
 
-    for one in in_order(element, is_counted):
-        recipe = one._recipe
+    for node in in_order(element, is_counted):
+        recipe = node._recipe
         built = sum(length(part) for part in recipe.parts)
-        short = short_of(one)
+        short = short_of(node)
         if short is not None and length(short) <= built:
-            chosen[id(one)] = short
+            chosen[id(node)] = short
             built = length(short)
-        lengths[id(one)] = built
+        lengths[id(node)] = built
     least = parts_at_least(element, chosen, parts.size)
     check_parts(least, f"more than {least:,}")
     # A form that is too long is not kept, so that the next request is refused again.
-    made: dict[int, tuple[Element, sympy.Expr]] = {}
+    expressions: dict[int, tuple[Element, sympy.Expr]] = {}
 
     def known(part: Element) -> sympy.Expr | None:
         if not part.is_kept:
             return parts.written(part)
-        if id(part) not in made and vanishes(part):
-            made[id(part)] = part, sympy.S.Zero
-        if id(part) in chosen and id(part) not in made:
-            made[id(part)] = part, parts.written(chosen[id(part)])
-        found = made.get(id(part)) or parts.built.get(id(part))
-        if found is None:
+        if id(part) not in expressions and vanishes(part):
+            expressions[id(part)] = part, sympy.S.Zero
+        if id(part) in chosen and id(part) not in expressions:
+            expressions[id(part)] = part, parts.written(chosen[id(part)])
+        entry = expressions.get(id(part)) or parts.built.get(id(part))
+        if entry is None:
             return part._sympy if parts.collector is None else None
-        return found[1]
+        return entry[1]
 
     def text(part: Element) -> sympy.Expr:
-        found = known(part)
-        assert found is not None
-        return found
+        expr = known(part)
+        assert expr is not None
+        return expr
 
-    for one in in_order(element, lambda x: known(x) is not None):
-        recipe = one._recipe
+    for node in in_order(element, lambda x: known(x) is not None):
+        recipe = node._recipe
         terms = [(_number(as_fmpq(c)), [text(x) for x in xs]) for c, *xs in recipe.terms]
         # A part that vanishes, as X - X/2 - X/2 does, takes its products with it.
         left = [term for term in terms if not any(x is sympy.S.Zero for x in term[1])]
         whole_sum = _sum_of(left) if left else sympy.S.Zero
-        made[id(one)] = one, sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
-    found = text(element)
-    check_written(found)
+        expressions[id(node)] = node, sympy.Pow(whole_sum, -1) if recipe.below else whole_sum
+    written = text(element)
+    check_written(written)
     if parts.collector is None:
-        for part, shown in made.values():
+        for part, shown in expressions.values():
             part._sympy = shown
     else:
-        parts.built.update(made)
-    return found
+        parts.built.update(expressions)
+    return written
 
 
 def _sum_of(terms: list[tuple[sympy.Expr, list[sympy.Expr]]]) -> sympy.Expr:
@@ -392,9 +392,9 @@ def _factors(known: Parts, powers: Sequence[tuple[Generator | Sum, int]]) -> lis
 def _sum(known: Parts, base: Sum) -> sympy.Expr:
     """A sum of monomials, or what they are collected to."""
     if known.collector is not None and (forms := known.collector.collected(base)) is not None:
-        found = sympy.Add(*(_of_form(known, one) for one in forms))
+        total = sympy.Add(*(_of_form(known, one) for one in forms))
         # A sum over numbers that it shared with others may share one with its own terms, then.
-        return _shared_number_out(found) if known.has_names else found
+        return _shared_number_out(total) if known.has_names else total
     split = list[tuple[Part, list[Part]]]()
     for x, powers in base.terms:
         split.append((known.number(x), _factors(known, powers)))

@@ -133,10 +133,10 @@ def equals_scalar(tensor: Tensor, other: object) -> bool:
 
 def _is_scalar(value: object) -> bool:
     """Whether a value is really one number or expression."""
-    found = checks.plain(value)
-    if isinstance(found, bool) or getattr(found, "is_Matrix", False):
+    plain_value = checks.plain(value)
+    if isinstance(plain_value, bool) or getattr(plain_value, "is_Matrix", False):
         return False
-    return isinstance(found, int | float | Fraction | sp.Expr)
+    return isinstance(plain_value, int | float | Fraction | sp.Expr)
 
 
 def _own_element(tensor: Tensor, scalar: Tensor) -> Element:

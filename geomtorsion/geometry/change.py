@@ -36,8 +36,8 @@ class Map:
 
     def __call__(self, expression: sp.Basic) -> sp.Expr:
         """An expression of the old coordinates in the new ones."""
-        found = expression.subs(dict(zip(self.old, self.functions, strict=True)), simultaneous=True)
-        return with_roots(found.doit())
+        moved = expression.subs(dict(zip(self.old, self.functions, strict=True)), simultaneous=True)
+        return with_roots(moved.doit())
 
     def slope(self, mu: int, a: int) -> sp.Expr:
         """d old^mu / d new^a."""
@@ -81,9 +81,9 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
                 f"{checks.did_you_mean(name, list(by_name))}There are {', '.join(by_name)}."
             )
     plain = [one for one in table.values() if isinstance(one, sp.Basic)]
-    known = [*validation.free_symbols(plain), *frame.field.symbols]
+    candidates = [*validation.free_symbols(plain), *frame.field.symbols]
     # A name that the expressions use is the symbol with its assumptions.
-    order = {one.name: one for one in reversed(known)}
+    order = {one.name: one for one in reversed(candidates)}
     symbols = tuple(validation.named_symbols(new, order.values()))
     if count is not None and len(symbols) != count:
         raise ShapeError(
@@ -101,19 +101,19 @@ def coordinate_map(frame: Frame, new: object, old: object, count: int | None = N
                 "among the new coordinates. Add it."
             )
         value = table.get(name, names.get(name))
-        found = checks.expression(
+        function = checks.expression(
             value,
             f"old coordinate {own}",
             CoordinateError,
             read=lambda text: parse_expression(text, names),
         )
-        functions.append(found.xreplace(counted_as(found.free_symbols, [*names.values()])))
+        functions.append(function.xreplace(counted_as(function.free_symbols, [*names.values()])))
     return Map(symbols, frame.coordinates, tuple(functions))
 
 
 def moved_domain(frame: Frame, way: Map, domain: object) -> list[sp.Basic]:
     """Relations of the old coordinates in the new ones, and added relations."""
-    found = []
+    relations = []
     for relation in frame.domain:
         moved = relation.subs(dict(zip(way.old, way.functions, strict=True)), simultaneous=True)
         if moved == sp.false:
@@ -122,8 +122,8 @@ def moved_domain(frame: Frame, way: Map, domain: object) -> list[sp.Basic]:
                 f"{dict(zip(way.old, way.functions, strict=True))}. Give a map into the domain."
             )
         if moved != sp.true:
-            found.append(moved)
-    return [*found, *validation.domain_relations(domain)]
+            relations.append(moved)
+    return [*relations, *validation.domain_relations(domain)]
 
 
 @derived
@@ -146,10 +146,10 @@ def _frame_in(frame: Frame, way: Map, domain: tuple[sp.Basic, ...]) -> Frame:
         ]
     else:
         rows = way.pulled(rows)
-    given = constructors.keywords(frame, shape)
+    options = constructors.keywords(frame, shape)
     roots = {way(root): way(value) for root, value in frame.field.chosen.items()}
-    given |= {"domain": domain, "branches": {k: x for k, x in roots.items() if k.is_Pow}}
-    return constructors.maker(type(frame), shape)(way.new, rows, **given)
+    options |= {"domain": domain, "branches": {k: x for k, x in roots.items() if k.is_Pow}}
+    return constructors.maker(type(frame), shape)(way.new, rows, **options)
 
 
 @derived
@@ -158,8 +158,8 @@ def _slopes(frame: Frame, new: Frame, way: Map) -> tuple[dict, dict]:
     n = frame.dimension
     places = [(mu, a) for mu in range(n) for a in range(n)]
     read = new.read([("slope of the map", way.slope(mu, a)) for mu, a in places])
-    found = {place: x for place, x in zip(places, read, strict=True) if not x.is_zero}
-    return found, inverse(new.field, found, n)
+    slopes = {place: x for place, x in zip(places, read, strict=True) if not x.is_zero}
+    return slopes, inverse(new.field, slopes, n)
 
 
 def _changed(frame: Frame, new: object, old: object, domain: object) -> tuple[Frame, Map]:
@@ -206,8 +206,8 @@ def _tensor_in(tensor: Tensor, over: Frame, way: Map) -> Tensor:
     plain = tensor.in_coordinates()
 
     def moved(index: Index, value: Element) -> Element:
-        (found,) = over.read([(f"{tensor.symbol}{list(index)}", way(value.sympy))])
-        return found
+        (element,) = over.read([(f"{tensor.symbol}{list(index)}", way(value.sympy))])
+        return element
 
     components = plain.components.mapped(over.field, moved)
     forward, back = _slopes(frame, over, way)
@@ -225,5 +225,5 @@ def _tensor_in(tensor: Tensor, over: Frame, way: Map) -> Tensor:
         components = change_slot(
             over.field, components, k, [*map(tuple, rows)], [*map(tuple, columns)], own
         )
-    found = Tensor(over, plain.slots, components, plain.symmetry, tensor.symbol, tensor.name)
-    return found._form(tensor.slots)
+    transformed = Tensor(over, plain.slots, components, plain.symmetry, tensor.symbol, tensor.name)
+    return transformed._form(tensor.slots)

@@ -135,16 +135,16 @@ def orbits(rank: int, dimension: int, symmetry: Symmetry) -> Orbits:
 
 def _group(rank: int, symmetry: Symmetry) -> list[Generator]:
     """All products of the generators."""
-    found: dict[tuple[int, ...], int] = {tuple(range(rank)): 1}
-    waiting = list(found.items())
+    signs: dict[tuple[int, ...], int] = {tuple(range(rank)): 1}
+    waiting = list(signs.items())
     elements = []
     while waiting:
         order, sign = waiting.pop()
         elements.append((order, sign))
         for step, step_sign in symmetry:
             image = tuple(order[k] for k in step)
-            if image not in found:
-                found[image] = sign * step_sign
+            if image not in signs:
+                signs[image] = sign * step_sign
                 waiting.append((image, sign * step_sign))
     return elements
 
@@ -239,20 +239,20 @@ class Components:
     ) -> Components:
         """Array whose representatives are all given; components not listed vanish."""
         verdicts = {index: value.is_zero for index, value in values.items()}
-        kept = {index: value for index, value in values.items() if not verdicts[index]}
-        found = cls(
+        nonzero = {index: value for index, value in values.items() if not verdicts[index]}
+        components = cls(
             field,
             rank,
             dimension,
-            lambda index: kept.get(index, field.zero),
+            lambda index: nonzero.get(index, field.zero),
             symmetry,
-            lambda: kept,
+            lambda: nonzero,
         )
-        found.zeros.update(
-            (i, x) for i, x in values.items() if i not in kept and x is not field.zero
+        components.zeros.update(
+            (i, x) for i, x in values.items() if i not in nonzero and x is not field.zero
         )
-        found.open.update((i, value) for i, value in kept.items() if verdicts[i] is None)
-        return found
+        components.open.update((i, value) for i, value in nonzero.items() if verdicts[i] is None)
+        return components
 
     @classmethod
     def placed(
@@ -265,12 +265,12 @@ class Components:
     ) -> Components:
         """Array of values at any index of each orbit; one value per orbit is kept."""
         probe = cls.known(field, rank, dimension, {}, symmetry)
-        found: dict[Index, Element] = {}
+        by_representative: dict[Index, Element] = {}
         for index, value in values.items():
             sign, representative = probe.representative(index)
             if sign:
-                found[representative] = value if sign > 0 else -value
-        return cls.known(field, rank, dimension, found, symmetry)
+                by_representative[representative] = value if sign > 0 else -value
+        return cls.known(field, rank, dimension, by_representative, symmetry)
 
     def mapped(self, field: Field, change: Callable[[Index, Element], Element]) -> Components:
         """Each nonzero component changed, when it is first read; the symmetry stays.
@@ -316,21 +316,21 @@ class Components:
     def independent(self) -> dict[Index, Element]:
         """The components at representative indices that are not known to vanish."""
         if self._bulk is not None:
-            for one in inside_out(self, _sources, _is_filled):
-                if one is not self:
-                    _ = one.nonzero
+            for array in inside_out(self, _sources, _is_filled):
+                if array is not self:
+                    _ = array.nonzero
             # Components computed before are not computed again.
             zero = self.field.zero
-            found = {i: v for i, v in self._known.items() if v is not zero and self._is_own(i)}
-            found |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
-            self._known.update(found)
-            return found
-        found, known, zero = {}, self._known, self.field.zero
+            components = {i: v for i, v in self._known.items() if v is not zero and self._is_own(i)}
+            components |= {i: x for i, x in self._bulk().items() if not self._vanishes(i, x)}
+            self._known.update(components)
+            return components
+        components, cached, zero = {}, self._known, self.field.zero
         for index in self._orbits.representatives:
-            value = known[index] if index in known else self._compute(index)
+            value = cached[index] if index in cached else self._compute(index)
             if value is not zero:
-                found[index] = value
-        return found
+                components[index] = value
+        return components
 
     def _vanishes(self, index: Index, value: Element) -> bool:
         """Whether a component is known to vanish; a verdict that needs a reason is noted."""
@@ -357,31 +357,31 @@ class Components:
     @cached_property
     def nonzero(self) -> dict[Index, Element]:
         """All components that are not known to vanish, in order of their indices."""
-        known, orbits = self._known, self._orbits
-        found: dict[Index, Element] = {}
+        cached, orbits = self._known, self._orbits
+        components: dict[Index, Element] = {}
         for first, value in self.independent.items():
             for index in orbits.members[first]:
-                at = known.get(index)
+                at = cached.get(index)
                 if at is None:
-                    at = known[index] = value if orbits.of(index)[0] > 0 else -value
-                found[index] = at
-        return dict(sorted(found.items()))
+                    at = cached[index] = value if orbits.of(index)[0] > 0 else -value
+                components[index] = at
+        return dict(sorted(components.items()))
 
     @cached_property
     def rows(self) -> tuple[Row, ...]:
         """Rows of a matrix: for each first index the nonzero pairs (second index, element)."""
-        found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
+        rows: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
         for (i, j), value in self.nonzero.items():
-            found[i].append((j, value))
-        return tuple(map(tuple, found))
+            rows[i].append((j, value))
+        return tuple(map(tuple, rows))
 
     @cached_property
     def columns(self) -> tuple[Row, ...]:
         """Columns of a matrix: for each second index the pairs (first index, element)."""
-        found: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
+        columns: list[list[tuple[int, Element]]] = [[] for _ in range(self.dimension)]
         for (i, j), value in self.nonzero.items():
-            found[j].append((i, value))
-        return tuple(map(tuple, found))
+            columns[j].append((i, value))
+        return tuple(map(tuple, columns))
 
     @property
     def length(self) -> float:
@@ -463,15 +463,15 @@ def joined(
         terms = []
         for inner in product(range(dimension), repeat=len(summed)):
             values = index + inner
-            found = []
+            elements = []
             for factor, place in zip(factors, places, strict=True):
                 value = factor.get(tuple([values[k] for k in place]))
                 # A factor that multiplies zero is not computed.
                 if value is zero:
                     break
-                found.append(value)
+                elements.append(value)
             else:
-                terms.append((1, *found))
+                terms.append((1, *elements))
         return field.sum(terms)
 
     def bulk() -> dict[Index, Element]:
@@ -525,7 +525,7 @@ def blocks(entries: Entries, n: int) -> list[tuple[list[int], list[int]]]:
     for i, j in entries:
         columns_of[i].append(j)
         rows_of[j].append(i)
-    found = []
+    pairs = []
     seen: set[int] = set()
     for start in range(n):
         if start in seen:
@@ -539,8 +539,8 @@ def blocks(entries: Entries, n: int) -> list[tuple[list[int], list[int]]]:
                     rows |= new
                     waiting.extend(new)
         seen |= rows
-        found.append((sorted(rows), sorted(columns)))
-    return found
+        pairs.append((sorted(rows), sorted(columns)))
+    return pairs
 
 
 def _minors(
@@ -591,12 +591,12 @@ def determinant(field: Field, entries: Entries, n: int) -> Element:
 
 def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Element]:
     """Inverse of a regular matrix, block by block, by cofactors."""
-    found: dict[tuple[int, int], Element] = {}
+    inverted: dict[tuple[int, int], Element] = {}
     for rows, columns in blocks(entries, n):
         size = len(rows)
         if size == 1:
             i, j = rows[0], columns[0]
-            found[j, i] = field.inverse(entries[i, j], briefly=True)
+            inverted[j, i] = field.inverse(entries[i, j], briefly=True)
             continue
         everything = (1 << size) - 1
         cofactors: dict[tuple[int, int], Element] = {}
@@ -616,8 +616,8 @@ def inverse(field: Field, entries: Entries, n: int) -> dict[tuple[int, int], Ele
         )
         reciprocal = field.inverse(det, briefly=True)
         for (i, j), cofactor in cofactors.items():
-            found[j, i] = cofactor * reciprocal
-    return found
+            inverted[j, i] = cofactor * reciprocal
+    return inverted
 
 
 def pairs_of_inverse(
@@ -629,7 +629,7 @@ def pairs_of_inverse(
     determinant (Jacobi): no square of the determinant is left that would cancel. The factor is
     1 over the determinant of a block; the values are to be multiplied by it.
     """
-    found: dict[tuple[int, int], tuple[Element, list[Pair]]] = {}
+    pairs: dict[tuple[int, int], tuple[Element, list[Pair]]] = {}
     single: list[list[tuple[int, int, Element]]] = []
     for rows, columns in blocks(entries, n):
         everything = (1 << len(rows)) - 1
@@ -642,18 +642,18 @@ def pairs_of_inverse(
                 c, d = (k for k in range(len(rows)) if not mask >> k & 1)
                 value = -minor if (r + s + c + d) % 2 else minor
                 minors.append((columns[c], columns[d], value))
-            found[rows[r], rows[s]] = (reciprocal, minors)
+            pairs[rows[r], rows[s]] = (reciprocal, minors)
         own = [(i, a) for i in rows for a in columns if (a, i) in inverted]
         single.append([(i, a, inverted[a, i]) for i, a in own])
-    for one, two in combinations(single, 2):
-        for i, a, first in one:
-            for j, b, second in two:
+    for firsts, seconds in combinations(single, 2):
+        for i, a, first in firsts:
+            for j, b, second in seconds:
                 sign = 1 if (i < j) == (a < b) else -1
                 place = (min(i, j), max(i, j))
                 value = field.sum([(sign, first, second)])
-                products = found.setdefault(place, (field.one, []))[1]
+                products = pairs.setdefault(place, (field.one, []))[1]
                 products.append((min(a, b), max(a, b), value))
-    return found
+    return pairs
 
 
 def dependence(field: Field, entries: Entries, n: int) -> dict[int, Element] | None:
@@ -662,11 +662,11 @@ def dependence(field: Field, entries: Entries, n: int) -> dict[int, Element] | N
     for i in range(n):
         row = {j: entries[i, j] for j in range(n) if (i, j) in entries}
         combination = {i: field.one}
-        for pivot, other, others in done:
+        for pivot, pivot_row, others in done:
             if pivot not in row:
                 continue
-            factor = row[pivot] / other[pivot]
-            row = _minus(field, row, other, factor)
+            factor = row[pivot] / pivot_row[pivot]
+            row = _minus(field, row, pivot_row, factor)
             combination = _minus(field, combination, others, factor)
         if not row:
             return combination
@@ -678,7 +678,7 @@ def _minus(
     field: Field, first: Mapping[int, Element], second: Mapping[int, Element], factor: Element
 ) -> dict[int, Element]:
     """first - factor * second, without zeros."""
-    found = {}
+    difference = {}
     for key in {**first, **second}:
         terms = []
         if key in first:
@@ -687,5 +687,5 @@ def _minus(
             terms.append((-1, factor, second[key]))
         value = field.sum(terms)
         if not value.is_zero:
-            found[key] = value
-    return found
+            difference[key] = value
+    return difference

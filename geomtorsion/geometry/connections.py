@@ -114,10 +114,10 @@ def from_coefficients(frame: Frame, coefficients: object) -> Connection:
     """
     checks.instance(frame, Frame, "frame")
     if isinstance(coefficients, Tensor):
-        given = _given(frame, coefficients, "ddu", "connection coefficients")
+        tensor = _given(frame, coefficients, "ddu", "connection coefficients")
     else:
-        given = tensor_from_array(frame, "ddu", coefficients, "connection coefficients")
-    return Connection(frame, _coefficients(frame, given.components, "\\Gamma", "connection"))
+        tensor = tensor_from_array(frame, "ddu", coefficients, "connection coefficients")
+    return Connection(frame, _coefficients(frame, tensor.components, "\\Gamma", "connection"))
 
 
 def from_spin_connection(frame: Frame, omega: object) -> Connection:
@@ -146,10 +146,10 @@ def from_spin_connection(frame: Frame, omega: object) -> Connection:
     """
     checks.instance(frame, Frame, "frame")
     if isinstance(omega, Tensor):
-        given = _direction_first(frame, omega)
+        tensor = _direction_first(frame, omega)
     else:
-        given = tensor_from_array(frame, "dDU", omega, "spin connection")
-    spin = given.components
+        tensor = tensor_from_array(frame, "dDU", omega, "spin connection")
+    spin = tensor.components
     bent = Tensor(frame, "dDU", spin)._with_slot(1, "d").components.get
     derivative, legs = frame.coframe_derivative.get, frame.legs.components
     field = frame.field
@@ -204,8 +204,8 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
     (True, -c/2)
     """
     checks.instance(frame, Frame, "frame")
-    given = _with_slots(frame, contortion, "contortion")
-    lower = given.lowered(2).components
+    tensor = _with_slots(frame, contortion, "contortion")
+    lower = tensor.lowered(2).components
     for a, b, c in lower.nonzero:
         if not _cancels(lower.get((a, b, c)), lower.get((a, c, b))):
             raise TensorIndexError(
@@ -213,7 +213,7 @@ def from_contortion(frame: Frame, contortion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{a}, {c}, {b}] do not cancel. "
                 "Use from_coefficients for a connection that does not keep lengths."
             )
-    total_ = riemannian.christoffel(frame) + given
+    total_ = riemannian.christoffel(frame) + tensor
     coefficients = _coefficients(frame, total_.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from contortion", "metric")
 
@@ -248,8 +248,8 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
     (True, True)
     """
     checks.instance(frame, Frame, "frame")
-    given = _with_slots(frame, torsion.S if isinstance(torsion, Torsion) else torsion, "torsion")
-    own = given.components
+    tensor = _with_slots(frame, torsion.S if isinstance(torsion, Torsion) else torsion, "torsion")
+    own = tensor.components
     for a, b, c in own.nonzero:
         if not _cancels(own.get((a, b, c)), own.get((b, a, c))):
             raise TensorIndexError(
@@ -257,7 +257,7 @@ def from_torsion(frame: Frame, torsion: object) -> Connection:
                 f"[{a}, {b}, {c}] and [{b}, {a}, {c}] do not cancel. "
                 "Use from_coefficients for coefficients, from_contortion for a contortion."
             )
-    gamma = riemannian.christoffel(frame) + contortion_of(given)
+    gamma = riemannian.christoffel(frame) + contortion_of(tensor)
     coefficients = _coefficients(frame, gamma.components, "\\Gamma", "connection")
     return Connection(frame, coefficients, "connection from torsion", "metric")
 
@@ -284,8 +284,8 @@ def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connec
     >>> blend(levi_civita(frame), cartan(frame), s).torsion.T[0, 1, 1]
     s/r
     """
-    for one, name in ((first, "first"), (second, "second")):
-        checks.instance(one, Connection, name)
+    for connection, name in ((first, "first"), (second, "second")):
+        checks.instance(connection, Connection, name)
     if first.frame is not second.frame:
         raise ShapeError("Connections over different frames cannot be blended. Build both on one.")
     (weight,) = first.frame.read([("share", share)])
@@ -306,10 +306,10 @@ def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
     """Torsion or contortion in the form ddu, from a tensor in any form or from an array."""
     if not isinstance(values, Tensor):
         return tensor_from_array(frame, "ddu", values, what)
-    given = values.in_coordinates()
-    for k, slot in enumerate("ddu"[: len(given.slots)]):
-        given = given.raised(k) if slot == "u" else given.lowered(k)
-    return _given(frame, given, "ddu", what)
+    tensor = values.in_coordinates()
+    for k, slot in enumerate("ddu"[: len(tensor.slots)]):
+        tensor = tensor.raised(k) if slot == "u" else tensor.lowered(k)
+    return _given(frame, tensor, "ddu", what)
 
 
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:

@@ -40,8 +40,8 @@ def from_frame(
     validation.check_regular(opened.field, elements, n, "matrix of legs")
     coframe = inverse(opened.field, elements, n)
     frame = object.__new__(cls)
-    given = {"coframe": coframe, "legs": elements, "eta": eta}
-    frame.fill(opened, name, given, ("legs", entries))
+    matrices = {"coframe": coframe, "legs": elements, "eta": eta}
+    frame.fill(opened, name, matrices, ("legs", entries))
     return frame
 
 
@@ -63,8 +63,8 @@ def from_metric(
     signs = None if signature is None else tuple(validation.signs_or_rows(signature))
     rows, squares, eta = orthonormal_rows(opened.field, elements, n, opened.points(), signs)
     frame = object.__new__(cls)
-    given = {"metric": elements, "rows": rows, "squares": squares, "eta": eta}
-    frame.fill(opened, name, given, ("metric", entries))
+    matrices = {"metric": elements, "rows": rows, "squares": squares, "eta": eta}
+    frame.fill(opened, name, matrices, ("metric", entries))
     return frame
 
 
@@ -77,7 +77,7 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
     """The other arguments with which its maker gives this frame again."""
     n = frame.dimension
     eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
-    given: dict[str, Any] = {
+    arguments: dict[str, Any] = {
         # A metric takes a list of signs, one for each row.
         "signature": [eta[i][i] for i in range(n)] if shape == "metric" else eta,
         "parameters": frame.parameters,
@@ -85,7 +85,7 @@ def keywords(frame: Frame, shape: str) -> dict[str, Any]:
         "name": frame.name,
         "branches": frame.field.chosen,
     }
-    return given if shape == "metric" else given | {"complex": frame.complex}
+    return arguments if shape == "metric" else arguments | {"complex": frame.complex}
 
 
 @derived
@@ -94,8 +94,8 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     if isinstance(frame.field, TruncatedField):
         # A series is expanded again, unless the small parameter has a value now.
         whole, symbol, order = cast("tuple[Frame, sp.Symbol, int]", frame._plain[1])
-        found = substituted(whole, put)
-        return found if symbol in put.symbols else found.expanded(symbol, order)
+        replaced = substituted(whole, put)
+        return replaced if symbol in put.symbols else replaced.expanded(symbol, order)
     shape, n = frame.shape, frame.dimension
     entries = [
         (f"{shape}[{i}, {j}]", frame.given[shape].get((i, j))) for i in range(n) for j in range(n)
@@ -103,26 +103,26 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
     flat = [sp.S.Zero if x is None else put.value(x.sympy, where) for where, x in entries]
     domain = []
     for relation in frame.domain:
-        found = put(relation)
-        if found == sp.false:
+        replaced = put(relation)
+        if replaced == sp.false:
             raise CoordinateError(
                 f"{put}: the frame is declared where {relation}, which does not hold then. Give "
                 "values inside of the domain."
             )
-        domain += [] if found == sp.true else [found]
+        domain += [] if replaced == sp.true else [replaced]
     roots = {put(root): put(value) for root, value in frame.field.chosen.items()}
-    given = keywords(frame, shape) | {
+    arguments = keywords(frame, shape) | {
         "parameters": [one for one in frame.parameters if one not in put.symbols],
         "domain": domain,
         # A root that the substitution removed has no branch.
         "branches": {root: value for root, value in roots.items() if root.is_Pow},
     }
     rows = [flat[n * i : n * (i + 1)] for i in range(n)]
-    found = maker(type(frame), shape)(frame.coordinates, rows, **given)
+    replaced = maker(type(frame), shape)(frame.coordinates, rows, **arguments)
     names = {symbol.name: put(quantity) for symbol, quantity in frame.names.items()}
     # A quantity that became a number needs no name.
     names = {x: q for x, q in names.items() if q.free_symbols and not q.has(*INFINITE)}
-    return found.named(**names) if names else found
+    return replaced.named(**names) if names else replaced
 
 
 @derived
@@ -131,12 +131,12 @@ def named(frame: Frame, meanings: tuple[tuple[sp.Symbol, sp.Expr], ...]) -> Fram
     opened = validation.Opened(
         frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
     )
-    found = object.__new__(type(frame))
-    found.fill(opened, frame.name, frame.given, frame._plain)
-    found.__setstate__({**frame.attached, "names": dict(meanings)})
+    named_frame = object.__new__(type(frame))
+    named_frame.fill(opened, frame.name, frame.given, frame._plain)
+    named_frame.__setstate__({**frame.attached, "names": dict(meanings)})
     # This raises at once for bad names.
-    found.written(frame.field.zero)
-    return found
+    named_frame.written(frame.field.zero)
+    return named_frame
 
 
 @derived

@@ -50,17 +50,17 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
     >>> contract("ab,bc->ac", frame.metric, frame.inverse_metric).nonzero()
     {(0, 0): 1, (1, 1): 1}
     """
-    groups, wanted = _parse(letters, tensors)
+    groups, result_letters = _parse(letters, tensors)
     frame = tensors[0].frame
-    slots = _check(letters, groups, wanted, tensors)
+    slots = _check(letters, groups, result_letters, tensors)
     field = frame.field
     current, current_letters = tensors[0].components, groups[0]
     for position in range(1, len(groups)):
         # Letters that are not needed later are summed at once: the arrays stay small.
-        later = set("".join(groups[position + 1 :])) | set(wanted)
+        later = set("".join(groups[position + 1 :])) | set(result_letters)
         merged = _free(current_letters + groups[position], later)
         if position == len(groups) - 1:
-            merged = wanted
+            merged = result_letters
         symmetry = _inherited(slots, merged, groups[: position + 1], tensors)
         current = joined(
             field,
@@ -71,15 +71,15 @@ def contract(letters: str, *tensors: Tensor) -> Tensor:
         )
         current_letters = merged
     if len(groups) == 1:
-        symmetry = _inherited(slots, wanted, groups, tensors)
-        current = joined(field, (current,), (groups[0],), wanted, symmetry)
-    return Tensor(frame, "".join(slots[x] for x in wanted), current, current.symmetry)
+        symmetry = _inherited(slots, result_letters, groups, tensors)
+        current = joined(field, (current,), (groups[0],), result_letters, symmetry)
+    return Tensor(frame, "".join(slots[x] for x in result_letters), current, current.symmetry)
 
 
 def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
     """Groups of letters and the letters of the result."""
     text(letters, "letters", TensorIndexError)
-    left, arrow, wanted = letters.replace(" ", "").partition("->")
+    left, arrow, result_letters = letters.replace(" ", "").partition("->")
     groups = left.split(",")
     if not tensors or len(groups) != len(tensors):
         raise TensorIndexError(
@@ -88,8 +88,8 @@ def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
         )
     if not arrow:
         counts = Counter("".join(groups))
-        wanted = "".join(sorted(letter for letter, count in counts.items() if count == 1))
-    return groups, wanted
+        result_letters = "".join(sorted(letter for letter, count in counts.items() if count == 1))
+    return groups, result_letters
 
 
 def _check(
@@ -128,16 +128,16 @@ def _check_pair(text: str, letter: str, uses: Sequence[tuple[str, str]]) -> None
         )
     if len(uses) == 1:
         return
-    (first, one), (second, other) = uses
+    (first, left), (second, right) = uses
     if KINDS[first] != KINDS[second]:
         raise TensorIndexError(
-            f"{shown(text)}: index {letter!r} is a {KINDS[first]} index of {one} and a "
-            f"{KINDS[second]} index of {other}. "
+            f"{shown(text)}: index {letter!r} is a {KINDS[first]} index of {left} and a "
+            f"{KINDS[second]} index of {right}. "
             "Bring both to one basis with in_frame() or in_coordinates()."
         )
     if POSITIONS[first] == POSITIONS[second]:
         raise TensorIndexError(
-            f"{shown(text)}: index {letter!r} is {POSITIONS[first]} in {one} and in {other}. "
+            f"{shown(text)}: index {letter!r} is {POSITIONS[first]} in {left} and in {right}. "
             f"Move one of them with {'raised' if POSITIONS[first] == 'down' else 'lowered'}(k)."
         )
 
@@ -151,14 +151,14 @@ def _inherited(
     slots: dict[str, str], letters: str, groups: Sequence[str], tensors: Sequence[Tensor]
 ) -> Symmetry:
     """Symmetries of single factors that exchange only letters kept in the result."""
-    found = []
+    symmetries = []
     for group, tensor in zip(groups, tensors, strict=False):
         for order, sign in effective(tensor.symmetry, tensor.slots):
             moved = {group[k]: group[j] for k, j in enumerate(order) if k != j}
             if all(letter in letters for letter in moved) and len(set(group)) == len(group):
                 image = tuple(letters.index(moved.get(letter, letter)) for letter in letters)
-                found.append((image, sign))
-    return tuple(dict.fromkeys(found))
+                symmetries.append((image, sign))
+    return tuple(dict.fromkeys(symmetries))
 
 
 def product(one: Tensor, two: Tensor) -> Tensor:

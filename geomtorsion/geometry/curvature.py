@@ -156,7 +156,7 @@ class Curvature:
             return Tensor(frame, "dddd", {}, RIEMANN, "C", "Weyl tensor")
         lower, R = self.lower.components.get, self.ricci.components.get
         g = frame.metric.components.get
-        one, two = Fraction(1, n - 2), Fraction(1, (n - 1) * (n - 2))
+        share, of_scalar = Fraction(1, n - 2), Fraction(1, (n - 1) * (n - 2))
 
         def rule(index: Index) -> Element:
             a, b, c, d = index
@@ -164,12 +164,12 @@ class Curvature:
             return frame.field.sum(
                 [
                     (1, lower(index)),
-                    (-one, g((a, d)), R((b, c))),
-                    (one, g((b, d)), R((a, c))),
-                    (one, g((a, c)), R((b, d))),
-                    (-one, g((b, c)), R((a, d))),
-                    (two, g((a, d)), g((b, c)), scalar),
-                    (-two, g((b, d)), g((a, c)), scalar),
+                    (-share, g((a, d)), R((b, c))),
+                    (share, g((b, d)), R((a, c))),
+                    (share, g((a, c)), R((b, d))),
+                    (-share, g((b, c)), R((a, d))),
+                    (of_scalar, g((a, d)), g((b, c)), scalar),
+                    (-of_scalar, g((b, d)), g((a, c)), scalar),
                 ]
             )
 
@@ -187,9 +187,9 @@ class Curvature:
                     f"Schouten tensor: expected a space of three dimensions or more, got {n}. In "
                     "two dimensions use curvature.ricci."
                 )
-            one, two = Fraction(1, n - 2), Fraction(1, 2 * (n - 1) * (n - 2))
+            share, of_scalar = Fraction(1, n - 2), Fraction(1, 2 * (n - 1) * (n - 2))
             scalar = self.scalar.element()
-            return frame.field.sum([(one, ricci(index)), (-two, g(index), scalar)])
+            return frame.field.sum([(share, ricci(index)), (-of_scalar, g(index), scalar)])
 
         return Tensor(frame, "dd", rule, self.ricci.symmetry, "P", "Schouten tensor")
 

@@ -39,9 +39,9 @@ def derived(make: Callable[[F, *Arguments], T]) -> Callable[[F, *Arguments], T]:
 
     @wraps(make)
     def quantity(frame: F, *arguments: *Arguments) -> T:
-        kept, key = frame._derived, (make, *arguments)
-        if key not in kept:
-            kept[key] = make(frame, *arguments)
-        return kept[key]
+        results, key = frame._derived, (make, *arguments)
+        if key not in results:
+            results[key] = make(frame, *arguments)
+        return results[key]
 
     return quantity

@@ -59,12 +59,12 @@ def at_points(
             f"point: values of one shape were needed, but shapes {shapes} came. "
             "Give lists of equal length, or single numbers."
         ) from None
-    found = [
+    arrays = [
         at_point(tensor, {**point, **dict(zip(several, values, strict=True))}, digits)
         for values in zip(*(column.ravel() for column in columns), strict=True)
     ]
     n, rank = tensor.frame.dimension, len(tensor.slots)
-    return np.array(found).reshape(*columns[0].shape, *(n,) * rank)
+    return np.array(arrays).reshape(*columns[0].shape, *(n,) * rank)
 
 
 def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
@@ -74,9 +74,9 @@ def at_point(tensor: Tensor, point: Point, digits: int | None) -> np.ndarray:
 
     bits = 53
     if digits is not None:
-        wanted = checks.count(digits, "digits", CoordinateError, 1, 1000)
+        digit_count = checks.count(digits, "digits", CoordinateError, 1, 1000)
         # From 54 on elements are evaluated to numbers of mpmath.
-        bits = max(mpmath.libmp.dps_to_prec(wanted), 54)
+        bits = max(mpmath.libmp.dps_to_prec(digit_count), 54)
     n, rank = tensor.frame.dimension, len(tensor.slots)
     result = np.zeros((n,) * rank, dtype=complex if tensor.frame.complex else float)
     if digits is not None:
@@ -94,9 +94,9 @@ def numbers_at(tensor: Tensor, point: Point, bits: int = 53) -> dict[Index, Numb
     """The independent components at a point; equal ones are evaluated once."""
     values = _named_values(tensor, point)
     _check_branches(tensor.frame, values)
-    known: dict = {}
+    numbers: dict = {}
     independent = tensor.components.independent
-    return {i: _number(tensor, i, v, values, bits, known) for i, v in independent.items()}
+    return {i: _number(tensor, i, v, values, bits, numbers) for i, v in independent.items()}
 
 
 def _check_branches(frame: Frame, values: Mapping[sp.Expr, Number]) -> None:
@@ -132,13 +132,13 @@ def sign_of(frame: Frame, symbol: sp.Symbol) -> int:
 @derived
 def repeats(frame: Frame, symbol: sp.Symbol) -> bool:
     """Whether a frame is the same after a full turn of a coordinate, or does not depend on it."""
-    field, known = frame.field, dict[str, bool | None]()
+    field, by_name = frame.field, dict[str, bool | None]()
     for entry in (value for matrix in frame.given.values() for value in matrix.values()):
         verdicts: set[bool | None] = set()
         for generator in field.generators_of(entry):
-            for one in inside_out(generator, made_of, lambda inner: inner.name in known):
-                known[one.name] = _generator_repeats(field, one, symbol, known)
-            verdicts.add(known[generator.name])
+            for part in inside_out(generator, made_of, lambda inner: inner.name in by_name):
+                by_name[part.name] = _generator_repeats(field, part, symbol, by_name)
+            verdicts.add(by_name[generator.name])
         if False in verdicts:
             return False
         # Two that change their signs may make a product that does not.
@@ -175,14 +175,14 @@ def _generator_repeats(
 def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     """The point with symbols as keys; a name that means nothing here is refused."""
     symbols = {symbol.name: symbol for symbol in tensor.frame.field.symbols}
-    given = {key: _single(number) for key, number in checks.table(point, "point").items()}
-    for key, number in given.items():
-        found = checks.plain(number)
+    entries = {key: _single(number) for key, number in checks.table(point, "point").items()}
+    for key, number in entries.items():
+        plain = checks.plain(number)
         # Neither nan nor infinity ends an evaluation to many digits.
-        for part in (found.real, found.imag) if isinstance(found, complex) else (number,):
+        for part in (plain.real, plain.imag) if isinstance(plain, complex) else (number,):
             checks.number(part, f"point: {checks.cut(str(key))}", CoordinateError)
-    named = {key: number for key, number in given.items() if isinstance(key, (str, sp.Symbol))}
-    values = {key: number for key, number in given.items() if key not in named}
+    named = {key: number for key, number in entries.items() if isinstance(key, (str, sp.Symbol))}
+    values = {key: number for key, number in entries.items() if key not in named}
     for name, number in checks.by_name(named, "point", CoordinateError).items():
         if name not in symbols:
             raise CoordinateError(

@@ -19,7 +19,7 @@ from geomtorsion.geometry.tensor import Tensor
 
 def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:
     """The parameter of a frame that is meant by a symbol or name."""
-    known = {one.name: one for one in frame.parameters}
+    symbols = {one.name: one for one in frame.parameters}
     name = str(symbol) if isinstance(symbol, str | sp.Symbol) else None
     if name is None:
         raise ArgumentError(
@@ -31,12 +31,12 @@ def small_parameter(frame: Frame, symbol: object) -> sp.Symbol:
             f"symbol: expected a parameter of the frame, got the coordinate {name}. For a series "
             "in a coordinate use tensor.series."
         )
-    if name not in known:
+    if name not in symbols:
         raise UnknownNameError(
             f"symbol: expected a parameter of the frame, got {name}. "
-            f"{checks.did_you_mean(name, list(known))}There are {', '.join(known) or 'none'}."
+            f"{checks.did_you_mean(name, list(symbols))}There are {', '.join(symbols) or 'none'}."
         )
-    return known[name]
+    return symbols[name]
 
 
 @derived
@@ -49,8 +49,8 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
 
     def read(entries: Entries) -> dict[tuple[int, int], Element]:
         named = [(f"{shape}{list(index)}", x.sympy) for index, x in entries.items()]
-        found = dict(zip(entries, field.read_all(named), strict=True))
-        return {index: x for index, x in found.items() if not x.is_zero}
+        elements = dict(zip(entries, field.read_all(named), strict=True))
+        return {index: x for index, x in elements.items() if not x.is_zero}
 
     matrix = read(frame.given[shape])
     first = {i: x.parts[0] for i, x in matrix.items() if isinstance(x, Truncated)}
@@ -60,7 +60,7 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
             f"expected a frame that is regular at {symbol} = 0, got one whose {shape} is singular "
             f"there. Choose another parameter, or rescale it so that {symbol} = 0 is a frame."
         )
-    given = {shape: matrix, "eta": {i: series.raised(x) for i, x in frame.given["eta"].items()}}
+    matrices = {shape: matrix, "eta": {i: series.raised(x) for i, x in frame.given["eta"].items()}}
     if shape == "metric":
         opened = validation.Opened(
             frame.coordinates, frame.parameters, frame.domain, frame.complex, frame.field
@@ -69,10 +69,10 @@ def expanded(frame: Frame, symbol: sp.Symbol, order: int) -> Frame:
         points = ({**point, symbol: sp.S.Zero} for point in opened.points())
         signs = [int(frame.eta[i, i]) for i in range(n)]
         rows, squares, eta = orthonormal_rows(field, matrix, n, points, signs)
-        given |= {"rows": rows, "squares": squares, "eta": eta}
+        matrices |= {"rows": rows, "squares": squares, "eta": eta}
     elif shape == "legs":
-        given["coframe"] = inverse(field, matrix, n)
-    return _filled(frame, field, given, (expanded, (frame, symbol, order)))
+        matrices["coframe"] = inverse(field, matrix, n)
+    return _filled(frame, field, matrices, (expanded, (frame, symbol, order)))
 
 
 def again(whole: Frame, series: Frame) -> Frame:
@@ -97,11 +97,11 @@ def background(frame: Frame) -> Frame:
             f"expected a tensor over an expanded frame, got one over {frame.name or 'a frame'} "
             "without a small parameter. Make one with frame.expanded(symbol, order)."
         )
-    given = {
+    matrices = {
         name: {i: x for i, x in _at_order(matrix, 0).items() if not x.is_zero}
         for name, matrix in frame.given.items()
     }
-    return _filled(frame, series.base, given, (background, (frame,)))
+    return _filled(frame, series.base, matrices, (background, (frame,)))
 
 
 def _at_order(entries: Entries, k: int) -> dict[tuple[int, int], Element]:
@@ -113,9 +113,9 @@ def _filled(frame: Frame, field: Field, given: dict, plain: tuple) -> Frame:
     opened = validation.Opened(
         frame.coordinates, frame.parameters, frame.domain, frame.complex, field
     )
-    found = object.__new__(type(frame))
-    found.fill(opened, frame.name, given, plain)
-    return found
+    filled = object.__new__(type(frame))
+    filled.fill(opened, frame.name, given, plain)
+    return filled
 
 
 def coefficient(tensor: Tensor, order: object) -> Tensor:

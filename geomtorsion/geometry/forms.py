@@ -132,27 +132,27 @@ class Form:
                 for head in product(range(n), repeat=rank)
                 for tail in combinations(range(n), self.degree)
             ]
-            found = {place: rule(place) for place in places}
+            components = {place: rule(place) for place in places}
         else:
-            given = {k if isinstance(k, tuple) else (k,): x for k, x in self.source.items()}
-            named = [(f"{self.symbol}{list(index)}", x) for index, x in given.items()]
-            found = {}
-            for index, value in zip(given, self.frame.read(named), strict=True):
+            entries = {k if isinstance(k, tuple) else (k,): x for k, x in self.source.items()}
+            named = [(f"{self.symbol}{list(index)}", x) for index, x in entries.items()]
+            components = {}
+            for index, value in zip(entries, self.frame.read(named), strict=True):
                 sign, place = self._sorted(index)
-                if sign == 0 or place in found:
+                if sign == 0 or place in components:
                     raise TensorIndexError(
                         f"{self.symbol}{list(index)}: expected each component of the form once, "
                         "with different form indices, got one index twice. Leave one out."
                     )
-                found[place] = value if sign > 0 else -value
-        return {place: x for place, x in sorted(found.items()) if x.is_zero is not True}
+                components[place] = value if sign > 0 else -value
+        return {place: x for place, x in sorted(components.items()) if x.is_zero is not True}
 
     def _sorted(self, index: Sequence[object]) -> tuple[int, Index]:
         """Sign and increasing order of an index; sign 0 where a form index is repeated."""
         n, head = self.frame.dimension, len(self.values)
-        found = [checks.whole(k) for k in index]
-        place = tuple(k for k in found if k is not None and 0 <= k < n)
-        if not len(place) == len(found) == head + self.degree:
+        numbers = [checks.whole(k) for k in index]
+        place = tuple(k for k in numbers if k is not None and 0 <= k < n)
+        if not len(place) == len(numbers) == head + self.degree:
             raise TensorIndexError(
                 f"{self.symbol}: expected {head + self.degree} whole numbers from 0 to {n - 1}, "
                 f"got [{', '.join(map(checks.shown, index))}]. Give one for each index."
@@ -203,8 +203,8 @@ class Form:
         dr ^ dphi
         """
         n = self.frame.dimension
-        found = [checks.whole(k) for k in index]
-        if len(index) != len(self.values) or any(k is None or not 0 <= k < n for k in found):
+        numbers = [checks.whole(k) for k in index]
+        if len(index) != len(self.values) or any(k is None or not 0 <= k < n for k in numbers):
             raise TensorIndexError(
                 f"{self.symbol}: expected {len(self.values)} value indices from 0 to {n - 1}, got "
                 f"[{', '.join(map(checks.shown, index))}]. Give one for each letter of `values`."
@@ -215,13 +215,13 @@ class Form:
 
     def _same(self, other: object, what: str) -> Form:
         """Another form over the same frame."""
-        found = checks.instance(other, Form, what)
-        if found.frame is not self.frame:
+        form = checks.instance(other, Form, what)
+        if form.frame is not self.frame:
             raise ShapeError(
                 f"{what}: expected a form over the same frame, got one over another frame. Build "
                 "both over one."
             )
-        return found
+        return form
 
     def _combined(self, other: object, sign: int) -> Form:
         two = self._same(other, "other form")
@@ -372,15 +372,15 @@ class Form:
             missing = tuple(sorted(everything - set(tail)))
             outer = -1 if is_odd((*missing, *tail)) else 1
             terms = []
-            for other in combinations(range(n), p):
-                value = self.components.get((*front, *other))
+            for summed in combinations(range(n), p):
+                value = self.components.get((*front, *summed))
                 if value is None:
                     continue
                 if is_upper:
-                    terms.append((outer, _minor(frame, entries, missing, other), value))
+                    terms.append((outer, _minor(frame, entries, missing, summed), value))
                 else:
-                    rest = tuple(sorted(everything - set(other)))
-                    sign = -1 if is_odd((*other, *rest)) else 1
+                    rest = tuple(sorted(everything - set(summed)))
+                    sign = -1 if is_odd((*summed, *rest)) else 1
                     terms.append((sign, _minor(frame, entries, tail, rest), value))
             return field.sum(terms) * factor
 
@@ -461,8 +461,8 @@ class Form:
                     for b in range(n):
                         factor = table((a, b, own) if up else (a, own, b))
                         if factor is not field.zero:
-                            other = self.element(*front[:slot], b, *front[slot + 1 :], *rest)
-                            terms.append((sign if up else -sign, factor, other))
+                            component = self.element(*front[:slot], b, *front[slot + 1 :], *rest)
+                            terms.append((sign if up else -sign, factor, component))
             return field.sum(terms)
 
         return Form(self.frame, self.degree + 1, rule, self.values)
@@ -488,8 +488,8 @@ class Form:
     # -- copies and writing ------------------------------------------------------------------------
 
     def __reduce__(self) -> tuple[object, ...]:
-        given = {place: value.sympy for place, value in self.components.items()}
-        return type(self), (self.frame, self.degree, given, self.values, self.symbol)
+        entries = {place: value.sympy for place, value in self.components.items()}
+        return type(self), (self.frame, self.degree, entries, self.values, self.symbol)
 
     def __deepcopy__(self, _: object) -> Form:
         """Itself: it never changes."""

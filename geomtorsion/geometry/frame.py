@@ -542,8 +542,8 @@ class Frame:
         >>> kerr.metric.to_sympy(short=True)[0, 0], kerr.metric[0, 0]
         ((2*M*r - Sigma)/Sigma, -(-2*M*r + a**2*cos(theta)**2 + r**2)/(a**2*cos(theta)**2 + r**2))
         """
-        found = naming.meanings(self.field.exact, self.names, quantities)
-        return constructors.named(self, tuple(found.items()))
+        meanings = naming.meanings(self.field.exact, self.names, quantities)
+        return constructors.named(self, tuple(meanings.items()))
 
     def written(self, element: Element) -> sp.Expr:
         """An element as it is printed: short, with the names of the frame (see `named`)."""

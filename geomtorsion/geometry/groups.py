@@ -82,12 +82,12 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     """The given coordinates, or x1 ... xn."""
     if coordinates is None:
         return [sp.Symbol(f"x{k + 1}") for k in range(n)]
-    found = named_symbols(coordinates)
-    if len(found) != n:
+    symbols = named_symbols(coordinates)
+    if len(symbols) != n:
         raise ShapeError(
-            f"{len(found)} coordinates came with structure constants of dimension {n}. Give {n}."
+            f"{len(symbols)} coordinates came with structure constants of dimension {n}. Give {n}."
         )
-    return found
+    return symbols
 
 
 def _listed(values: object) -> list[Any]:
@@ -162,10 +162,10 @@ def _projector(
 
 def _block(matrix: sp.Matrix, factor: sp.Poly, z: sp.Symbol, x: sp.Symbol) -> sp.Matrix:
     """exp(x S) on the subspace of one factor, linear or quadratic."""
-    one = sp.eye(matrix.rows)
+    identity = sp.eye(matrix.rows)
     coefficients = [sp.cancel(c / factor.LC()) for c in factor.all_coeffs()]
     if factor.degree() == 1:
-        return sp.exp(-coefficients[1] * x) * one
+        return sp.exp(-coefficients[1] * x) * identity
     if factor.degree() > 2:
         raise StructureConstantError(
             f"the adjoint matrix {matrix.tolist()} has the irreducible characteristic factor "
@@ -174,7 +174,7 @@ def _block(matrix: sp.Matrix, factor: sp.Poly, z: sp.Symbol, x: sp.Symbol) -> sp
         )
     middle = sp.cancel(-coefficients[1] / 2)
     discriminant = sp.cancel(middle**2 - coefficients[2])
-    rest = matrix - middle * one
+    rest = matrix - middle * identity
     # Where the sign of the discriminant is open, cosh and sinh hold for either.
     if discriminant.is_negative:
         rate = sp.sqrt(-discriminant)
@@ -182,4 +182,4 @@ def _block(matrix: sp.Matrix, factor: sp.Poly, z: sp.Symbol, x: sp.Symbol) -> sp
     else:
         rate = sp.sqrt(discriminant)
         even, odd = sp.cosh(rate * x), sp.sinh(rate * x) / rate
-    return sp.exp(middle * x) * (even * one + odd * rest)
+    return sp.exp(middle * x) * (even * identity + odd * rest)

@@ -79,11 +79,11 @@ def identities(connection: Connection | Frame) -> IdentityChecks:
     if isinstance(connection, Frame):
         connection = cartan(connection)
     instance(connection, Connection, "connection")
-    found = [metricity(connection), decomposition(connection)]
-    found += [first_bianchi(connection), second_bianchi(connection)]
+    results = [metricity(connection), decomposition(connection)]
+    results += [first_bianchi(connection), second_bianchi(connection)]
     if connection.metric_compatible:
-        found.append(scalar_identity(connection))
-    return IdentityChecks(found)
+        results.append(scalar_identity(connection))
+    return IdentityChecks(results)
 
 
 def metricity(connection: Connection) -> IdentityCheck:

@@ -105,12 +105,12 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
         )
     frame, slots = field.frame, field.slots
     along, slope = _slopes(vector(frame, xi, "xi"))
-    given = field.in_coordinates()
-    get, coordinates, sum_ = given.components.get, frame.coordinates, frame.field.sum
+    plain = field.in_coordinates()
+    get, coordinates, sum_ = plain.components.get, frame.coordinates, frame.field.sum
 
     def rule(index: Index) -> Element:
         terms: list = [(1, x, get(index).diff(coordinates[m])) for m, x in along]
-        for k, slot in enumerate(given.slots):
+        for k, slot in enumerate(plain.slots):
             head, own, tail = index[:k], index[k], index[k + 1 :]
             for m in range(frame.dimension):
                 if slot == "d":
@@ -119,8 +119,8 @@ def lie(xi: object, field: Tensor | Connection | Frame | Form) -> Tensor | Form:
                     terms.append((-1, get((*head, m, *tail)), slope[m, own]))
         return sum_(terms)
 
-    found = Tensor(frame, given.slots, rule, given.symmetry, f"L{field.symbol}", "Lie derivative")
-    return found._form(slots)
+    result = Tensor(frame, plain.slots, rule, plain.symmetry, f"L{field.symbol}", "Lie derivative")
+    return result._form(slots)
 
 
 def _slopes(xi: Tensor) -> tuple[list[tuple[int, Element]], dict[tuple[int, int], Element]]:

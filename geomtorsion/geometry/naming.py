@@ -23,24 +23,24 @@ def meanings(
     """Meaning of each name in coordinates and parameters, earlier names included."""
     taken = {s.name for s in field.symbols} | set(FUNCTIONS) | set(CONSTANTS)
     taken |= {str(g.argument[0]) for g in field.generators if g.kind == "jet"}
-    found = dict(before)
+    quantities = dict(before)
     for name, value in given.items():
-        if not name.isidentifier() or name in taken | {s.name for s in found}:
+        if not name.isidentifier() or name in taken | {s.name for s in quantities}:
             raise ArgumentError(
                 f"{name}: a name that has no meaning here was needed. Choose one that is no "
                 "coordinate, parameter or function, and that is given once."
             )
-        known = {s.name: s for s in (*field.symbols, *found)}
-        read = checks.expression(value, name, read=partial(_read, known, name))
-        read = read.xreplace(counted_as(read.free_symbols, known.values()))
-        others = sorted(str(s) for s in read.free_symbols - set(known.values()))
+        symbols = {s.name: s for s in (*field.symbols, *quantities)}
+        read = checks.expression(value, name, read=partial(_read, symbols, name))
+        read = read.xreplace(counted_as(read.free_symbols, symbols.values()))
+        others = sorted(str(s) for s in read.free_symbols - set(symbols.values()))
         if others:
             raise UnknownNameError(
                 f"{name} = {read}: {', '.join(others)} is not known there. Known are coordinates, "
-                f"parameters and names given before: {', '.join(known)}."
+                f"parameters and names given before: {', '.join(symbols)}."
             )
-        found[sp.Symbol(name)] = read.xreplace(found)
-    return found
+        quantities[sp.Symbol(name)] = read.xreplace(quantities)
+    return quantities
 
 
 def _read(known: Mapping[str, sp.Symbol], name: str, text: str) -> sp.Expr:
@@ -59,7 +59,7 @@ def names(field: Field, found: Meanings) -> Names:
         Whether a quantity vanishes cannot be decided.
     """
     read = field.read_all((symbol.name, value) for symbol, value in found.items())
-    made = []
+    written_names = []
     for symbol, element in zip(found, read, strict=True):
         whole = field.brief(element)
         if element.is_zero is None:
@@ -70,5 +70,5 @@ def names(field: Field, found: Meanings) -> Names:
                 "coordinate or parameter was needed, not a number. Write numbers as they are."
             )
         generator = Generator("symbol", symbol.name, symbol, frozenset(whole.symbols))
-        made.append(Name(generator, whole))
-    return tuple(made)
+        written_names.append(Name(generator, whole))
+    return tuple(written_names)

@@ -131,8 +131,8 @@ def array(tensor: Tensor, is_short: bool) -> sp.ImmutableDenseNDimArray | sp.Exp
         return short(tensor, ()) if is_short else tensor[()]
     n, rank = tensor.frame.dimension, len(tensor.slots)
     flat: list[sp.Expr] = [sp.S.Zero] * n**rank
-    found = {i: short(tensor, i) for i in tensor.components.support} if is_short else None
-    every = {**tensor.nonzero(), **tensor.undecided()} if found is None else found
+    short_forms = {i: short(tensor, i) for i in tensor.components.support} if is_short else None
+    every = {**tensor.nonzero(), **tensor.undecided()} if short_forms is None else short_forms
     for index, value in every.items():
         place = 0
         for k in index:
@@ -156,8 +156,8 @@ def open_mark(tensor: Tensor, index: tuple[int, ...]) -> str:
 def in_words(tensor: Tensor) -> str:
     """How many components do not vanish, and how many are undecided."""
     undecided = open_count(tensor)
-    found = len(tensor.components.support) - undecided
-    words = f"{found} {'does' if found == 1 else 'do'} not vanish"
+    nonzero = len(tensor.components.support) - undecided
+    words = f"{nonzero} {'does' if nonzero == 1 else 'do'} not vanish"
     return f"{words}, {undecided} {'is' if undecided == 1 else 'are'} undecided"
 
 
@@ -348,10 +348,10 @@ class ComponentTable:
     def label(self, index: tuple[int, ...]) -> str:
         """One component with the names of its indices."""
         tensor = self.tensor
-        apart = any(len(name) > 1 for name in self.names) and (
+        is_spaced = any(len(name) > 1 for name in self.names) and (
             self.chosen or tensor.slots != tensor.slots.upper()
         )
-        ends = [f"{mark} " if apart else mark for mark in self.marks(index)]
+        ends = [f"{mark} " if is_spaced else mark for mark in self.marks(index)]
         indexed = _indexed(plain_symbol(tensor.symbol), ends, tensor.slots)
         return indexed.replace("{}", "").replace(" }", "}")
 
@@ -359,14 +359,14 @@ class ComponentTable:
     def count(self) -> str:
         """How many components do not vanish, in words; nothing for a scalar that does not."""
         tensor = self.tensor
-        found = len(tensor.components.support)
-        if not found:
+        nonzero = len(tensor.components.support)
+        if not nonzero:
             return "all components vanish" if tensor.slots else "vanishes"
         if not tensor.slots:
             return ""
         every, undecided = tensor.frame.dimension ** len(tensor.slots), open_count(tensor)
-        do = "does" if found - undecided == 1 else "do"
-        count = f"{found - undecided} of {every} components {do} not vanish"
+        do = "does" if nonzero - undecided == 1 else "do"
+        count = f"{nonzero - undecided} of {every} components {do} not vanish"
         if undecided:
             count += f", {undecided} {'is' if undecided == 1 else 'are'} undecided"
         return count
@@ -411,8 +411,8 @@ def table(tensor: Tensor, names: Names | None, where: Where | None, every: bool)
     checks.flag(every, "every")
     called = index_names(tensor, names)
     fixed = _fixed(tensor, called, where)
-    found = tensor.components.support if every or fixed else tuple(tensor.components.independent)
-    shown = tuple(i for i in found if all(i[k] == value for k, value in fixed.items()))
+    support = tensor.components.support if every or fixed else tuple(tensor.components.independent)
+    shown = tuple(i for i in support if all(i[k] == value for k, value in fixed.items()))
     hidden = 0 if fixed else len(tensor.components.support) - len(shown)
     return ComponentTable(tensor, called, names is not None, shown, hidden)
 
@@ -423,19 +423,19 @@ def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
     if names is None:
         return tuple(coordinates)
     n = len(coordinates)
-    given: list[object] = []
+    listed: list[object] = []
     if isinstance(names, str):
         parted = names.replace(",", " ").split()
-        given = list(parted if len(parted) == n else names)
+        listed = list(parted if len(parted) == n else names)
     elif isinstance(names, Sequence):
-        given = list(names)
-    found = [name for name in given if isinstance(name, str) and name.strip()]
-    if len(found) != n or len(given) != n or len(set(found)) != n:
+        listed = list(names)
+    valid = [name for name in listed if isinstance(name, str) and name.strip()]
+    if len(valid) != n or len(listed) != n or len(set(valid)) != n:
         raise TensorIndexError(
             f"names {checks.shown(names)}: needed are {n} different names, one for each of "
             f"{', '.join(coordinates)}. Give them as a text of {n} letters, or as a list of texts."
         )
-    return tuple(found)
+    return tuple(valid)
 
 
 def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[int, int]:
@@ -449,14 +449,14 @@ def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[
                 f"where: {tensor.label} has no index {checks.shown(key)}: it has {rank}, "
                 "counted from 0. Give {index: its value}, such as {0: 'r'}."
             )
-        known = next((list_ for list_ in (names, coordinates) if value in list_), None)
-        found = checks.whole(value)
-        if known is not None and isinstance(value, str):
-            found = known.index(value)
-        if found is None or not 0 <= found < len(names):
+        labels = next((list_ for list_ in (names, coordinates) if value in list_), None)
+        number = checks.whole(value)
+        if labels is not None and isinstance(value, str):
+            number = labels.index(value)
+        if number is None or not 0 <= number < len(names):
             raise TensorIndexError(
                 f"where[{place}] = {checks.shown(value)}: needed is a whole number from 0 to "
                 f"{len(names) - 1}, or one of {', '.join(names)}."
             )
-        fixed[place] = found
+        fixed[place] = number
     return fixed

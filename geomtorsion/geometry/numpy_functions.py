@@ -62,10 +62,10 @@ def numpy_function(
     kind = complex if tensor.frame.complex else float
 
     def function(*values: ArrayLike) -> np.ndarray:
-        found = inner(*values)
-        result = np.zeros((*found.shape[1:], *(tensor.frame.dimension,) * len(tensor.slots)), kind)
+        table = inner(*values)
+        result = np.zeros((*table.shape[1:], *(tensor.frame.dimension,) * len(tensor.slots)), kind)
         for index, (sign, place) in signs.items():
-            result[(..., *index)] = sign * found[rows[place]]
+            result[(..., *index)] = sign * table[rows[place]]
         return result
 
     # Functions accept attributes of their own, which their type does not declare.

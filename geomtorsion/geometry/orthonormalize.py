@@ -26,10 +26,10 @@ def orthonormal_rows(
     The orthonormal coframe is sqrt|q_i| theta^i, with no root taken before it is needed. Signs are
     taken at a point of the domain; a requested signature orders the rows.
     """
-    asked = _asked_signs(signature, n)
+    requested = _asked_signs(signature, n)
     forms = completed_squares(field, metric, n)
-    signs = _signs(field, forms, points, asked, n)
-    order = _row_order(signs, asked, n)
+    signs = _signs(field, forms, points, requested, n)
+    order = _row_order(signs, requested, n)
     rows = {(order[i], mu): x for i, (_, form) in forms.items() for mu, x in form.items()}
     squares = {(order[i], order[i]): square for i, (square, _) in forms.items()}
     eta = {(order[i], order[i]): field.rational(sign) for i, sign in signs.items()}
@@ -39,7 +39,7 @@ def orthonormal_rows(
 def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[Element, Row]]:
     """g = sum of q theta^2 over n one-forms: row -> (q, theta), theta(w) = 1, q = g(w, w)."""
     rest = dict(metric)
-    found: dict[int, tuple[Element, Row]] = {}
+    squares: dict[int, tuple[Element, Row]] = {}
     for _ in range(n):
         direction = _direction(field, rest, n)
         if direction is None:
@@ -60,9 +60,9 @@ def completed_squares(field: Field, metric: Entries, n: int) -> dict[int, tuple[
                 rest[i, j] = value
                 if value.is_zero:
                     del rest[i, j]
-        place = next(i for i in (*direction, *range(n)) if i not in found)
-        found[place] = (square, theta)
-    return found
+        place = next(i for i in (*direction, *range(n)) if i not in squares)
+        squares[place] = (square, theta)
+    return squares
 
 
 def _direction(field: Field, rest: Entries, n: int) -> tuple[int, ...] | None:
@@ -81,12 +81,12 @@ def _row(entries: Entries, i: int, n: int) -> Row:
 
 def _added_rows(field: Field, rows: list[Row]) -> Row:
     """Sum of sparse rows, without zeros."""
-    found = {}
+    total = {}
     for j in sorted(set().union(*rows)):
         value = field.sum([(1, row[j]) for row in rows if j in row])
         if not value.is_zero:
-            found[j] = value
-    return found
+            total[j] = value
+    return total
 
 
 def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] | None:
@@ -133,9 +133,9 @@ def _signs(
             "the signature of the metric cannot be found: it has no finite real value at any point "
             "tried. State the domain, for instance domain=[r > 2*M]."
         )
-    found = tuple(usable[0][i] for i in range(n))
+    own_signs = tuple(usable[0][i] for i in range(n))
     raise MetricError(
-        f"metric has signature {found} in its domain, {signature} was asked for. "
+        f"metric has signature {own_signs} in its domain, {signature} was asked for. "
         "Ask for as many minus signs as the metric has, or state the domain."
     )
 
@@ -172,10 +172,10 @@ def _signs_of_functions(
     signs: dict[int, int] = {}
     left = [] if signature is None else list(signature)
     for i in range(n):
-        wanted = 1
+        sign = 1
         if signature is not None:
-            wanted = signature[i] if signature[i] in left else left[0]
-        signs[i] = wanted if field.sample.prefer_positive(forms[i][0] * wanted) else -wanted
+            sign = signature[i] if signature[i] in left else left[0]
+        signs[i] = sign if field.sample.prefer_positive(forms[i][0] * sign) else -sign
         if signature is not None:
             if signs[i] not in left:
                 return None

@@ -125,13 +125,13 @@ def curvature_parts(curvature: T, *, is_metric: bool) -> Mapping[str, T]:
     half that is antisymmetric, under the exchange of the pairs.
     """
     n = curvature.frame.dimension
-    one, swapped, exchanged = (0, 1, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)
+    identity, swapped, exchanged = (0, 1, 2, 3), (0, 1, 3, 2), (2, 3, 0, 1)
     turning = curvature
-    found: dict[str, T] = {}
+    nonmetric: dict[str, T] = {}
     if not is_metric:
-        turning = _sum([(HALF, curvature, one), (-HALF, curvature, swapped)], PAIRS)
-        strain = [(HALF, curvature, one), (HALF, curvature, swapped)]
-        found["strain"] = _sum(strain, antisymmetric(4) + symmetric(4, 2, 3), "strain part")
+        turning = _sum([(HALF, curvature, identity), (-HALF, curvature, swapped)], PAIRS)
+        strain = [(HALF, curvature, identity), (HALF, curvature, swapped)]
+        nonmetric["strain"] = _sum(strain, antisymmetric(4) + symmetric(4, 2, 3), "strain part")
     metric = _metric(curvature)
     ricci = _trace(turning, 0, 3)
     scalar = _trace(ricci, 0, 1)
@@ -157,7 +157,7 @@ def curvature_parts(curvature: T, *, is_metric: bool) -> Mapping[str, T]:
     of["pseudoscalar"] = _sum(signed, alternating(4), "pseudoscalar part")
     halves = {}
     for sign in (1, -1):
-        terms = [(HALF, turning, one), (sign * HALF, turning, exchanged)]
+        terms = [(HALF, turning, identity), (sign * HALF, turning, exchanged)]
         halves[sign] = _sum(terms, (*PAIRS, (exchanged, sign)))
     even = [of[name] for name in ("pseudoscalar", "ricci", "scalar")]
     parts = {
@@ -165,7 +165,7 @@ def curvature_parts(curvature: T, *, is_metric: bool) -> Mapping[str, T]:
         "paircom": _rest(halves[-1], [of["antiricci"]], PAIRS, "paircom part"),
         **{name: of[name] for name in ("pseudoscalar", "ricci", "antiricci", "scalar")},
     }
-    return parts | found
+    return parts | nonmetric
 
 
 def _kulkarni(h: T, share: Fraction, name: str) -> T:

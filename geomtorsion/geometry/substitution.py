@@ -36,16 +36,16 @@ class Substitution:
 
     def __call__(self, expression: sp.Basic) -> sp.Basic:
         """An expression or relation with the values in place, all at once."""
-        found = expression.xreplace(dict(self.symbols))
+        replaced = expression.xreplace(dict(self.symbols))
         if self.functions:
             # One pass for all: a replacement may contain another symbol, which stays there.
-            found = found.replace(
+            replaced = replaced.replace(
                 lambda one: isinstance(one, AppliedUndef) and one.func in self.functions,
                 lambda one: self.functions[one.func](*one.args),
             )
             # Derivatives of functions that were unknown before can be taken now.
-            found = found.replace(_is_derivative, lambda one: one.doit())
-        return with_roots(found)
+            replaced = replaced.replace(_is_derivative, lambda one: one.doit())
+        return with_roots(replaced)
 
     def value(self, expression: sp.Expr, where: str) -> sp.Expr:
         """An entry or component after the replacements.
@@ -55,13 +55,13 @@ class Substitution:
         SingularPointError
             It has no finite value then.
         """
-        found = self(expression)
-        if not isinstance(found, sp.Expr) or found.has(*INFINITE):
+        replaced = self(expression)
+        if not isinstance(replaced, sp.Expr) or replaced.has(*INFINITE):
             raise SingularPointError(
                 f"{where} = {expression} has no finite value with {self}. Give other values, or "
                 "ask for a limit: tensor.limit(symbol, value)."
             )
-        return found
+        return replaced
 
     def __hash__(self) -> int:
         return hash(frozenset([*self.symbols.items(), *self.functions.items()]))
@@ -82,11 +82,11 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
     functions = {g.argument[0] for g in exact.generators if g.kind == "jet"}
     names = {symbol.name: symbol for symbol in exact.symbols}
     constant: dict[sp.Symbol, sp.Expr] = {}
-    known: dict[UndefinedFunction, sp.Lambda] = {}
-    for given, value in checks.table(values, "values").items():
-        applied = _function_named(given, names, exact)
-        key = _read(given, names, "values") if applied is None else applied
-        name = f"the value of {checks.shown(given)}"
+    lambdas: dict[UndefinedFunction, sp.Lambda] = {}
+    for item, value in checks.table(values, "values").items():
+        applied = _function_named(item, names, exact)
+        key = _read(item, names, "values") if applied is None else applied
+        name = f"the value of {checks.shown(item)}"
         put = _read(value, names, name)
         if put.has(*INFINITE):
             raise ArgumentError(
@@ -97,11 +97,11 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
         if isinstance(key, AppliedUndef):
             twins = counted_as([*key.free_symbols, *put.free_symbols], exact.symbols)
             applied = key.xreplace(twins)
-            known[key.func] = _function(applied, put.xreplace(twins), functions, coordinates)
+            lambdas[key.func] = _function(applied, put.xreplace(twins), functions, coordinates)
         else:
-            symbol = _parameter(key, given, parameters, coordinates)
+            symbol = _parameter(key, item, parameters, coordinates)
             constant[symbol] = _constant(symbol, put, coordinates, exact.symbols)
-    return Substitution(constant, known)
+    return Substitution(constant, lambdas)
 
 
 def _function_named(
@@ -112,19 +112,19 @@ def _function_named(
     if not isinstance(given, str | UndefinedFunction) or name in names:
         return None
     jets = [g.shown for g in exact.generators if g.kind == "jet"]
-    found = {
+    unknown_functions = {
         one
         for shown in jets
         for one in shown.atoms(AppliedUndef)
         if str(one.func) == name and all(isinstance(x, sp.Symbol) for x in one.args)
     }
-    if len(found) > 1:
-        listed = ", ".join(sorted(map(str, found)))
+    if len(unknown_functions) > 1:
+        listed = ", ".join(sorted(map(str, unknown_functions)))
         raise ArgumentError(
             f"values: expected one function of the name {name}, got {listed}. Write it with "
             "its arguments."
         )
-    return found.pop() if found else None
+    return unknown_functions.pop() if unknown_functions else None
 
 
 def _read(value: object, names: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
@@ -150,10 +150,10 @@ def _parameter(
             f"tensor.at(...), and goes to a point by tensor.limit({symbol}, ...)."
         )
     if symbol not in parameters:
-        known = [one.name for one in parameters]
+        names = [one.name for one in parameters]
         raise UnknownNameError(
-            f"{symbol} is no parameter here. {checks.did_you_mean(symbol.name, known)}"
-            f"There are {', '.join(known) or 'none'}."
+            f"{symbol} is no parameter here. {checks.did_you_mean(symbol.name, names)}"
+            f"There are {', '.join(names) or 'none'}."
         )
     return symbol
 

@@ -122,8 +122,8 @@ class Surface:
         """Components of the space as functions on the surface."""
 
         def moved(index: Index, value: Element) -> Element:
-            (found,) = self.frame.read([(f"component {list(index)}", self.way(value.sympy))])
-            return found
+            (element,) = self.frame.read([(f"component {list(index)}", self.way(value.sympy))])
+            return element
 
         return components.mapped(self.frame.field, moved)
 
@@ -177,13 +177,13 @@ class Surface:
                 f"{field.slots!r}. Lower them with lowered()."
             )
         plain = field.in_coordinates()
-        given = self._on(plain.components).nonzero
+        components = self._on(plain.components).nonzero
         slope = self._slope
 
         def rule(index: Index) -> Element:
             terms = [
                 (1, value, *(slope[mu, a] for mu, a in zip(place, index, strict=True)))
-                for place, value in given.items()
+                for place, value in components.items()
             ]
             return self.frame.field.sum(terms)
 

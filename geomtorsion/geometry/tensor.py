@@ -112,9 +112,9 @@ class Tensor:
     def _checked(self, index: Sequence[SupportsIndex]) -> Index:
         """An index tuple of the right length and range."""
         n = self.frame.dimension
-        found = [k if type(k) is int else checks.whole(k) for k in index]
-        place = tuple([k for k in found if k is not None and 0 <= k < n])
-        if not len(place) == len(found) == len(self.slots):
+        numbers = [k if type(k) is int else checks.whole(k) for k in index]
+        place = tuple([k for k in numbers if k is not None and 0 <= k < n])
+        if not len(place) == len(numbers) == len(self.slots):
             came = ", ".join(map(checks.shown, index))
             raise TensorIndexError(
                 f"{self.label}[{came}]: needed are {len(self.slots)} whole numbers from 0 to "
@@ -156,8 +156,8 @@ class Tensor:
         >>> print(Frame([x, y], [[1, x], [0, 1]]).anholonomy.certainty)
         proved
         """
-        found = [*self.components.undecided.values(), *self.components.zeros.values()]
-        return least_certain(value.certainty for value in found)
+        elements = [*self.components.undecided.values(), *self.components.zeros.values()]
+        return least_certain(value.certainty for value in elements)
 
     def to_sympy(self, *, short: bool = False) -> sp.ImmutableDenseNDimArray | sp.Expr:
         """All components as a sympy array (an expression for a scalar).
@@ -206,11 +206,11 @@ class Tensor:
         >>> print(frame.metric.at({r: sp.sqrt(2)}, digits=30)[1, 1])
         2.0
         """
-        given = checks.table(point, "point")
-        several = {key: x for key, x in given.items() if evaluation.is_several(x)}
+        values = checks.table(point, "point")
+        several = {key: x for key, x in values.items() if evaluation.is_several(x)}
         if several:
-            return evaluation.at_points(self, given, several, digits)
-        return evaluation.at_point(self, given, digits)
+            return evaluation.at_points(self, values, several, digits)
+        return evaluation.at_point(self, values, digits)
 
     # -- changing indices ----------------------------------------------------------------------
 
@@ -278,8 +278,8 @@ class Tensor:
             k = next(k for k in range(len(slots)) if slots[k] != self.slots[k])
             step = self.slots[:k] + slots[k] + self.slots[k + 1 :]
             if step == slots:
-                found = self._forms[slots] = self._with_slot(k, slots[k])
-                found.__dict__["_lineage"] = (self, *self._lineage)
+                form = self._forms[slots] = self._with_slot(k, slots[k])
+                form.__dict__["_lineage"] = (self, *self._lineage)
             else:
                 self._forms[slots] = self._form(step)._form(slots)
         return self._forms[slots]
@@ -478,9 +478,9 @@ class Tensor:
 
         def changed(index: Index, value: Element) -> Element:
             name = f"{notation.plain_symbol(self.symbol)}{list(index)}"
-            given = change(value.sympy, name)
-            (found,) = over.read([(name, given)])
-            return found.written_as(given) if written else found
+            expression = change(value.sympy, name)
+            (element,) = over.read([(name, expression)])
+            return element.written_as(expression) if written else element
 
         return replace(self, frame=over, source=self.components.mapped(over.field, changed))
 

@@ -129,19 +129,19 @@ def coordinate_symbols(
 
     Names given as text become the symbol of that name that occurs in the entries.
     """
-    found = named_symbols(coordinates, free)
-    if len(found) != n:
+    symbols = named_symbols(coordinates, free)
+    if len(symbols) != n:
         raise ShapeError(
-            f"{len(found)} coordinates came with a matrix of {n} columns. "
+            f"{len(symbols)} coordinates came with a matrix of {n} columns. "
             "Give exactly one coordinate for each column."
         )
-    names = [symbol.name for symbol in found]
+    names = [symbol.name for symbol in symbols]
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
         raise CoordinateError(
             f"coordinate {', '.join(repeated)} is repeated. Each coordinate must occur once."
         )
-    return tuple(found)
+    return tuple(symbols)
 
 
 def named_symbols(
@@ -151,21 +151,21 @@ def named_symbols(
     by_name: dict[str, set[sp.Symbol]] = {}
     for symbol in known:
         by_name.setdefault(symbol.name, set()).add(symbol)
-    given = names.replace(",", " ").split() if isinstance(names, str) else names
+    listed = names.replace(",", " ").split() if isinstance(names, str) else names
     needed = "{subject}: symbols or names were needed, but {value} came."
-    found = []
-    for item in checks.entries(given, f"{what}s", CoordinateError, message=needed):
+    symbols = []
+    for item in checks.entries(listed, f"{what}s", CoordinateError, message=needed):
         symbol: Any = item
         if isinstance(item, str):
-            meant = by_name.get(item, {sp.Symbol(item)})
-            counted_as(meant)
-            (symbol,) = meant
+            candidates = by_name.get(item, {sp.Symbol(item)})
+            counted_as(candidates)
+            (symbol,) = candidates
         if not isinstance(symbol, sp.Symbol):
             raise CoordinateError(
                 f"{what} {checks.shown(item)} is no symbol. Give sympy symbols or names."
             )
-        found.append(symbol)
-    return found
+        symbols.append(symbol)
+    return symbols
 
 
 def parameter_symbols(
@@ -175,21 +175,21 @@ def parameter_symbols(
 ) -> tuple[sp.Symbol, ...]:
     """The given parameters, then the remaining free symbols by name."""
     free = set(free)
-    given = []
+    named = []
     for symbol in named_symbols(() if parameters is None else parameters, free, "parameter"):
         if symbol.name in {c.name for c in coordinates}:
             raise CoordinateError(
                 f"{symbol.name} is a coordinate and a parameter at once. Rename one of them."
             )
-        given.append(symbol)
-    known = (*coordinates, *given)
-    new = free - set(known) - set(counted_as(free, known))
-    return tuple(dict.fromkeys(given + sorted(new, key=lambda symbol: symbol.name)))
+        named.append(symbol)
+    declared = (*coordinates, *named)
+    new = free - set(declared) - set(counted_as(free, declared))
+    return tuple(dict.fromkeys(named + sorted(new, key=lambda symbol: symbol.name)))
 
 
 def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
     """All symbols in the entries that are sympy expressions."""
-    found: set[sp.Symbol] = set()
+    symbols: set[sp.Symbol] = set()
     seen: set[Any] = set()
     # sympy's own way is a call deeper for each bracket.
     waiting = [value for value in values if hasattr(type(value), "free_symbols")]
@@ -201,8 +201,8 @@ def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
         if isinstance(part, sp.Add | sp.Mul | sp.Pow | sp.Function):
             waiting += part.args
         else:
-            found |= {s for s in part.free_symbols if isinstance(s, sp.Symbol)}
-    return found
+            symbols |= {s for s in part.free_symbols if isinstance(s, sp.Symbol)}
+    return symbols
 
 
 def signs_or_rows(signature: object) -> list[Any]:
@@ -263,8 +263,8 @@ def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int,
         )
     if not det.is_zero:
         return
-    found = dependence(field, entries, n)
-    relation = "the rows are dependent" if found is None else _relation(found)
+    coefficients = dependence(field, entries, n)
+    relation = "the rows are dependent" if coefficients is None else _relation(coefficients)
     raise CoframeError(
         f"{name} is singular: its determinant vanishes identically. {relation} "
         "Give independent rows, or drop a coordinate."
@@ -302,9 +302,9 @@ def read_signature(field: Field, signature: object, n: int) -> dict[tuple[int, i
 def check_symmetric(entries: dict[tuple[int, int], Element], n: int) -> None:
     """Refuse a metric that is not symmetric; the message names the pair."""
     for i, j in combinations(range(n), 2):
-        one, two = entries.get((i, j)), entries.get((j, i))
-        if one != two:
-            shown = ["0" if x is None else str(x) for x in (one, two)]
+        upper, lower = entries.get((i, j)), entries.get((j, i))
+        if upper != lower:
+            shown = ["0" if x is None else str(x) for x in (upper, lower)]
             raise MetricError(
                 f"metric is not symmetric: entry [{i}, {j}] is {shown[0]}, "
                 f"entry [{j}, {i}] is {shown[1]}. Make them equal."
@@ -337,7 +337,7 @@ def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
         if isinstance(domain, sp.Basic | bool)
         else checks.entries(domain, "domain", CoordinateError, message=relations)
     )
-    found: list[sp.Basic] = []
+    conditions: list[sp.Basic] = []
     item: Any
     for item in items:
         parts = item.args if isinstance(item, sp.And) else (item,)
@@ -349,8 +349,8 @@ def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
                     f"domain: {checks.shown(part)} is no relation. "
                     "Give relations such as r > 2*M, 0 < theta."
                 )
-            found.append(part)
-    return tuple(found)
+            conditions.append(part)
+    return tuple(conditions)
 
 
 def candidate_points(
@@ -370,9 +370,9 @@ def candidate_points(
     # Domains far from the origin are reached by wider and wider ranges, at last by far wider ones.
     near = [1 + 10 * number // TRIES for number in range(TRIES)]
     far = [10 * 2 ** (1 + 20 * number // TRIES) for number in range(TRIES if others else 0)]
-    found = False
+    has_point = False
     for number, stretch in enumerate([*near, *far]):
-        if found and number >= TRIES:
+        if has_point and number >= TRIES:
             return
         point = {}
         for k, symbol in enumerate(symbols):
@@ -388,7 +388,7 @@ def candidate_points(
                     value += 1 if is_bounded else -1
             point[symbol] = sp.Rational(value.numerator, value.denominator)
         if all(relation.subs(point) == sp.true for relation in others):
-            found = True
+            has_point = True
             yield point
 
 

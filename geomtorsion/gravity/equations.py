@@ -61,19 +61,19 @@ class FieldEquations:
     @cached_property
     def _meanings(self) -> dict[str, tuple[int, str]]:
         """Name in the Lagrangian -> (number of the connection, name of the invariant)."""
-        found: dict[str, tuple[int, str]] = {}
-        other = 1
+        meanings: dict[str, tuple[int, str]] = {}
+        count = 1
         for number, connection in enumerate(self.connections):
             suffixes = [""]
             if connection.kind == "levi-civita":
                 suffixes = ["bar"] if len(self.connections) > 1 else ["", "bar"]
             else:
-                suffixes = [""] if other == 1 else [f"_{other}"]
-                other += 1
-            for one in INVARIANTS.values():
-                if one.only in (0, self.frame.dimension):
-                    found |= {one.name + suffix: (number, one.name) for suffix in suffixes}
-        return found
+                suffixes = [""] if count == 1 else [f"_{count}"]
+                count += 1
+            for entry in INVARIANTS.values():
+                if entry.only in (0, self.frame.dimension):
+                    meanings |= {entry.name + suffix: (number, entry.name) for suffix in suffixes}
+        return meanings
 
     @cached_property
     def _matter_names(self) -> dict[str, tuple[MatterField, str]]:
@@ -86,8 +86,8 @@ class FieldEquations:
 
     @cached_property
     def _named(self) -> Reading:
-        known = {name: name for name in (*self._meanings, *self._matter_names)}
-        return read(self.lagrangian, self.frame, known)
+        names = {name: name for name in (*self._meanings, *self._matter_names)}
+        return read(self.lagrangian, self.frame, names)
 
     @cached_property
     def _reading(self) -> Reading:
@@ -138,8 +138,8 @@ class FieldEquations:
         GravityError
             There is no such invariant here.
         """
-        known = [*self._meanings, *self._matter_names]
-        checks.known_name(name, known, "invariant", GravityError)
+        names = [*self._meanings, *self._matter_names]
+        checks.known_name(name, names, "invariant", GravityError)
         return self.frame.scalar(lambda: self._value(name), name, "invariant")
 
     @cached_property
@@ -152,12 +152,12 @@ class FieldEquations:
     def _slopes(self) -> dict[str, Element]:
         """dL/dI for every name I that occurs."""
         reading = self._reading
-        found = {}
+        slopes = {}
         for symbol, name in reading.symbols.items():
             slope = reading.expression.diff(symbol)
             if slope != 0:
-                found[name] = reading.element(slope)
-        return found
+                slopes[name] = reading.element(slope)
+        return slopes
 
     @cached_property
     def momenta(self) -> tuple[Momenta, ...]:
@@ -236,18 +236,18 @@ class FieldEquations:
     @cached_property
     def connection_equations(self) -> tuple[Tensor, ...]:
         """C of each connection; zero for the metric's own, which is not varied separately."""
-        found = []
-        for number, one in enumerate(self.momenta):
-            total = one.C if number in self._varied else Tensor(self.frame, "UUD", {})
+        tensors = []
+        for number, momenta in enumerate(self.momenta):
+            total = momenta.C if number in self._varied else Tensor(self.frame, "UUD", {})
             if number == 0:
                 for fluid in self._fluids:
                     total = total + fluid.connection_source(self.connections[0])
-            found.append(
+            tensors.append(
                 Tensor(
                     self.frame, "UUD", total.components, total.symmetry, "C", "connection equation"
                 )
             )
-        return tuple(found)
+        return tuple(tensors)
 
     @property
     def C(self) -> Tensor:
@@ -298,12 +298,12 @@ class FieldEquations:
     def tensors(self) -> dict[str, Tensor]:
         """E and E_[ij]; C where a connection is varied on its own, M where it is not metric."""
         kinds = {one.kind for one in self.connections}
-        found = {"E": self.E, "E_[ij]": self.antisymmetric}
+        tensors = {"E": self.E, "E_[ij]": self.antisymmetric}
         if kinds - {"cartan", "levi-civita"}:
-            found["C"] = self.C
+            tensors["C"] = self.C
         if "general" in kinds:
-            found["M"] = self.M
-        return found
+            tensors["M"] = self.M
+        return tensors
 
     @cached_property
     def matter_equations(self) -> dict[str, Tensor]:
@@ -437,9 +437,9 @@ def equations(
         raise GravityError(
             "equations: expected a connection, got an empty list. Give gt.cartan(frame) or another."
         )
-    for one in several:
-        checks.instance(one, Connection, "connection", GravityError)
-        if one.frame is not several[0].frame:
+    for connection in several:
+        checks.instance(connection, Connection, "connection", GravityError)
+        if connection.frame is not several[0].frame:
             raise GravityError(
                 "equations: expected connections over one frame, got different frames. Make all "
                 "connections from one Frame object."
@@ -454,10 +454,10 @@ def equations(
                 f"gravity.weyssenhoff, got {checks.shown(source)}."
             )
         source.check(several[0].frame)
-    found = FieldEquations(tuple(several), theory, tuple(sources))
+    result = FieldEquations(tuple(several), theory, tuple(sources))
     # Reads the Lagrangian, so that a wrong name is refused here.
-    found.check_names()
-    return found
+    result.check_names()
+    return result
 
 
 def _listed(values: object) -> list:

@@ -164,11 +164,11 @@ class FrameFields:
                 terms.append((1, vector((a,)), get(place)))
                 for k in others:
                     for t in range(n):
-                        other = get((*place[:k], t, *place[k + 1 :]))
+                        component = get((*place[:k], t, *place[k + 1 :]))
                         if tensor.slots[k] == "U":
-                            terms.append((1, omega((a, t, place[k])), other))
+                            terms.append((1, omega((a, t, place[k])), component))
                         else:
-                            terms.append((-1, omega((a, place[k], t)), other))
+                            terms.append((-1, omega((a, place[k], t)), component))
                 if paired:
                     # Both orders of the pair give the same product.
                     for b in range(a):

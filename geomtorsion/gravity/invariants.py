@@ -261,8 +261,8 @@ def _fixed(**coefficients: Fraction | int) -> Callable[[int], Coefficients]:
 def _added(*shares: tuple[Fraction | int, Coefficients]) -> Coefficients:
     """A sum of multiples of coefficients."""
     total: Coefficients = {}
-    for factor, one in shares:
-        for name, x in one.items():
+    for factor, coefficients in shares:
+        for name, x in coefficients.items():
             total[name] = total.get(name, Fraction(0)) + factor * x
     return {name: x for name, x in total.items() if x}
 
@@ -436,9 +436,9 @@ class Scalars:
     def value(self, name: str) -> Element:
         """The invariant as an exact element."""
         if name not in self._values:
-            known = INVARIANTS[name]
+            invariant = INVARIANTS[name]
             terms: Terms = []
-            for one, factor in known.of(self.fields.frame.dimension).items():
+            for one, factor in invariant.of(self.fields.frame.dimension).items():
                 if one in LINEAR:
                     terms += self._linear(one, factor)
                     continue
@@ -447,8 +447,8 @@ class Scalars:
                     image = self.mixed(one, "torsion").components.get
                     terms += [(factor, x, image(index)) for index, x in upper.items()]
                     continue
-                upper = self.field(one, known.antisymmetric).tensor.raised().components.nonzero
-                image = self.image(one, known.antisymmetric).components.get
+                upper = self.field(one, invariant.antisymmetric).tensor.raised().components.nonzero
+                image = self.image(one, invariant.antisymmetric).components.get
                 terms += [(factor, x, image(index)) for index, x in upper.items()]
             self._values[name] = self.fields.frame.field.sum(terms)
         return self._values[name]

@@ -125,11 +125,11 @@ class Reading:
             (read,) = self.frame.read([("lagrangian", expression)])
             return read
         if expression.is_Add:
-            return exact.sum([(1, self.element(one)) for one in expression.args])
+            return exact.sum([(1, self.element(argument)) for argument in expression.args])
         if expression.is_Mul:
             product = exact.one
-            for one in expression.args:
-                product = product * self.element(one)
+            for argument in expression.args:
+                product = product * self.element(argument)
             return product
         if expression.is_Pow and expression.exp.is_Integer:
             base = self.element(expression.base)
@@ -141,7 +141,7 @@ class Reading:
             return base ** int(expression.exp)
         if isinstance(expression, AppliedUndef | sp.Derivative | sp.Subs):
             return self._unknown(expression)
-        values = [self.element(one).sympy for one in expression.args]
+        values = [self.element(argument).sympy for argument in expression.args]
         (read,) = self.frame.read([("lagrangian", expression.func(*values))])
         return read
 
@@ -172,7 +172,7 @@ def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
     expression = given.expression
     if isinstance(expression, str):
         expression = _parsed(expression, own, known)
-    found: dict[sp.Symbol, str] = {}
+    meanings: dict[sp.Symbol, str] = {}
     changed: dict[sp.Symbol, sp.Symbol] = {}
     for symbol in sorted(expression.free_symbols, key=str):
         name = symbol.name
@@ -181,12 +181,12 @@ def read(given: Lagrangian, frame: Frame, known: Mapping[str, str]) -> Reading:
         _check_name(name, own, known)
         if name in known:
             changed[symbol] = marked = sp.Symbol(name)
-            found[marked] = name
+            meanings[marked] = name
         elif name in own:
             changed[symbol] = own[name]
     expression = expression.xreplace(changed)
-    _check_functions(expression, found, own)
-    return Reading(frame, expression, found)
+    _check_functions(expression, meanings, own)
+    return Reading(frame, expression, meanings)
 
 
 def scalar_of(frame: Frame, value: object, where: str) -> Element:
@@ -209,8 +209,8 @@ def scalar_of(frame: Frame, value: object, where: str) -> Element:
         read=lambda text: _parsed(text, own, {}, where, applied),
         message=message,
     )
-    (found,) = frame.read([(where, expression)])
-    return found
+    (element,) = frame.read([(where, expression)])
+    return element
 
 
 def _parsed(

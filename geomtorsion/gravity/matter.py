@@ -393,22 +393,22 @@ def _spin_density(frame: Frame, tau: Tensor | Sequence) -> Tensor:
                 f"tau: expected a tensor tau^a_ij over this frame, got {tau.label}. Build it over "
                 "the frame of the equations."
             )
-        given = tau.in_frame().lowered().raised(0)
+        tensor = tau.in_frame().lowered().raised(0)
     else:
         values = {}
         for a, rows in enumerate(_square_list(tau, n, "tau")):
             for i, row in enumerate(_square_list(rows, n, f"tau[{a}]")):
                 for j, x in enumerate(_square_list(row, n, f"tau[{a}][{i}]")):
                     values[a, i, j] = scalar_of(frame, x, f"tau[{a}][{i}][{j}]")
-        given = Tensor(frame, "UDD", values)
-    get = given.components.get
-    for a, i, j in given.components.nonzero:
+        tensor = Tensor(frame, "UDD", values)
+    get = tensor.components.get
+    for a, i, j in tensor.components.nonzero:
         if not (get((a, i, j)) + get((a, j, i))).is_zero:
             raise GravityError(
                 f"tau: expected tau^a_ij antisymmetric in ij, got components [{a}, {i}, {j}] and "
                 f"[{a}, {j}, {i}] that do not cancel. Give tau = 2 C of the matter Lagrangian."
             )
-    return Tensor(frame, "UDD", given.components, (((0, 2, 1), -1),))
+    return Tensor(frame, "UDD", tensor.components, (((0, 2, 1), -1),))
 
 
 def antisymmetric_matrix(frame: Frame, values: object, what: str) -> Tensor:
@@ -417,21 +417,21 @@ def antisymmetric_matrix(frame: Frame, values: object, what: str) -> Tensor:
     if isinstance(values, Tensor):
         if values.frame is not frame or len(values.slots) != 2:
             raise GravityError(f"{what}: expected a tensor of rank 2 over this frame, got another.")
-        given = values.in_frame().lowered()
+        tensor = values.in_frame().lowered()
     else:
         entries = {}
         for i, row in enumerate(_square_list(values, n, what)):
             for j, x in enumerate(_square_list(row, n, f"{what}[{i}]")):
                 entries[i, j] = scalar_of(frame, x, f"{what}[{i}][{j}]")
-        given = Tensor(frame, "DD", entries)
-    get = given.components.get
-    for i, j in given.components.nonzero:
+        tensor = Tensor(frame, "DD", entries)
+    get = tensor.components.get
+    for i, j in tensor.components.nonzero:
         if not (get((i, j)) + get((j, i))).is_zero:
             raise GravityError(
                 f"{what}: expected an antisymmetric matrix, got entries [{i}, {j}] and "
                 f"[{j}, {i}] that do not cancel. Change the sign of one of them."
             )
-    return Tensor(frame, "DD", given.components, antisymmetric(2))
+    return Tensor(frame, "DD", tensor.components, antisymmetric(2))
 
 
 def _square_list(values: object, n: int, what: str) -> list:

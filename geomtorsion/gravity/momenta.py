@@ -38,16 +38,16 @@ class Momenta:
         frame = self.fields.frame
         parts = []
         for name, weight in self.weights.items():
-            known = INVARIANTS[name]
-            for one, factor in known.of(frame.dimension).items():
-                if one in MIXED:
+            invariant = INVARIANTS[name]
+            for part, factor in invariant.of(frame.dimension).items():
+                if part in MIXED:
                     if kind != "curvature":
-                        image = self.scalars.mixed(one, kind).components.get
+                        image = self.scalars.mixed(part, kind).components.get
                         parts.append((factor, weight, image))
                     continue
-                linear = one in LINEAR
-                if ("curvature" if linear else MAPS[one][0]) == kind:
-                    image = self.scalars.image(one, known.antisymmetric).components.get
+                linear = part in LINEAR
+                if ("curvature" if linear else MAPS[part][0]) == kind:
+                    image = self.scalars.image(part, invariant.antisymmetric).components.get
                     parts.append((factor if linear else 2 * factor, weight, image))
 
         def rule(index: Index) -> Element:

@@ -41,5 +41,5 @@ def with_names(
             return one
         return one.func(*(names.get(argument, argument) for argument in one.args))
 
-    found = expression.atoms(sp.Subs, AppliedUndef)
-    return expression.xreplace({one: named(one) for one in found})
+    applied = expression.atoms(sp.Subs, AppliedUndef)
+    return expression.xreplace({one: named(one) for one in applied})

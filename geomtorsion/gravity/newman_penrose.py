@@ -50,8 +50,8 @@ def newman_penrose(frame: Frame) -> NewmanPenrose:
     n = frame.dimension
     eta = [[frame.eta[i, j] for j in range(n)] for i in range(n)]
     product = eta[0][1] if n == 4 else 0
-    wanted = [[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, -1], [0, 0, -1, 0]]
-    if product not in (1, -1) or eta != [[product * x for x in row] for row in wanted]:
+    signature = [[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 0, -1], [0, 0, -1, 0]]
+    if product not in (1, -1) or eta != [[product * x for x in row] for row in signature]:
         raise SignatureError(
             "frame: expected a null tetrad l, n, m, m_bar with l.n = -1, m.m_bar = 1 (or both "
             f"signs changed), got eta = {eta}. Make one with Frame(..., complex=True, "
@@ -93,9 +93,9 @@ class NewmanPenrose:
         """Phi_00 = R_ll / 2, Phi_01 = R_lm / 2, ..., the trace-free Ricci tensor."""
         ricci = levi_civita(self.frame).curvature.ricci.in_frame()
         pairs = {"00": (L, L), "01": (L, M), "02": (M, M), "12": (N, M), "22": (N, N)}
-        found = {name: ricci.element(*index) * Fraction(1, 2) for name, index in pairs.items()}
-        found["11"] = (ricci.element(L, N) + ricci.element(M, BAR)) * Fraction(1, 4)
-        return {name: found[name].sympy for name in sorted(found)}
+        components = {name: ricci.element(*index) * Fraction(1, 2) for name, index in pairs.items()}
+        components["11"] = (ricci.element(L, N) + ricci.element(M, BAR)) * Fraction(1, 4)
+        return {name: components[name].sympy for name in sorted(components)}
 
     @cached_property
     def curvature_scalar(self) -> sp.Expr:

@@ -77,11 +77,11 @@ def statistical(
 
 def _entries(rows: object, n: int) -> dict[tuple[int, ...], object]:
     """Components of nested lists, checked."""
-    found: dict[tuple[int, ...], object] = {}
+    entries: dict[tuple[int, ...], object] = {}
 
     def enter(value: object, index: tuple[int, ...]) -> None:
         if len(index) == 3:
-            found[index] = value
+            entries[index] = value
             return
         if not isinstance(value, list | tuple) or len(value) != n:
             raise ShapeError(
@@ -92,4 +92,4 @@ def _entries(rows: object, n: int) -> dict[tuple[int, ...], object]:
             enter(part, (*index, k))
 
     enter(rows, ())
-    return found
+    return entries

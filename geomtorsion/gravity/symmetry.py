@@ -236,15 +236,15 @@ class Symmetries:
         See `ansatz` for the components searched; where fewer than `dimension` are found, others
         have components of another kind.
         """
-        found: list[Tensor] = []
+        vectors: list[Tensor] = []
         constants = self.frame.parameters
         for degree, factors in ((0, ()), (1, ()), (2, ()), (2, constants), (3, ())):
             products = _monomials(self.frame, degree)
             products += [c * one for c in factors for one in products]
-            found = self._independent([*found, *self._solved(products)])
-            if len(found) >= self.dimension:
+            vectors = self._independent([*vectors, *self._solved(products)])
+            if len(vectors) >= self.dimension:
                 break
-        return tuple(found)
+        return tuple(vectors)
 
     def _independent(self, vectors: Sequence[Tensor]) -> list[Tensor]:
         """Elements that are not sums of others with constant coefficients.
@@ -253,13 +253,13 @@ class Symmetries:
         """
         bar, n = levi_civita(self.frame), self.frame.dimension
         echelon = Echelon(self.frame.field, n + len(self._turns))
-        found = []
+        independent = []
         for xi in vectors:
             slope = bar.covariant_derivative(xi.lowered(0))
             row = [*(xi.element(a) for a in range(n)), *(slope.element(*x) for x in self._turns)]
             if echelon.add(row):
-                found.append(xi)
-        return found
+                independent.append(xi)
+        return independent
 
     @property
     def ansatz(self) -> str:
@@ -298,7 +298,7 @@ class Symmetries:
                     )
                 equations.append(row)
         killing = [
-            self._vector(unknowns, found) for found in vanishing_sums(equations, len(unknowns))
+            self._vector(unknowns, weights) for weights in vanishing_sums(equations, len(unknowns))
         ]
         if self.connection.kind == "levi-civita" or not killing:
             return killing
@@ -313,7 +313,7 @@ class Symmetries:
                 "u",
                 {
                     (b,): field.sum(
-                        [(c, one.element(b)) for c, one in zip(found, killing, strict=True)]
+                        [(c, one.element(b)) for c, one in zip(weights, killing, strict=True)]
                     )
                     for b in range(n)
                 },
@@ -321,15 +321,15 @@ class Symmetries:
                 "\\xi",
                 "symmetry",
             )
-            for found in sums
+            for weights in sums
         ]
 
     def _vector(self, unknowns: Sequence[tuple[int, Element]], found: Sequence[object]) -> Tensor:
         """The vector of a solution."""
         terms: dict[int, list] = {a: [] for a in range(self.frame.dimension)}
-        for (a, one), c in zip(unknowns, found, strict=True):
+        for (a, function), c in zip(unknowns, found, strict=True):
             if c:
-                terms[a].append((c, one))
+                terms[a].append((c, function))
         values = {(a,): self.frame.field.sum(own) for a, own in terms.items() if own}
         return Tensor(self.frame, "u", values, (), "\\xi", "symmetry")
 
@@ -372,25 +372,25 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
     # Only the metric counts: the field may know functions that were read later.
     made_of = [g for value in metric for g in frame.field.generators_of(value)]
     shown = dict.fromkeys(g.shown for g in made_of if q in g.depends)
-    waves = [one for one in (sp.sin(q), sp.cos(q)) if one in shown]
-    steep = [one for one in (sp.sinh(q), sp.cosh(q)) if one in shown]
+    waves = [function for function in (sp.sin(q), sp.cos(q)) if function in shown]
+    steep = [function for function in (sp.sinh(q), sp.cosh(q)) if function in shown]
     is_cyclic = all(x.free_of(q) for x in metric)
-    found: list[sp.Expr] = []
+    functions: list[sp.Expr] = []
     if waves:
-        found += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), 1 / sp.cos(q)]
-        found += [sp.cos(q) / sp.sin(q), sp.sin(q) / sp.cos(q)]
+        functions += [sp.sin(q), sp.cos(q), 1 / sp.sin(q), 1 / sp.cos(q)]
+        functions += [sp.cos(q) / sp.sin(q), sp.sin(q) / sp.cos(q)]
     elif steep:
-        found += [sp.sinh(q), sp.cosh(q), 1 / sp.sinh(q), sp.cosh(q) / sp.sinh(q)]
+        functions += [sp.sinh(q), sp.cosh(q), 1 / sp.sinh(q), sp.cosh(q) / sp.sinh(q)]
     else:
-        found.append(q)
+        functions.append(q)
     if is_cyclic:
         # Where the metric is free of q, symmetries that do not commute with d/dq depend on it so.
-        found += [sp.cos(q), sp.sin(q)]
+        functions += [sp.cos(q), sp.sin(q)]
         if not any(g.kind in ("cos", "sin") for g in made_of):
-            found += [sp.exp(q), sp.exp(-q)]
-    for one in shown:
-        if isinstance(one, sp.exp):
-            found += [one, 1 / one]
+            functions += [sp.exp(q), sp.exp(-q)]
+    for function in shown:
+        if isinstance(function, sp.exp):
+            functions += [function, 1 / function]
     # The slope of the logarithm of a component, such as 1/r or cot(theta).
     for value in metric:
         slope = value.diff(q)
@@ -398,20 +398,20 @@ def _functions(frame: Frame, q: sp.Symbol) -> list[sp.Expr]:
             ratio = (slope / value).sympy
             constant, rest = ratio.as_independent(*frame.coordinates)
             if not rest.free_symbols - {q} and len(str(rest)) < 20 and constant.is_Rational:
-                found.append(rest)
-    return list(dict.fromkeys(found))
+                functions.append(rest)
+    return list(dict.fromkeys(functions))
 
 
 def _monomials(frame: Frame, degree: int) -> list[sp.Expr]:
     """Products of up to a given number of functions of coordinates."""
     every = [(q, f) for q in frame.coordinates for f in _functions(frame, q)]
-    found: list[sp.Expr] = [sp.S.One]
+    products: list[sp.Expr] = [sp.S.One]
     if degree >= 1:
-        found += [f for _, f in every]
+        products += [f for _, f in every]
     if degree >= 2:
-        found += [f * h for (_, f), (_, h) in combinations_with_replacement(every, 2)]
+        products += [f * h for (_, f), (_, h) in combinations_with_replacement(every, 2)]
     if degree >= 3:
-        found += [
+        products += [
             f * g * h for (p, f), (q, g), (s, h) in combinations(every, 3) if len({p, q, s}) == 3
         ]
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(products))

@@ -98,10 +98,10 @@ def _modified(connection: Connection) -> Tensor:
 
     def terms(index: Index) -> Terms:
         i, j, k = index
-        found: Terms = [(1, half(index))]
-        found += [(1, half((j, m, m))) for m in n if i == k]
-        found += [(-1, half((i, m, m))) for m in n if j == k]
-        return found
+        summands: Terms = [(1, half(index))]
+        summands += [(1, half((j, m, m))) for m in n if i == k]
+        summands += [(-1, half((i, m, m))) for m in n if j == k]
+        return summands
 
     return _made(connection, "ddu", terms)
 
@@ -151,10 +151,10 @@ def _torsion_form(connection: Connection) -> Tensor:
 
     def terms(index: Index) -> Terms:
         a, m, n = index
-        found: Terms = [(1, d((m, a, n))), (-1, d((n, a, m)))]
+        summands: Terms = [(1, d((m, a, n))), (-1, d((n, a, m)))]
         for b in range(frame.dimension):
-            found += [(1, omega((m, b, a)), e((b, n))), (-1, omega((n, b, a)), e((b, m)))]
-        return found
+            summands += [(1, omega((m, b, a)), e((b, n))), (-1, omega((n, b, a)), e((b, m)))]
+        return summands
 
     return _made(connection, "Udd", terms)
 
@@ -171,11 +171,11 @@ def _xact_riemann(connection: Connection) -> Tensor:
 
     def terms(index: Index) -> Terms:
         a, b, c, d = index
-        found: Terms = [(1, get((a, c, d)).diff(q[b])), (-1, get((b, c, d)).diff(q[a]))]
+        summands: Terms = [(1, get((a, c, d)).diff(q[b])), (-1, get((b, c, d)).diff(q[a]))]
         for e in n:
-            found.append((-1, get((b, c, e)), get((a, e, d))))
-            found.append((1, get((a, c, e)), get((b, e, d))))
-        return found
+            summands.append((-1, get((b, c, e)), get((a, e, d))))
+            summands.append((1, get((a, c, e)), get((b, e, d))))
+        return summands
 
     return _made(connection, "dddu", terms)
 

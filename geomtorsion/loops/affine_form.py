@@ -175,8 +175,8 @@ def _compiled(frame: Frame, connection: Connection, kind: str) -> _Compiled:
         turn = _upper(_entries(contract("mnlk,li,jk->mnij", riemann, legs, coframe)))
         step = _upper(_entries(contract("abc,jc->abj", connection.torsion.T, coframe)))
     elements = [element for _, element in (*turn, *step)]
-    found = {symbol for element in elements for symbol in element.symbols}
-    extra = tuple(sorted(found - set(frame.coordinates), key=str))
+    symbols = {symbol for element in elements for symbol in element.symbols}
+    extra = tuple(sorted(symbols - set(frame.coordinates), key=str))
     arguments = (*frame.coordinates, *extra)
     function = numpy_function(elements, arguments)
     owner = "connection" if turn else "coframe"
@@ -218,19 +218,19 @@ def around_cone(form: AffineForm, part: Part, accuracy: float) -> Transported | 
         if levels is None:
             return None
         count, missed, turn_missed = levels
-        found = transported(part.arcs, lambda x, v: cone_rate(form, part, x, v, count), accuracy)
+        circuit = transported(part.arcs, lambda x, v: cone_rate(form, part, x, v, count), accuracy)
         # Without turns a motion is a plain sum, the same from everywhere.
         ray = from_centre(form, part) if form.turns else None
     except (SingularPointError, LoopError):
         return None
-    turn_error = found.turn_error + turn_missed * len(part.arcs)
-    error = found.error + missed * len(part.arcs)
-    motion = found.motion
+    turn_error = circuit.turn_error + turn_missed * len(part.arcs)
+    error = circuit.error + missed * len(part.arcs)
+    motion = circuit.motion
     if ray is not None:
         motion = motion.seen_from(ray)
         error += float(np.linalg.norm(ray.burgers)) * turn_error
     error += ROUNDING * float(np.abs(motion.burgers).max())
-    return Transported(motion, error, turn_error, found.scale, found.points * count)
+    return Transported(motion, error, turn_error, circuit.scale, circuit.points * count)
 
 
 def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, float] | None:
@@ -238,14 +238,14 @@ def _levels(form: AffineForm, part: Part, accuracy: float) -> tuple[int, float, 
     x, v, _ = probes(part.arcs)
     centre = tuple(perturbed(np.array(part.centre)).tolist())
     moved = replace(part, centre=centre)
-    known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    rates: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     for few, many in LEVELS:
         for count in (few, many):
-            if count not in known:
-                known[count] = cone_rate(form, part, x, v, count)
-        other = cone_rate(form, moved, x, v, many)
+            if count not in rates:
+                rates[count] = cone_rate(form, part, x, v, count)
+        shifted_rates = cone_rate(form, moved, x, v, many)
         errors, good = [], True
-        for coarse, fine, after in zip(known[few], known[many], other, strict=True):
+        for coarse, fine, after in zip(rates[few], rates[many], shifted_rates, strict=True):
             size = float(np.abs(fine).max(initial=0.0))
             noise = float(np.abs(after - fine).max(initial=0.0)) + ROUNDING * size
             missed = float(np.abs(coarse - fine).max(initial=0.0))

@@ -66,8 +66,8 @@ class AffineMap:
 
     def __matmul__(self, other: AffineMap) -> AffineMap:
         """This motion's path first, then the other's, seen from the first one's base."""
-        one, two = self.increment, other.increment
-        return AffineMap(one + two + one @ two)
+        first, second = self.increment, other.increment
+        return AffineMap(first + second + first @ second)
 
     @cached_property
     def inverse(self) -> AffineMap:
@@ -226,5 +226,5 @@ def logarithm(turn: np.ndarray) -> np.ndarray:
                 "the rotation has no single real logarithm: it is half a turn in some plane. "
                 "Use .rotation, or .angle and .axis."
             )
-    found = np.array(scipy.linalg.logm(identity + turn))
-    return found if np.iscomplexobj(turn) else np.real(found)
+    log = np.array(scipy.linalg.logm(identity + turn))
+    return log if np.iscomplexobj(turn) else np.real(log)

@@ -169,8 +169,8 @@ class Curve:
     @property
     def symbols(self) -> frozenset[sp.Symbol]:
         """Symbols other than the parameter."""
-        found = sp.Tuple(*self.expressions, self.start, self.end).free_symbols
-        return frozenset(found - {self.parameter})
+        symbols = sp.Tuple(*self.expressions, self.start, self.end).free_symbols
+        return frozenset(symbols - {self.parameter})
 
     def shape(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Offsets and their derivatives by s."""

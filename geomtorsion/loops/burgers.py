@@ -147,9 +147,9 @@ def burgers_vector(
         (line_route(compiled, part, accuracy, cuts), flux_route(compiled, part, accuracy))
         for part, cuts in zip(loop.parts, near, strict=True)
     ]
-    known = not any(near) or lines_alone(frame, compiled.poles)
+    only_lines = not any(near) or lines_alone(frame, compiled.poles)
     chosen = [
-        _chosen(part, *pair, accuracy) if known or not cuts else _near_pole(part, *pair)
+        _chosen(part, *pair, accuracy) if only_lines or not cuts else _near_pole(part, *pair)
         for part, pair, cuts in zip(loop.parts, pairs, near, strict=True)
     ]
     power = 2 if all(route.power == 2 for route, _, _ in chosen) else 1

@@ -167,8 +167,8 @@ class Cochain:
         >>> steps.forest.closure.tolist(), steps.forest.images.tolist()
         ([[4]], [[1]])
         """
-        made = Complex.of_edges(pairs, nodes, images, labels)
-        return cls(made, value_rows(values, NAMES[1], len(made.pairs)), errors)
+        edge_complex = Complex.of_edges(pairs, nodes, images, labels)
+        return cls(edge_complex, value_rows(values, NAMES[1], len(edge_complex.pairs)), errors)
 
     @classmethod
     def of_graph(
@@ -209,15 +209,15 @@ class Cochain:
                     f"the edge from {a!r} to {b!r} has no {value!r}. Give every edge its vector."
                 )
         pairs = [(numbers[a], numbers[b]) for a, b, _ in rows]
-        known = [data.get(image) for _, _, data in rows]
-        d = max((len(x) for x in known if isinstance(x, Sized)), default=0)
-        images = [(0,) * d if x is None else x for x in known] if d else None
+        offsets = [data.get(image) for _, _, data in rows]
+        d = max((len(x) for x in offsets if isinstance(x, Sized)), default=0)
+        images = [(0,) * d if x is None else x for x in offsets] if d else None
         errors = [data.get(error, 0.0) for _, _, data in rows]
-        made = Complex.of_edges(
+        edge_complex = Complex.of_edges(
             np.array(pairs, dtype=np.int64).reshape(-1, 2), len(labels), images, labels
         )  # fmt: skip
         vectors = [data[value] for _, _, data in rows]
-        return cls(made, vectors, errors if any(errors) else None)
+        return cls(edge_complex, vectors, errors if any(errors) else None)
 
     @classmethod
     def between(
@@ -250,10 +250,10 @@ class Cochain:
                 f"periods: expected the change of positions over {images.shape[1]} periods, "
                 "shape (d, n), because the complex has images; got None."
             )
-        wanted = (images.shape[1], steps.values.shape[1])
-        cell = value_rows(periods, "period", wanted[0])
-        if cell.shape != wanted:
-            raise NetworkError(f"periods: expected shape {wanted}, got {cell.shape}.")
+        shape = (images.shape[1], steps.values.shape[1])
+        cell = value_rows(periods, "period", shape[0])
+        if cell.shape != shape:
+            raise NetworkError(f"periods: expected shape {shape}, got {cell.shape}.")
         return replace(steps, values=steps.values + images @ cell)
 
     # -- algebra ----------------------------------------------------------------------------------
@@ -327,9 +327,9 @@ class Cochain:
         NetworkError
             The complex has no faces, or no cells.
         """
-        found = self.over(self.complex.boundary(self.degree))
-        errors = None if self.is_whole and self.errors is None else found.errors
-        return Cochain(self.complex, found.vectors, errors, self.degree + 1)
+        sums = self.over(self.complex.boundary(self.degree))
+        errors = None if self.is_whole and self.errors is None else sums.errors
+        return Cochain(self.complex, sums.vectors, errors, self.degree + 1)
 
     def divergence(self) -> ChainSums:
         """At each node the values of the edges that leave it minus those that arrive.
@@ -406,9 +406,9 @@ class Cochain:
                 f"of shape {table.shape}."
             )
         # A copy, since sums of doubled entries would be made in the matrix that was given.
-        found = scipy.sparse.csr_array(table, copy=True)
-        found.sum_duplicates()
-        return found
+        matrix = scipy.sparse.csr_array(table, copy=True)
+        matrix.sum_duplicates()
+        return matrix
 
     # -- cycles -----------------------------------------------------------------------------------
 
@@ -471,9 +471,9 @@ class Cochain:
         for table in (self.values, self.complex.images):
             turned = sign[:, None] * table
             differs |= (turned != turned[first[which]]).any(axis=1)
-        found = np.zeros(len(first), dtype=bool)
-        found[which[differs]] = True
-        return found[which]
+        several = np.zeros(len(first), dtype=bool)
+        several[which[differs]] = True
+        return several[which]
 
     def _on_edges(self) -> None:
         """Refuse cochains without cycles."""

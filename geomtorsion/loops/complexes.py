@@ -117,8 +117,8 @@ class Complex:
     ) -> Complex:
         """A graph. nodes: as many as the pairs name, if not given."""
         ends = whole(pairs, "pairs", 2)
-        found = int(ends.max(initial=-1)) + 1
-        count = found if nodes is None else checks.count(nodes, "nodes", NetworkError)
+        node_count = int(ends.max(initial=-1)) + 1
+        count = node_count if nodes is None else checks.count(nodes, "nodes", NetworkError)
         offsets = _no_images(ends) if images is None else whole(images, "images")
         return cls(count, ends, offsets, labels=labels)
 
@@ -141,8 +141,8 @@ class Complex:
             raise NetworkError(f"simplices: expected 3 or 4 corners each, got {count}.")
         if (np.diff(np.sort(corners, axis=1), axis=1) == 0).any():
             raise NetworkError("simplices: the corners of each must differ.")
-        found = int(corners.max(initial=-1)) + 1
-        size = found if nodes is None else checks.count(nodes, "nodes", NetworkError)
+        node_count = int(corners.max(initial=-1)) + 1
+        size = node_count if nodes is None else checks.count(nodes, "nodes", NetworkError)
         cells = None
         if count == 4:
             corners, cells = sides_of(corners)
@@ -226,14 +226,14 @@ class Complex:
         """
         if checks.count(degree, "degree", NetworkError, 0, 2) == 0:
             return self._differences
-        found = self.faces if degree == 1 else self.cells
-        if found is None:
+        matrix = self.faces if degree == 1 else self.cells
+        if matrix is None:
             name = "faces" if degree == 1 else "cells"
             raise NetworkError(
                 f"the complex has no {name}. Make one with them: Complex.grid, "
                 "Complex.of_simplices or .with_faces(cycles)."
             )
-        return found
+        return matrix
 
     @cached_property
     def _differences(self) -> csr_array:
@@ -241,12 +241,12 @@ class Complex:
         count = len(self.pairs)
         signs = np.tile(np.array([-1, 1]), count)
         start = np.arange(0, 2 * count + 1, 2)
-        found = scipy.sparse.csr_array(
+        matrix = scipy.sparse.csr_array(
             (signs, self.pairs.flatten(), start), shape=(count, self.nodes)
         )
         # An edge that ends where it begins, in another image, has both its signs in one place.
-        found.sum_duplicates()
-        return found
+        matrix.sum_duplicates()
+        return matrix
 
     def size(self, degree: int) -> int:
         """How many nodes (0), edges (1), faces (2) or cells (3) there are."""
@@ -303,9 +303,9 @@ class Complex:
     def _found(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places of pairs of nodes in the table, and whether they are in it."""
         keys, _ = self._table
-        wanted = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
-        place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
-        return place, keys[place] == wanted if len(keys) else np.zeros(len(wanted), dtype=bool)
+        targets = np.minimum(starts, ends) * self.nodes + np.maximum(starts, ends)
+        place = np.minimum(np.searchsorted(keys, targets), max(len(keys) - 1, 0))
+        return place, keys[place] == targets if len(keys) else np.zeros(len(targets), dtype=bool)
 
     def steps(self, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Number and sense of the first edge that joins each start to its end, shape (k,) each.
@@ -315,9 +315,9 @@ class Complex:
         NetworkError
             Two of them are not joined by an edge.
         """
-        place, found = self._found(starts, ends)
-        if not found.all():
-            k = int(np.argmin(found))
+        place, present = self._found(starts, ends)
+        if not present.all():
+            k = int(np.argmin(present))
             a, b = self.label(int(starts[k])), self.label(int(ends[k]))
             raise NetworkError(f"there is no edge between {a!r} and {b!r}.")
         edges = self._table[1][place]
@@ -428,11 +428,11 @@ def _grid(kind: type[Complex], sizes: tuple[int, ...], around: list[bool]) -> Co
                     columns.append(places[rest][start])
                     signs.append(np.full(len(owner), sign * (-1) ** m))
         shape = (counts[degree], counts[degree - 1])
-        made = None
+        matrix = None
         if rows and shape[0]:
             every = tuple(np.concatenate(x) for x in (signs, rows, columns))
-            made = scipy.sparse.csr_array((every[0], (every[1], every[2])), shape=shape)
-        boundaries.append(made)
+            matrix = scipy.sparse.csr_array((every[0], (every[1], every[2])), shape=shape)
+        boundaries.append(matrix)
     offsets = np.concatenate(images)[:, [k for k in axes if around[k]]]
     faces, cells = boundaries
     return kind(number.size, np.concatenate(pairs), offsets, faces, cells)

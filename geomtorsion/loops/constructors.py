@@ -67,17 +67,17 @@ def parametric(
     if not checks.is_list(interval) or len(interval) != 2:
         raise LoopError(f"interval: expected two bounds, got {checks.shown(interval)}.")
     start, end = (_read(x, dict(symbols or {}), "interval") for x in interval)
-    known = (symbol, *(symbols or {}).values())
-    twins = counted_as(free_symbols([*read, start, end]), known, LoopError)
+    declared = (symbol, *(symbols or {}).values())
+    twins = counted_as(free_symbols([*read, start, end]), declared, LoopError)
     read = tuple(x.xreplace(twins) for x in read)
     start, end = start.xreplace(twins), end.xreplace(twins)
     place = (0.0,) * len(read) if centre is None else validation.vector(centre, "centre", len(read))
-    given = ((0,) * len(read), 1) if centre is None else (tuple(centre), size)
+    source = ((0,) * len(read), 1) if centre is None else (tuple(centre), size)
     if centre is None and size != 1:
         raise LoopError(f"size {size} counts offsets from a centre; give the centre as well.")
     scale = validation.length(size, "size")
     arc = Curve(read, symbol, start, end)
-    part = Part(place, scale, (arc,), given=given, periods=_periods(periods, len(read)))
+    part = Part(place, scale, (arc,), given=source, periods=_periods(periods, len(read)))
     return part if arc.symbols else _finished(part, arc, centre is None)
 
 
@@ -98,15 +98,15 @@ def _periods(
     periods: Mapping[int, Number | str] | None, dimension: int
 ) -> tuple[tuple[int, float], ...]:
     """Coordinate and period of each coordinate that is an angle."""
-    found = []
+    pairs = []
     for key, value in checks.table(periods, "periods", LoopError).items():
         where = f"periods[{checks.shown(key)}]"
         column = checks.count(key, where, LoopError, 0, dimension - 1)
         period = _read(value, {}, where)
         if not (period.is_number and period.is_positive):
             raise LoopError(f"{where}: expected a positive number, got {period}.")
-        found.append((column, float(period)))
-    return tuple(found)
+        pairs.append((column, float(period)))
+    return tuple(pairs)
 
 
 def filled(part: Part, values: Parameters) -> Part:
@@ -122,15 +122,15 @@ def filled(part: Part, values: Parameters) -> Part:
     }
     for symbol, value in table.items():
         checks.check_declared(symbol, value)
-    known = replace(
+    curve = replace(
         arc,
         expressions=tuple(x.subs(table) for x in arc.expressions),
         start=arc.start.subs(table),
         end=arc.end.subs(table),
     )
-    if known.symbols:
-        return replace(part, arcs=(known,))
-    return _finished(part, known, part.size == 1 and not any(part.centre))
+    if curve.symbols:
+        return replace(part, arcs=(curve,))
+    return _finished(part, curve, part.size == 1 and not any(part.centre))
 
 
 def symbolic_ellipse(
@@ -230,12 +230,12 @@ def _resolved(arc: Curve, gap: np.ndarray) -> Curve:
     if not periodic:
         _check_length(arc)
         return arc
-    found = [_highest(arc, samples) for samples in SAMPLES[:2]]
+    frequencies = [_highest(arc, samples) for samples in SAMPLES[:2]]
     for samples in SAMPLES[2:]:
-        if found[-1] is not None and found[-1] == found[-2]:
+        if frequencies[-1] is not None and frequencies[-1] == frequencies[-2]:
             break
-        found.append(_highest(arc, samples))
-    waves = found[-1]
+        frequencies.append(_highest(arc, samples))
+    waves = frequencies[-1]
     if waves is None:
         _check_length(arc)
         waves = SAMPLES[-1] // 3
@@ -249,9 +249,9 @@ def _check_length(arc: Curve) -> None:
         return np.sqrt((slopes * slopes).sum(axis=0))[None]
 
     with np.errstate(all="ignore"):
-        found = kronrod((arc,), speed, 1e-3, 0.0, SAMPLES[-1])
-    if not found.converged:
-        place = arc.start + (arc.end - arc.start) * (found.worst[1] if found.worst else 0.0)
+        length = kronrod((arc,), speed, 1e-3, 0.0, SAMPLES[-1])
+    if not length.converged:
+        place = arc.start + (arc.end - arc.start) * (length.worst[1] if length.worst else 0.0)
         raise LoopError(
             f"curve: its length is not finite near {arc.parameter} = {float(place):.6g}. "
             "Choose an interval on which every expression is finite."
@@ -279,8 +279,8 @@ def circle(centre: Point, radius: Number, plane: Plane) -> Part:
     place = validation.vector(centre, "centre")
     u, v = validation.orthonormal(*validation.rows(plane, len(place)))
     size = validation.length(radius, "radius")
-    meant = partial(validation.exact_orthonormal, plane, len(place))
-    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
+    exact_axes = partial(validation.exact_orthonormal, plane, len(place))
+    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), exact_axes)
     return Part(place, size, (side,), given=(tuple(centre), radius))
 
 
@@ -294,18 +294,18 @@ def ellipse(centre: Point, axes: Sequence[Number], plane: Plane) -> Part:
     first, second = validation.rows(plane, len(place))
     a, b = (validation.length(axis, f"axes[{k}]") for k, axis in enumerate(axes))
     size = max(a, b)
-    meant = partial(validation.exact_multiples, plane, tuple(axes), len(place))
+    exact_axes = partial(validation.exact_multiples, plane, tuple(axes), len(place))
     u, v = first * (a / size), second * (b / size)
-    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), meant)
+    side = Ellipse(tuple(u.tolist()), tuple(v.tolist()), exact_axes)
     return Part(place, size, (side,), given=(tuple(centre), axes[0] if a >= b else axes[1]))
 
 
 def polygon(vertices: Sequence[Point] | np.ndarray, centre: Point | None, size: Number) -> Part:
     """Closed chain of straight sides; see Loop.polygon."""
-    place, scale, offsets, given = _offsets(vertices, centre, size, "vertices", "vertex")
-    meant = None if given else [tuple(vertices[k]) for k in range(len(offsets))]
-    given = given or ((0,) * len(place), 1)
-    return Part(place, scale, _straight([tuple(x) for x in offsets.tolist()], meant), given=given)
+    place, scale, offsets, source = _offsets(vertices, centre, size, "vertices", "vertex")
+    exact = None if source else [tuple(vertices[k]) for k in range(len(offsets))]
+    source = source or ((0,) * len(place), 1)
+    return Part(place, scale, _straight([tuple(x) for x in offsets.tolist()], exact), given=source)
 
 
 def _straight(
@@ -342,10 +342,10 @@ def plaquette(corner: Point, steps: Sequence[Number], plane: Plane) -> Part:
     u, v = first * (a / scale), second * (b / scale)
     middle = tuple((float(q) + scale * (x + y) / 2) for q, x, y in zip(place, u, v, strict=True))
     corners = [tuple(x.tolist()) for x in (-(u + v) / 2, (u - v) / 2, (u + v) / 2, (v - u) / 2)]
-    meant, held = (
+    exact, dyadic = (
         _exact_corners(corner, steps, plane, read) for read in (exact_number, dyadic_number)
     )
-    return Part(middle, scale, _straight(corners, meant, held), given=((0,) * len(place), 1))
+    return Part(middle, scale, _straight(corners, exact, dyadic), given=((0,) * len(place), 1))
 
 
 def _exact_corners(
@@ -353,9 +353,9 @@ def _exact_corners(
 ) -> list[tuple[sp.Expr, ...]]:
     """The corners of a parallelogram as exact numbers; read: what a number is taken for."""
     rows = validation.exact_rows(plane, len(corner), read)
-    one, two = ([read(step) * x for x in row] for step, row in zip(steps, rows, strict=True))
+    first, second = ([read(step) * x for x in row] for step, row in zip(steps, rows, strict=True))
     return [
-        tuple(read(q) + j * x + k * y for q, x, y in zip(corner, one, two, strict=True))
+        tuple(read(q) + j * x + k * y for q, x, y in zip(corner, first, second, strict=True))
         for j, k in ((0, 0), (1, 0), (1, 1), (0, 1))
     ]
 
@@ -370,10 +370,10 @@ def spline(points: Sequence[Point] | np.ndarray, centre: Point | None, size: Num
     # From powers of the chord length to powers of s in 0..1 on each piece.
     powers = chords[None, :] ** np.arange(3, -1, -1)[:, None]
     scaled = (pieces * powers[:, :, None]).transpose(1, 2, 0)
-    known = [tuple(points[k]) if centre is None else None for k in range(len(offsets))]
+    exact_points = [tuple(points[k]) if centre is None else None for k in range(len(offsets))]
     sides = tuple(
         Cubic(tuple(tuple(row) for row in piece), point)
-        for piece, point in zip(scaled.tolist(), known, strict=True)
+        for piece, point in zip(scaled.tolist(), exact_points, strict=True)
     )
     return Part(place, scale, sides)
 
@@ -391,9 +391,9 @@ def cycle(graph: nx.Graph[Hashable], nodes: Sequence[Hashable], position: str) -
                 f"networkx.set_node_attributes(graph, positions, {position!r})."
             )
         corners.append(graph.nodes[node][position])
-    for one, two in zip(chain, chain[1:] + chain[:1], strict=True):
-        if not graph.has_edge(one, two) and not graph.has_edge(two, one):
-            raise LoopError(f"cycle: there is no edge between {one!r} and {two!r}.")
+    for start, end in zip(chain, chain[1:] + chain[:1], strict=True):
+        if not graph.has_edge(start, end) and not graph.has_edge(end, start):
+            raise LoopError(f"cycle: there is no edge between {start!r} and {end!r}.")
     return polygon(corners, None, 1)
 
 
@@ -422,16 +422,16 @@ def _offsets(
         middle = rows.mean(axis=0)
         offsets = rows - middle
         scale = float(np.abs(offsets).max())
-        place, given = tuple(middle.tolist()), None
+        place, source = tuple(middle.tolist()), None
         offsets = offsets / scale if scale else offsets
     else:
         place = validation.vector(centre, "centre", rows.shape[1])
         scale, offsets = validation.length(size, "size"), rows
-        given = (tuple(centre), size)
+        source = (tuple(centre), size)
     steps = np.abs(offsets - np.roll(offsets, 1, axis=0)).max(axis=1)
     for k in np.flatnonzero(steps <= COINCIDE * np.abs(offsets).max()).tolist():
         raise LoopError(
             f"{where}: {what} {(k - 1) % len(rows)} and {what} {k} coincide at "
             f"{shown(rows[k])}. Leave one of them out."
         )
-    return place, scale, offsets, given
+    return place, scale, offsets, source

@@ -78,8 +78,8 @@ class Lines(Mapping[str, Elements]):
     @cached_property
     def parameters(self) -> tuple[sp.Symbol, ...]:
         """Symbols in places and vectors."""
-        found = sp.Tuple(*sum(self.places + self.vectors, ())).free_symbols
-        return tuple(s for s in self.field.symbols if s in found)
+        symbols = sp.Tuple(*sum(self.places + self.vectors, ())).free_symbols
+        return tuple(s for s in self.field.symbols if s in symbols)
 
     @cached_property
     def rows(self) -> tuple[tuple[int, int], ...]:
@@ -132,8 +132,8 @@ class Lines(Mapping[str, Elements]):
             bend[0] -= vectors[:, part] @ (up / square)
             bend[1] += vectors[:, part] @ (across / square)
         bend /= 2 * np.pi
-        one = np.ones_like(x)
-        return np.stack([(bend[mu, i] if mu < 2 else 0) + (i == mu) * one for i, mu in chosen])
+        ones = np.ones_like(x)
+        return np.stack([(bend[mu, i] if mu < 2 else 0) + (i == mu) * ones for i, mu in chosen])
 
     def squares(self, *arguments: Any) -> np.ndarray:
         """Square of the distance of points from each line, shape (lines, k)."""
@@ -169,12 +169,12 @@ def frame_of_lines(
     every = {(0, k): x for k, x in enumerate((*coordinates, *sum((*places, *vectors), ())))}
     opened = validation.opened(coordinates, 3, every, None, None, False, None)
     present = [k for k, vector in enumerate(vectors) if any(x != 0 for x in vector)]
-    given = Lines(
+    lines = Lines(
         opened.coordinates, opened.field,
         tuple(places[k] for k in present), tuple(vectors[k] for k in present),
     )  # fmt: skip
     frame = object.__new__(Frame)
-    frame.fill(opened, name, given, (frame_of_lines, (coordinates, places, vectors, name)))
+    frame.fill(opened, name, lines, (frame_of_lines, (coordinates, places, vectors, name)))
     return frame
 
 

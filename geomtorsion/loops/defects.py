@@ -81,8 +81,8 @@ class Defect:
         for value in self.point:
             expression = expression_of(value, f"{self.name}: point", LoopError)
             here = {s: names[s.name] for s in expression.free_symbols if s.name in names}
-            for symbol, given in here.items():
-                checks.check_declared(symbol, given)
+            for symbol, entry in here.items():
+                checks.check_declared(symbol, entry)
             number = expression.subs(here)
             if number.free_symbols:
                 missing = ", ".join(sorted(s.name for s in number.free_symbols))
@@ -181,15 +181,15 @@ def _of_frame(frame: Frame) -> tuple[Defect, ...]:
 @derived
 def _of_connection(frame: Frame, connection: Connection) -> tuple[Defect, ...]:
     """Lines on which a coframe or the coefficients of a connection are singular."""
-    found = dict.fromkeys(factors(frame))
+    bases = dict.fromkeys(factors(frame))
     for element in connection.spin_connection.components.independent.values():
-        found.update(dict.fromkeys(_bases(element, below=True)))
-    return _found(frame, tuple(found))
+        bases.update(dict.fromkeys(_bases(element, below=True)))
+    return _found(frame, tuple(bases))
 
 
 def _found(frame: Frame, factors: Sequence[sp.Expr]) -> tuple[Defect, ...]:
     """The defects, once for each place."""
-    found: dict[tuple[Hashable, ...], Defect] = {}
+    defects: dict[tuple[Hashable, ...], Defect] = {}
     for factor in factors:
         place = isolated_zero(factor, frame.coordinates)
         if place is None:
@@ -201,8 +201,8 @@ def _found(frame: Frame, factors: Sequence[sp.Expr]) -> tuple[Defect, ...]:
         name = f"singular {SHAPES.get(len(free), 'set')}"
         names = tuple(symbol.name for symbol in frame.coordinates)
         defect = Defect(point, across, name, f"zero of {factor}", names, free)
-        found.setdefault((columns, point), defect)
-    return tuple(found.values())
+        defects.setdefault((columns, point), defect)
+    return tuple(defects.values())
 
 
 def isolated_zero(
@@ -262,7 +262,7 @@ def enclosed_defects(
     loop, parameters = with_numbers(frame, loop, parameters)
     # Positions need few of them; all given values are checked nevertheless.
     parameter_values(frame, (), parameters)
-    known = [
+    lines = [
         one
         for one in (find_defects(frame, connection) if defects is None else defects)
         if one.across
@@ -270,7 +270,7 @@ def enclosed_defects(
     if loop.gap.any():
         # Where coordinates are angles, lines have other places, and nothing here knows them.
         return ()
-    turns = [(one, one.winding(loop, parameters)) for one in known]
+    turns = [(one, one.winding(loop, parameters)) for one in lines]
     return tuple(
         EnclosedDefect(
             one, count, None if connection is None else charge(connection, one, loop, parameters)
@@ -310,9 +310,9 @@ def charge(
     """
     frame = connection.frame
     if isinstance(frame.given, Lines) and connection.kind == "cartan":
-        known = _known(frame, frame.given, defect, parameters)
-        if known is not None:
-            return AffineMap.of(np.zeros((frame.dimension,) * 2), known)
+        vector = _known(frame, frame.given, defect, parameters)
+        if vector is not None:
+            return AffineMap.of(np.zeros((frame.dimension,) * 2), vector)
     others = find_defects(frame, connection)
     (part,) = _circle_about(frame, defect, near, others, parameters).parts
     form = AffineForm(connection, parameters)
@@ -355,8 +355,8 @@ def _circle_about(
 
 def lines_alone(frame: Frame, poles: Poles | None, connection: Connection | None = None) -> bool:
     """Whether all zeros of the denominators are straight lines, whose windings are known."""
-    known = [one for one in find_defects(frame, connection) if one.across is not None]
-    return poles is not None and len(known) == len(poles.names)
+    lines = [one for one in find_defects(frame, connection) if one.across is not None]
+    return poles is not None and len(lines) == len(poles.names)
 
 
 def factors(frame: Frame) -> tuple[sp.Expr, ...]:
@@ -368,14 +368,14 @@ def factors(frame: Frame) -> tuple[sp.Expr, ...]:
     >>> factors(load("screw_dislocation").frame)
     (x**2 + y**2,)
     """
-    found: dict[sp.Expr, None] = {}
+    bases: dict[sp.Expr, None] = {}
     for element in frame.coframe.components.independent.values():
-        found.update(dict.fromkeys(_bases(element, below=True)))
+        bases.update(dict.fromkeys(_bases(element, below=True)))
     determinant = frame.determinant.element()
-    found.update(dict.fromkeys(_bases(determinant, below=True)))
-    found.update(dict.fromkeys(_bases(determinant, below=False)))
+    bases.update(dict.fromkeys(_bases(determinant, below=True)))
+    bases.update(dict.fromkeys(_bases(determinant, below=False)))
     coordinates = set(frame.coordinates)
-    return tuple(factor for factor in found if factor.free_symbols & coordinates)
+    return tuple(factor for factor in bases if factor.free_symbols & coordinates)
 
 
 def _bases(element: Element, below: bool) -> list[sp.Expr]:

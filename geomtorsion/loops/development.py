@@ -36,7 +36,7 @@ def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
         The loop passes through a point where coframe or connection are singular.
     """
     cuts = refuse_poles(form.poles, part)
-    found = transported(part.arcs, line_rate(form, part), accuracy, cuts)
+    result = transported(part.arcs, line_rate(form, part), accuracy, cuts)
     offsets, slopes, weights = probes(part.arcs, cuts)
     centre = np.array(part.centre)[:, None]
     points = centre + part.size * offsets
@@ -48,13 +48,13 @@ def along_line(form: AffineForm, part: Part, accuracy: float) -> Transported:
     )
     if part.gap:
         start = np.array(part.base)
-        found = replace(
-            found, motion=found.motion @ back_by(form, start, part.size * np.array(part.gap))
+        result = replace(
+            result, motion=result.motion @ back_by(form, start, part.size * np.array(part.gap))
         )
     return replace(
-        found,
-        error=found.error + ROUNDING * found.scale + shift + turn * found.scale,
-        turn_error=found.turn_error + turn,
+        result,
+        error=result.error + ROUNDING * result.scale + shift + turn * result.scale,
+        turn_error=result.turn_error + turn,
     )
 
 

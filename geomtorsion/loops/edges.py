@@ -231,18 +231,18 @@ def _block(
     places = np.maximum(np.abs(starts), np.abs(ends)).max(axis=1)
     noise = ROUNDING + ROUNDING / 4 * places / np.minimum(lengths, distances)
     with np.errstate(all="ignore"):
-        found = halved(
+        integrals = halved(
             sampler, np.arange(count), whole, gauss_pair(*POINTS), 0.0, accuracy * lengths, noise
         )
-    if found.worst is not None:
-        k, s = found.worst
+    if integrals.worst is not None:
+        k, s = integrals.worst
         where = starts[k] + s * (ends[k] - starts[k])
         raise SingularPointError(
             f"edge {numbers[k]} passes through {shown(where)}, where the integral of the coframe "
             "does not converge: it is singular there. Lead the edge past that point."
         )
-    assert found.sizes is not None
-    return found.values.T, found.truncation + noise * found.sizes, found.points
+    assert integrals.sizes is not None
+    return integrals.values.T, integrals.truncation + noise * integrals.sizes, integrals.points
 
 
 def _near_other_poles(
@@ -250,16 +250,16 @@ def _near_other_poles(
 ) -> np.ndarray:
     """Numbers of the edges near poles that are not straight lines."""
     poles = compiled.poles
-    found = [np.zeros(0, dtype=np.int64)]
+    near = [np.zeros(0, dtype=np.int64)]
     if poles is None or lines_alone(frame, poles):
-        return found[0]
+        return near[0]
     together = PIECE // SAMPLES
     s = np.linspace(0, 1, SAMPLES)
     for begin in range(0, len(starts), together):
         low, high = starts[begin : begin + together].T, ends[begin : begin + together].T
         points = low[:, :, None] + (high - low)[:, :, None] * s
-        found.append(begin + np.flatnonzero(steep(poles, points)))
-    return np.concatenate(found)
+        near.append(begin + np.flatnonzero(steep(poles, points)))
+    return np.concatenate(near)
 
 
 def _by_itself(
@@ -276,10 +276,10 @@ def _by_itself(
     side = Segment((0.0,) * len(start), tuple(((end - start) / size).tolist()))
     part = Part(tuple(start.tolist()), size, (side,))
     try:
-        found = line_route(compiled, part, accuracy, refuse_poles(compiled.poles, part))
+        route = line_route(compiled, part, accuracy, refuse_poles(compiled.poles, part))
     except SingularPointError as reason:
         raise SingularPointError(str(reason).replace("the loop", f"edge {number}")) from None
-    return size * found.values[:, 0], size * float(found.error[0]), found.points
+    return size * route.values[:, 0], size * float(route.error[0]), route.points
 
 
 def _nearest_line(
@@ -302,9 +302,9 @@ def _nearest_line(
             continue
         across = np.array(rows(defect.across, frame.dimension))
         place = np.array(defect.place(parameters))
-        one, two = (across @ (points - place).T for points in (starts, ends))
-        share, distance = nearest(one, two)
-        size = np.maximum(np.abs(one).max(axis=0), np.abs(two).max(axis=0))
+        starts_across, ends_across = (across @ (points - place).T for points in (starts, ends))
+        share, distance = nearest(starts_across, ends_across)
+        size = np.maximum(np.abs(starts_across).max(axis=0), np.abs(ends_across).max(axis=0))
         bad = np.flatnonzero(distance <= CALCULATED * size)
         if len(bad):
             k = int(bad[0])

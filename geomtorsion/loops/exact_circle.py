@@ -52,7 +52,7 @@ def exact_circle(
     piece = circle_piece(frame, centre, radius, plane)
     forms = pulled_back(frame, piece)
     _refuse_changes(frame, piece)
-    found = []
+    components = []
     for i, f in enumerate(forms):
         value = definite(f, *piece[1:])
         if value is None:
@@ -60,9 +60,9 @@ def exact_circle(
                 f"b^{i} of this circle has no closed form that is known here: the integrand is "
                 f"{checks.shown(f)}. Ask for numbers, with burgers_vector."
             )
-        found.append(short(value))
+        components.append(short(value))
     where = sample_of(frame, sp.Tuple(*piece[0]).free_symbols - {piece[1]})
-    return verified(tuple(found), forms, piece, where)
+    return verified(tuple(components), forms, piece, where)
 
 
 def circle_piece(

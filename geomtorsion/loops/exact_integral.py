@@ -65,14 +65,14 @@ def tidy(f: sp.Expr, t: sp.Symbol) -> sp.Expr:
     """The same function on a common basis, where the field can read it."""
     f = f.replace(_is_shifted, lambda wave: _split(wave, t))
     # cos(3/10) and cos(1) stay what they are: their common basis would be cos(1/10).
-    known = [x for x in f.atoms(sp.cos, sp.sin) if not x.free_symbols]
-    names = {x: sp.Dummy(f"k{k}", real=True) for k, x in enumerate(known)}
+    constants = [x for x in f.atoms(sp.cos, sp.sin) if not x.free_symbols]
+    names = {x: sp.Dummy(f"k{k}", real=True) for k, x in enumerate(constants)}
     plain = f.subs(names)
     try:
-        found = Field([t, *sorted(plain.free_symbols - {t}, key=str)]).read(plain).sympy
+        rewritten = Field([t, *sorted(plain.free_symbols - {t}, key=str)]).read(plain).sympy
     except (ExpressionError, LimitError, ZeroDivisionError):
-        found = plain
-    return found.subs({name: x for x, name in names.items()})
+        rewritten = plain
+    return rewritten.subs({name: x for x, name in names.items()})
 
 
 def _is_shifted(x: sp.Expr) -> bool:
@@ -90,10 +90,10 @@ def _split(wave: sp.Expr, t: sp.Symbol) -> sp.Expr:
 
 def _in_circle(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     """f with symbols for cos(t) and sin(t), None if t occurs in other ways."""
-    wanted = [x for x in f.atoms(sp.cos, sp.sin) if x.args[0].has(t) and x.args[0].is_polynomial(t)]
-    found = f.subs({x: sp.expand_trig(x) for x in wanted})
-    found = found.subs({sp.cos(t): COS, sp.sin(t): SIN})
-    return None if found.has(t) else found
+    waves = [x for x in f.atoms(sp.cos, sp.sin) if x.args[0].has(t) and x.args[0].is_polynomial(t)]
+    replaced = f.subs({x: sp.expand_trig(x) for x in waves})
+    replaced = replaced.subs({sp.cos(t): COS, sp.sin(t): SIN})
+    return None if replaced.has(t) else replaced
 
 
 def _bessel(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
@@ -102,11 +102,11 @@ def _bessel(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     integral_0^{2 pi} exp(i (a cos t + b sin t)) exp(i n t) dt
         = 2 pi i^n ((a + i b) / r)^n J_n(r),  r^2 = a^2 + b^2                  (Jacobi, Anger)
     """
-    found = _in_circle(f, t)
-    if found is None:
+    on_circle = _in_circle(f, t)
+    if on_circle is None:
         return None
-    waves = [x for x in found.atoms(sp.cos, sp.sin) if x.has(COS, SIN)]
-    flat = found.subs({x: x.rewrite(sp.exp) for x in waves})
+    waves = [x for x in on_circle.atoms(sp.cos, sp.sin) if x.has(COS, SIN)]
+    flat = on_circle.subs({x: x.rewrite(sp.exp) for x in waves})
     flat = sp.powsimp(sp.expand(flat), combine="exp")
     total: list[sp.Expr] = []
     for term in sp.Add.make_args(sp.expand(flat, power_exp=False)):
@@ -160,12 +160,12 @@ def _real(total: sp.Expr) -> sp.Expr:
 
 def _residues(f: sp.Expr, t: sp.Symbol) -> sp.Expr | None:
     """Rational functions of cos t and sin t with numbers in the denominator, over one turn."""
-    found = _in_circle(f, t)
-    if found is None or not found.is_rational_function(COS, SIN):
+    on_circle = _in_circle(f, t)
+    if on_circle is None or not on_circle.is_rational_function(COS, SIN):
         return None
     z = sp.Symbol("z")
     table = {COS: (z + 1 / z) / 2, SIN: (z - 1 / z) / (2 * sp.I)}
-    above, below = sp.fraction(sp.cancel(sp.together(found.subs(table) / (sp.I * z))))
+    above, below = sp.fraction(sp.cancel(sp.together(on_circle.subs(table) / (sp.I * z))))
     factor, below = below.as_independent(z, as_Add=False)
     if below.free_symbols - {z}:
         return None
@@ -328,47 +328,47 @@ def exact_burgers_vector(
 
 def _refuse_poles(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a loop through a pole: of what sympy gives there, half may be missing."""
-    known = {s.name: v for s, v in where.items() if s in frame.field.symbols}
+    values = {s.name: v for s, v in where.items() if s in frame.field.symbols}
     here = loop.at(where) if loop.symbols else loop
     for part in here.parts:
         if part.gap:
-            refuse_other_periods(forms(frame, known), part)
+            refuse_other_periods(forms(frame, values), part)
     try:
-        found = forms(frame, known)
+        compiled = forms(frame, values)
     except MissingValueError:
         # Unknown functions have no numbers, and so no poles that could be looked for.
         return
     for part in here.parts:
-        refuse_poles(found.poles, part)
+        refuse_poles(compiled.poles, part)
     if frame.field.relied_on:
         # Raises where a root has not the sign with which it was read.
-        found.coframe.at(here.points())
+        compiled.coframe.at(here.points())
 
 
 def _refuse_other_windings(frame: Frame, loop: Loop, where: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a loop that encloses a line for some values of the symbols and not for others."""
-    lines = [one for one in find_defects(frame) if one.across is not None]
+    lines = [line for line in find_defects(frame) if line.across is not None]
     symbols = loop.symbols | {
-        s for one in lines for x in one.point for s in expression_of(x).free_symbols
+        s for line in lines for x in line.point for s in expression_of(x).free_symbols
     }
     if not symbols or not lines or loop.gap.any():
         return
-    found: dict[object, list[int]] = {one: [] for one in lines}
+    windings: dict[object, list[int]] = {line: [] for line in lines}
     # One symbol after the other, since two that change together may keep their ratio.
     for symbol, scale in [(None, sp.S.One), *product(sorted(symbols, key=str), SCALES)]:
         values = {s: x * scale if s == symbol else x for s, x in where.items()}
         here = loop.at(values) if loop.symbols else loop
-        for one in lines:
+        for line in lines:
             try:
-                found[one].append(one.winding(here, values))
+                windings[line].append(line.winding(here, values))
             except SingularPointError:
                 # This sample meets the line; the others decide.
                 continue
-    for one, turns in found.items():
+    for line, turns in windings.items():
         if len(set(turns)) > 1:
             names = ", ".join(sorted(map(str, symbols)))
             raise UndecidedError(
-                f"the winding number around the {one} depends on {names}: no single closed form "
+                f"the winding number around the {line} depends on {names}: no single closed form "
                 "holds for all values. Give numbers for these symbols."
             )
 
@@ -420,9 +420,9 @@ def pulled_back(frame: Frame, piece: Piece) -> list[sp.Expr]:
 
 def sample_of(frame: Frame, symbols: Collection[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
     """Values of the parameters of a frame, and of further symbols, for the numerical check."""
-    known = {s: v for s, v in frame.sample_point.items() if s not in frame.coordinates}
-    others = sorted(set(symbols) - set(known), key=str)
-    return known | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
+    values = {s: v for s, v in frame.sample_point.items() if s not in frame.coordinates}
+    others = sorted(set(symbols) - set(values), key=str)
+    return values | {s: sp.Rational(7 + 4 * k, 19) for k, s in enumerate(others)}
 
 
 def _number(f: sp.Expr, piece: Piece, where: Mapping[sp.Symbol, sp.Expr]) -> acb:

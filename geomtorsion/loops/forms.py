@@ -66,8 +66,8 @@ class Form:
         SingularPointError
             One is not finite; the message names it and the point.
         """
-        found = self.values(points)
-        return found if np.isfinite(found).all() else self.refuse()(*points, *self.numbers)
+        entries = self.values(points)
+        return entries if np.isfinite(entries).all() else self.refuse()(*points, *self.numbers)
 
     def along(self, values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """e^i_mu dq^mu/ds of a one-form, from its entries and from slopes, shape (n, k) each."""
@@ -137,10 +137,10 @@ class Poles:
         if self.sizes is None:
             return True
         try:
-            one, two = (self.sizes(*point, *self.numbers) for point in (far, near))
+            far_sizes, near_sizes = (self.sizes(*point, *self.numbers) for point in (far, near))
         except (ArithmeticError, TypeError):
             return True
-        return bool((two > 2 * one).any())
+        return bool((near_sizes > 2 * far_sizes).any())
 
     def values(self, points: np.ndarray) -> np.ndarray:
         """All denominators at points of shape (n, k), shape (poles, k)."""
@@ -225,15 +225,15 @@ def _of_lines(lines: Lines, chosen: tuple[int, ...]) -> Forms:
     finite = partial(lines.coframe, entries)
 
     def checked(*arguments: np.ndarray) -> np.ndarray:
-        found = finite(*arguments)
-        bad = np.flatnonzero(~np.isfinite(found).all(axis=0))
+        values = finite(*arguments)
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=0))
         if len(bad):
             point = shown(float(x[bad[0]]) for x in arguments[:3])
             raise SingularPointError(
                 f"the coframe has no finite value at {point}: a line runs through it. Move the "
                 "point away from the line."
             )
-        return found
+        return values
 
     rows, columns = np.array(entries).T
     gather = (rows == np.arange(3)[:, None]).astype(float)
@@ -277,35 +277,35 @@ def poles_of(
 ) -> Poles | None:
     """Factors in denominators of the elements that depend on a coordinate."""
     coordinates = set(frame.coordinates)
-    found = {k: x for k, x in _denominators(frame, elements).items() if x.symbols & coordinates}
-    if not found:
+    factors = {k: x for k, x in _denominators(frame, elements).items() if x.symbols & coordinates}
+    if not factors:
         return None
 
     def sizes(*values: float) -> np.ndarray:
-        point, known = dict(zip(arguments, values, strict=True)), {}
-        return np.array([float(abs(x.evaluate(point, EXACT_BITS, known))) for x in elements])
+        point, levels = dict(zip(arguments, values, strict=True)), {}
+        return np.array([float(abs(x.evaluate(point, EXACT_BITS, levels))) for x in elements])
 
-    function = numpy_function(list(found.values()), arguments, check=False)
-    return Poles(function, tuple(found), owner, sizes=sizes)
+    function = numpy_function(list(factors.values()), arguments, check=False)
+    return Poles(function, tuple(factors), owner, sizes=sizes)
 
 
 def _denominators(frame: Frame, elements: Sequence[Element]) -> dict[str, Element]:
     """The factors of all denominators, each once, by their text."""
     field = frame.field
-    found: dict[str, Element] = {}
+    denominators: dict[str, Element] = {}
     for element in elements:
         for base, exponent in form(element).powers:
             if exponent < 0:
                 factor = of_factor(field, base)
-                found[str(factor)] = factor
-    return found
+                denominators[str(factor)] = factor
+    return denominators
 
 
 def constant_poles(frame: Frame, elements: Sequence[Element]) -> tuple[Element, ...]:
     """Factors of denominators that contain only parameters, and vanish everywhere if at all."""
     coordinates = set(frame.coordinates)
-    found = _denominators(frame, elements).values()
-    return tuple(x for x in found if x.symbols and not x.symbols & coordinates)
+    denominators = _denominators(frame, elements).values()
+    return tuple(x for x in denominators if x.symbols and not x.symbols & coordinates)
 
 
 def refuse_parameters(poles: Sequence[Element], parameters: Parameters | None) -> None:
@@ -318,11 +318,11 @@ def refuse_parameters(poles: Sequence[Element], parameters: Parameters | None) -
     """
     if not poles:
         return
-    given = {str(key): value for key, value in (parameters or {}).items()}
+    by_name = {str(key): value for key, value in (parameters or {}).items()}
     for pole in poles:
-        if any(symbol.name not in given for symbol in pole.symbols):
+        if any(symbol.name not in by_name for symbol in pole.symbols):
             continue
-        here = {symbol: given[symbol.name] for symbol in pole.symbols}
+        here = {symbol: by_name[symbol.name] for symbol in pole.symbols}
         if not pole.evaluate(here):
             values = ", ".join(f"{name} = {value}" for name, value in sorted(here.items(), key=str))
             raise SingularPointError(
@@ -368,22 +368,22 @@ def refuse_unknown(frame: Frame, names: Iterable[str]) -> None:
     UnknownNameError
         A name is not; the message lists the parameters.
     """
-    known = [s.name for s in frame.field.symbols if s not in frame.coordinates]
+    symbol_names = [s.name for s in frame.field.symbols if s not in frame.coordinates]
     for name in names:
-        if name not in known:
+        if name not in symbol_names:
             raise UnknownNameError(
                 f"{name} is not a parameter of this frame. Parameters are: "
-                f"{', '.join(known) or 'none'}."
+                f"{', '.join(symbol_names) or 'none'}."
             )
 
 
 def _number(value: object, name: str) -> float | complex:
     """A finite number for a parameter, complex if it has an imaginary part."""
-    found = checks.plain(value)
+    number = checks.plain(value)
     where = f"parameter {name}"
-    if isinstance(found, sp.Expr) and found.is_number and found.is_real is False:
-        found = complex(found)
-    if not isinstance(found, complex):
-        return checks.number(found, where, LoopError)
-    checks.number(abs(found), where, LoopError)
-    return found if found.imag else found.real
+    if isinstance(number, sp.Expr) and number.is_number and number.is_real is False:
+        number = complex(number)
+    if not isinstance(number, complex):
+        return checks.number(number, where, LoopError)
+    checks.number(abs(number), where, LoopError)
+    return number if number.imag else number.real

@@ -155,12 +155,12 @@ class _Copies:
         if probed is not None:
             moved = perturbed(at[:, :, probed], self.places.centres[:, :, None])
             points = np.concatenate([points, moved.reshape(n, -1)], axis=1)
-        found = self.form.values(points)
-        values = found[:, : count * nodes].reshape(-1, count, nodes)
+        sampled = self.form.values(points)
+        values = sampled[:, : count * nodes].reshape(-1, count, nodes)
         noise = np.zeros(count)
         if probed is not None:
             here = values[:, :, probed]
-            there = found[:, count * nodes :].reshape(here.shape)
+            there = sampled[:, count * nodes :].reshape(here.shape)
             errors = (np.abs(there - here) + ROUNDING * np.abs(here)).mean(axis=2)
             spread = errors[:, :, None] * np.abs(chains[0].weights).sum(axis=1)
             noise = self._projected(np.abs(self.tensor), spread, which).max(axis=0)
@@ -209,9 +209,9 @@ def by_levels(
 
     with np.errstate(all="ignore"):
         first, rounding = copies.over(chains, np.arange(count), probed)
-        found = refined(first, evaluate, accuracy / 2, rounding, levels)
+        sums = refined(first, evaluate, accuracy / 2, rounding, levels)
     return Route(
-        found.values, degree, found.truncation, rounding, found.converged, chains[-1].rule, points
+        sums.values, degree, sums.truncation, rounding, sums.converged, chains[-1].rule, points
     )
 
 
@@ -237,9 +237,9 @@ def line_route(
     """
     copy = None if cuts else as_copy(part)
     if copy is not None:
-        found = by_levels(forms, *copy, accuracy, 1)
-        if found is not None and found.converged[0]:
-            return found
+        route = by_levels(forms, *copy, accuracy, 1)
+        if route is not None and route.converged[0]:
+            return route
     offsets, slopes, weights = probes(part.arcs, cuts)
     centre = np.array(part.centre)[:, None]
     points = centre + part.size * offsets
@@ -254,10 +254,10 @@ def line_route(
     )
     with np.errstate(all="ignore"):
         integrand = partial(line_at, forms, part)
-        found = kronrod(part.arcs, integrand, accuracy, rounding, MOST_POINTS, cuts)
-    if not found.converged and found.truncation > DIVERGES * size:
-        raise SingularPointError(_diverges(part, found.worst))
-    return _route(found, 1, rounding, found.points + 2 * points.shape[1])
+        route = kronrod(part.arcs, integrand, accuracy, rounding, MOST_POINTS, cuts)
+    if not route.converged and route.truncation > DIVERGES * size:
+        raise SingularPointError(_diverges(part, route.worst))
+    return _route(route, 1, rounding, route.points + 2 * points.shape[1])
 
 
 def _cancelled(forms: Forms, points: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -304,24 +304,24 @@ def flux_route(forms: Forms, part: Part, accuracy: float) -> Route | None:
         return _without_torsion(Places.of(part))
     copy = as_copy(part)
     if copy is not None:
-        found = by_levels(forms, *copy, accuracy, 2)
-        if found is not None and found.converged[0]:
-            return found
+        route = by_levels(forms, *copy, accuracy, 2)
+        if route is not None and route.converged[0]:
+            return route
     try:
         rounding, used = _flux_rounding(forms, part)
         for few, many in RAYS:
             integrand = partial(flux_at, forms, part, rays=(many, few))
             most = MOST_AT_ONCE // (few + many)
-            found = integrate(part.arcs, integrand, accuracy / 2, rounding, most)
-            used += found.points * (few + many)
-            if not found.converged:
+            route = integrate(part.arcs, integrand, accuracy / 2, rounding, most)
+            used += route.points * (few + many)
+            if not route.converged:
                 return None
-            fine, coarse = np.split(found.value, 2)
+            fine, coarse = np.split(route.value, 2)
             radial = norm(fine - coarse)
             if radial <= max(accuracy / 2 * norm(fine), rounding):
-                rule = f"{found.rule} times {many} Gauss points"
-                found = replace(found, value=fine, truncation=found.truncation + radial, rule=rule)
-                return _route(found, 2, rounding, used)
+                rule = f"{route.rule} times {many} Gauss points"
+                route = replace(route, value=fine, truncation=route.truncation + radial, rule=rule)
+                return _route(route, 2, rounding, used)
     except SingularPointError:
         return None
     return None
@@ -360,10 +360,10 @@ def refuse_other_periods(forms: Forms, part: Part) -> None:
     offsets, _, _ = probes(part.arcs)
     centre, gap = np.array(part.centre)[:, None], np.array(part.gap)[:, None]
     here = centre + part.size * offsets
-    one = forms.coframe.at(here)
-    two = forms.coframe.at(here + part.size * gap)
-    missed = np.abs(two - one).max()
-    if missed > HALF * np.abs(one).max():
+    coframe = forms.coframe.at(here)
+    shifted = forms.coframe.at(here + part.size * gap)
+    missed = np.abs(shifted - coframe).max()
+    if missed > HALF * np.abs(coframe).max():
         raise LoopError(
             f"the loop closes modulo {shown(part.size * gap[:, 0])}, but there the coframe differs "
             f"by {missed:.3g}: it does not have this period. Use develop, which counts the turn of "
@@ -454,10 +454,10 @@ def agreement(line: Route, flux: Route, sizes: np.ndarray) -> tuple[np.ndarray, 
 
 def _route(found: Integral, power: int, rounding: float, points: int) -> Route:
     """One integral as a route."""
-    one = np.array
+    array = np.array
     return Route(
-        found.value[:, None], power, one([found.truncation]), one([rounding]),
-        one([found.converged]), found.rule, points,
+        found.value[:, None], power, array([found.truncation]), array([rounding]),
+        array([found.converged]), found.rule, points,
     )  # fmt: skip
 
 

@@ -37,23 +37,23 @@ def integrated(f: sp.Expr, t: sp.Symbol, low: sp.Expr, high: sp.Expr) -> sp.Expr
 
     None also for an expression that is not in our syntax, such as one with unknown functions.
     """
-    given = (f, low, high)
-    if any(x.has(AppliedUndef) for x in given):
+    expressions = (f, low, high)
+    if any(x.has(AppliedUndef) for x in expressions):
         return None
     # Letters of any kind are names of symbols, and not all are read back.
-    symbols = sorted(set().union(*(x.free_symbols for x in given)) | {t}, key=str)
+    symbols = sorted(set().union(*(x.free_symbols for x in expressions)) | {t}, key=str)
     renamed = {x: sp.Symbol(f"v{k}", **x.assumptions0) for k, x in enumerate(symbols)}
-    parts = [str(x.xreplace(renamed)) for x in given]
+    parts = [str(x.xreplace(renamed)) for x in expressions]
     declared = {new.name: _declared(new) for new in renamed.values()}
     request = {"parts": parts, "variable": renamed[t].name, "symbols": declared}
     answer = _PROCESS.ask(json.dumps(request)).strip()
     if not answer:
         return None
     try:
-        found = _read(answer, {new.name: new for new in renamed.values()})
+        integral = _read(answer, {new.name: new for new in renamed.values()})
     except GeomtorsionError:
         return None
-    return found.xreplace({new: old for old, new in renamed.items()})
+    return integral.xreplace({new: old for old, new in renamed.items()})
 
 
 def _declared(symbol: sp.Symbol) -> dict[str, bool]:
@@ -67,10 +67,10 @@ def _read(text: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
 
 def answer(parts: Sequence[str], variable: str, symbols: Mapping[str, Mapping[str, bool]]) -> str:
     """The integral as text, or nothing."""
-    table = {name: sp.Symbol(name, **known) for name, known in symbols.items()}
+    table = {name: sp.Symbol(name, **assumptions) for name, assumptions in symbols.items()}
     f, low, high = (_read(part, table) for part in parts)
-    found = sp.integrate(f, (table[variable], low, high))
-    return "" if found.has(sp.Integral, sp.nan, sp.zoo, sp.Piecewise) else str(found)
+    integral = sp.integrate(f, (table[variable], low, high))
+    return "" if integral.has(sp.Integral, sp.nan, sp.zoo, sp.Piecewise) else str(integral)
 
 
 def serve(requests: IO[str], replies: IO[str]) -> None:

@@ -319,8 +319,8 @@ class Loop:
     @property
     def symbols(self) -> frozenset[sp.Symbol]:
         """Symbols other than the curve parameter: they need values before numbers can come."""
-        found = [getattr(arc, "symbols", frozenset()) for p in self.parts for arc in p.arcs]
-        return frozenset().union(*found)
+        symbol_sets = [getattr(arc, "symbols", frozenset()) for p in self.parts for arc in p.arcs]
+        return frozenset().union(*symbol_sets)
 
     def at(self, values: Parameters) -> Loop:
         """The loop with numbers for its symbols, {symbol or name: number}.
@@ -337,13 +337,13 @@ class Loop:
         >>> float(Loop.circle([0, 0], R).at({R: 1}).area[0, 1].round(12))
         3.14159265359
         """
-        found = filled(self, values)
-        if missing := sorted(symbol.name for symbol in found.symbols):
+        loop = filled(self, values)
+        if missing := sorted(symbol.name for symbol in loop.symbols):
             raise MissingValueError(
                 f"the loop contains {', '.join(missing)}: give values, "
                 f"parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}."
             )
-        return found
+        return loop
 
     # -- what it is -----------------------------------------------------------------------------
 
@@ -387,9 +387,9 @@ class Loop:
     def points(self, count: int = 400) -> np.ndarray:
         """Coordinates of points along it for pictures, shape (n, about count), both ends in."""
         stretches = list(self.arcs())
-        wanted = checks.count(count, "count", LoopError, 1)
-        checks.check_room(wanted * self.dimension, f"count: {wanted:,} points", "Give fewer.")
-        each = max(2, -(-wanted // len(stretches)))
+        number = checks.count(count, "count", LoopError, 1)
+        checks.check_room(number * self.dimension, f"count: {number:,} points", "Give fewer.")
+        each = max(2, -(-number // len(stretches)))
         s = np.linspace(0, 1, each + 1)
         pieces = [
             part.points(arc, s[::-1] if backwards else s)[0] for part, arc, backwards in stretches
@@ -405,8 +405,8 @@ class Loop:
         total = np.zeros((self.dimension, self.dimension))
         a, b = pairs_of(self.dimension)
         for part in self.parts:
-            found = integrate(part.arcs, lambda x, v: (x[a] * v[b] - x[b] * v[a]) / 2, 1e-14)
-            total[a, b] += part.times * part.size * (part.size * found.value)
+            integral = integrate(part.arcs, lambda x, v: (x[a] * v[b] - x[b] * v[a]) / 2, 1e-14)
+            total[a, b] += part.times * part.size * (part.size * integral.value)
         return total - total.T
 
     @property
@@ -414,8 +414,8 @@ class Loop:
         """Length in the Euclidean sense of the coordinates."""
         total = 0.0
         for part in self.parts:
-            found = integrate(part.arcs, lambda x, v: np.sqrt((v * v).sum(axis=0))[None], 1e-10)
-            total += abs(part.times) * part.size * float(found.value[0])
+            integral = integrate(part.arcs, lambda x, v: np.sqrt((v * v).sum(axis=0))[None], 1e-10)
+            total += abs(part.times) * part.size * float(integral.value[0])
         return total
 
     def winding(self, axis: Sequence[float], plane: Plane = (0, 1)) -> int:
@@ -457,10 +457,10 @@ def check_loop(loop: object, dimension: int) -> None:
     --------
     >>> check_loop(Loop.circle([0, 0], 1), 2)
     """
-    found = checks.instance(loop, Loop, "loop")
-    if found.dimension != dimension:
+    curve = checks.instance(loop, Loop, "loop")
+    if curve.dimension != dimension:
         raise LoopError(
-            f"the loop has {found.dimension} coordinates, the frame {dimension}: "
+            f"the loop has {curve.dimension} coordinates, the frame {dimension}: "
             "give a loop in the coordinates of the frame."
         )
 

@@ -115,18 +115,18 @@ def plane_of(frame: Frame, value: object, where: str) -> tuple[Any, Any]:
             f"{where}: plane: expected two coordinates or two vectors, got {checks.shown(value)}."
         )
     names = [symbol.name for symbol in frame.coordinates]
-    found = []
+    sides = []
     for side in value:
         if isinstance(side, str) and side in names:
-            found.append(names.index(side))
+            sides.append(names.index(side))
         elif isinstance(side, str) and not side.isdigit():
             raise FileFormatError(
                 f"{where}: plane: {checks.shown(side)} is not a coordinate; they are "
                 f"{', '.join(names)}."
             )
         else:
-            found.append(int(side) if isinstance(side, str) else _numbers(side, f"{where}: plane"))
-    return found[0], found[1]
+            sides.append(int(side) if isinstance(side, str) else _numbers(side, f"{where}: plane"))
+    return sides[0], sides[1]
 
 
 def _numbers(value: Any, where: str) -> Any:
@@ -278,17 +278,17 @@ Table = Sequence[tuple[int, dict[str, str]]]
 
 def _circles(frame: Frame, names: list[str], table: Table, where: str) -> list[Loop]:
     """One circle per row."""
-    found = []
+    circles = []
     for line, row in table:
         place = f"{where}: line {line}"
         plane = plane_of(frame, row["plane"].split(), place) if row.get("plane") else (0, 1)
         centre = [_cell(row, name, place) for name in names]
         name = row.get("name") or row.get("loop") or f"line {line}"
         try:
-            found.append(Loop.circle(centre, _cell(row, "radius", place), plane, name=name))
+            circles.append(Loop.circle(centre, _cell(row, "radius", place), plane, name=name))
         except GeomtorsionError as error:
             raise type(error)(f"{place}: {error}") from None
-    return found
+    return circles
 
 
 def _polygons(_: Frame, names: list[str], table: Table, where: str) -> list[Loop]:
@@ -297,13 +297,13 @@ def _polygons(_: Frame, names: list[str], table: Table, where: str) -> list[Loop
     for line, row in table:
         point = [_cell(row, name, f"{where}: line {line}") for name in names]
         corners.setdefault(row["loop"], []).append(point)
-    found = []
+    polygons = []
     for name, vertices in corners.items():
         try:
-            found.append(Loop.polygon(vertices, name=name))
+            polygons.append(Loop.polygon(vertices, name=name))
         except GeomtorsionError as error:
             raise type(error)(f"{where}: loop {name}: {error}") from None
-    return found
+    return polygons
 
 
 def _cell(row: dict[str, str], name: str, where: str) -> float | sp.Expr:

@@ -322,7 +322,7 @@ def _map(
     places, sizes = centres.reshape(n, -1), axes.reshape(2, -1)
     count = sizes.shape[1]
     empty = np.full((n, count), np.nan, dtype=complex if frame.complex else float)
-    found = _Values(
+    values = _Values(
         empty, empty.copy(), np.full(count, np.inf), empty.copy(), np.zeros(count, bool)
     )
     done = points = 0
@@ -331,7 +331,7 @@ def _map(
             for first in range(0, count, TOGETHER):
                 chosen = slice(first, first + TOGETHER)
                 block, more = family.measured(places[:, chosen], sizes[:, chosen])
-                found.fill(chosen, block)
+                values.fill(chosen, block)
                 done, points = min(count, first + TOGETHER), points + more
                 if show is not None:
                     show(done)
@@ -343,11 +343,11 @@ def _map(
         plane=plane,
         centres=centres,
         areas=(area * sizes[0] * sizes[1]).reshape(grid),
-        vectors=found.vectors.reshape(n, *grid),
-        density=found.density.reshape(n, *grid),
-        errors=found.errors.reshape(grid),
-        expected=found.expected.reshape(n, *grid),
-        enclosed=found.enclosed.reshape(grid),
+        vectors=values.vectors.reshape(n, *grid),
+        density=values.density.reshape(n, *grid),
+        errors=values.errors.reshape(grid),
+        expected=values.expected.reshape(n, *grid),
+        enclosed=values.enclosed.reshape(grid),
         accuracy=accuracy,
         done=done,
         evaluations=points,

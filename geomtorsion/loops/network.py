@@ -85,8 +85,8 @@ class Network:
     @cached_property
     def cochain(self) -> Cochain:
         """The integrals as values on the edges: all cycles are sums of these."""
-        found = self.integrals
-        return Cochain(self.edges.complex, found.vectors, found.errors)
+        integrals = self.integrals
+        return Cochain(self.edges.complex, integrals.vectors, integrals.errors)
 
     def edge(self, start: Hashable, end: Hashable) -> np.ndarray:
         """The integral from one node to a neighbour, shape (n,).

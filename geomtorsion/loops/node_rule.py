@@ -85,24 +85,24 @@ def node_rule(
     accuracy: float,
 ) -> NodeRule:
     """Check all cells of a network; see Network.node_rule."""
-    made, corners = _of_tetrahedra(edges) if cells is None else _of_cells(edges.complex, cells)
-    if made.cells is None:
+    complex_, corners = _of_tetrahedra(edges) if cells is None else _of_cells(edges.complex, cells)
+    if complex_.cells is None:
         return NodeRule(0, (), ())
-    lines = replace(along, complex=made).coboundary()
+    lines = replace(along, complex=complex_).coboundary()
     fluxes, errors = _fluxes(forms, edges.positions, corners, accuracy)
-    flux = Cochain(made, fluxes, np.where(np.isfinite(errors), errors, 0.0), degree=2)
-    unknown = abs(made.cells) @ ~np.isfinite(errors) > 0
-    found: list[tuple[int, Violation]] = []
+    flux = Cochain(complex_, fluxes, np.where(np.isfinite(errors), errors, 0.0), degree=2)
+    unknown = abs(complex_.cells) @ ~np.isfinite(errors) > 0
+    failures: list[tuple[int, Violation]] = []
     for total, free in ((lines.coboundary(), False), (flux.coboundary(), unknown)):
         wrong = np.abs(total.values).max(axis=1) > DISAGREE * total.bounds
         for k in np.flatnonzero(wrong & ~np.asarray(free)).tolist():
-            cell = _faces_of(edges, made, corners, k) if cells is None else _named(cells[k])
-            found.append((k, Violation(cell, total.values[k], float(total.bounds[k]))))
+            cell = _faces_of(edges, complex_, corners, k) if cells is None else _named(cells[k])
+            failures.append((k, Violation(cell, total.values[k], float(total.bounds[k]))))
     difference = lines.values - fluxes
     wrong = ~(np.abs(difference).max(axis=1) <= DISAGREE * (errors + lines.bounds))
     pierced = [(_labels(edges, corners[k]), difference[k]) for k in np.flatnonzero(wrong).tolist()]
-    found.sort(key=lambda pair: pair[0])
-    return NodeRule(len(total.values), tuple(one for _, one in found), tuple(pierced))
+    failures.sort(key=lambda pair: pair[0])
+    return NodeRule(len(total.values), tuple(one for _, one in failures), tuple(pierced))
 
 
 def _labels(edges: EdgeList, nodes: Sequence[int] | np.ndarray) -> Face:
@@ -129,15 +129,15 @@ def _named(cell: Sequence[Sequence[Hashable]]) -> Cell:
 def _of_tetrahedra(edges: EdgeList) -> tuple[Complex, np.ndarray]:
     """All sets of four nodes that are joined pairwise, and the corners of their faces, (m, 3)."""
     plain = edges.complex
-    found = tetrahedra(plain)
-    if not len(found):
+    quadruples = tetrahedra(plain)
+    if not len(quadruples):
         return plain, np.zeros((0, 3), dtype=np.int64)
-    places = edges.positions[found]
+    places = edges.positions[quadruples]
     if places.shape[2] == 3:
         # Only three dimensions have an outside; elsewhere one sense is as good.
         turned = np.linalg.det(places[:, 1:] - places[:, :1]) < 0
-        found[turned, 2], found[turned, 3] = found[turned, 3], found[turned, 2]
-    corners, cells = sides_of(found)
+        quadruples[turned, 2], quadruples[turned, 3] = quadruples[turned, 3], quadruples[turned, 2]
+    corners, cells = sides_of(quadruples)
     # Each face is shown as its first cell has it: outwards.
     columns = cells.tocsc()
     sense = columns.data[columns.indptr[:-1]]
@@ -194,14 +194,14 @@ def _of_cells(
     plain: Complex, cells: Sequence[Sequence[Sequence[Hashable]]]
 ) -> tuple[Complex, list[np.ndarray]]:
     """Given cells, and the corners of their faces, each once."""
-    known: dict[frozenset[Hashable], int] = {}
+    face_numbers: dict[frozenset[Hashable], int] = {}
     faces: list[Face] = []
     rows, columns, senses = [], [], []
     for k, cell in enumerate(cells):
         every = _named(cell)
         _check_closed(every)
         for face in every:
-            number = known.setdefault(frozenset(face), len(faces))
+            number = face_numbers.setdefault(frozenset(face), len(faces))
             if number == len(faces):
                 faces.append(face)
             rows.append(k)
@@ -285,7 +285,7 @@ def _triangles(forms: Forms, corners: np.ndarray, accuracy: float) -> tuple[np.n
     with np.errstate(all="ignore"):
         begun = [flux(level, np.arange(count)) for level in (0, 1)]
         # No finer than the line integrals with which they are compared.
-        found = refined(begun, flux, max(accuracy, DISAGREE * ROUNDING), np.zeros(count), LEVELS)
-    bad = ~np.isfinite(found.values).all(axis=0)
-    values = np.where(bad, 0.0, found.values)
-    return values, np.where(bad, np.inf, found.truncation) + ROUNDING * np.abs(values).max(axis=0)
+        fluxes = refined(begun, flux, max(accuracy, DISAGREE * ROUNDING), np.zeros(count), LEVELS)
+    bad = ~np.isfinite(fluxes.values).all(axis=0)
+    values = np.where(bad, 0.0, fluxes.values)
+    return values, np.where(bad, np.inf, fluxes.truncation) + ROUNDING * np.abs(values).max(axis=0)

@@ -52,8 +52,8 @@ def develop_path(
     ([-2.0, 2.0], -1.570796326795)
     """
     n = checks.instance(connection, Connection, "connection").frame.dimension
-    given = checks.entries(points, "points", LoopError)
-    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(given)]
+    entries = checks.entries(points, "points", LoopError)
+    rows = [vector(point, f"points[{k}]", n) for k, point in enumerate(entries)]
     if len(rows) < 2 or any(one == two for one, two in pairwise(rows)):
         raise LoopError(
             f"path: expected two points or more, each different from the next, got {len(rows)}: "
@@ -121,8 +121,8 @@ def develop_period(
         if not period:
             raise LoopError(f"periods: expected the change of {name} in one turn, got 0.")
         lengths[names[name]] = period
-    given = checks.entries(points, "points", LoopError)
-    rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(given)]
+    entries = checks.entries(points, "points", LoopError)
+    rows = [vector(point, f"points[{k}]", frame.dimension) for k, point in enumerate(entries)]
     open_ = develop_path(connection, rows, accuracy, parameters=parameters)
     gap = np.array(rows[-1]) - np.array(rows[0])
     for k, period in lengths.items():
@@ -201,9 +201,9 @@ def developed_path(
         points.append(part.points(arc, ends[:-1])[0])
     points.append(np.array(loop.base)[:, None])
     total = np.eye(n + 1)
-    found = [total]
+    totals = [total]
     for step in np.concatenate(motions):
         total = total + total @ step
-        found.append(total)
-    path = np.array(found)
+        totals.append(total)
+    path = np.array(totals)
     return DevelopedPath(np.concatenate(points, axis=1), path[:, :n, n].T, path[:, :n, :n])

@@ -31,10 +31,10 @@ def steep(poles: Poles, points: np.ndarray) -> np.ndarray:
 def _steep(values: np.ndarray) -> np.ndarray:
     """The same for each denominator, from its values (poles, curves, k); shape (poles, curves)."""
     one, two = np.abs(values[..., 1:]), np.abs(values[..., :-1])
-    found = ~(2 * np.minimum(one, two) > np.maximum(one, two))
+    is_steep = ~(2 * np.minimum(one, two) > np.maximum(one, two))
     if not np.iscomplexobj(values):
-        found |= values[..., 1:] * values[..., :-1] < 0
-    return np.asarray(found.any(axis=-1))
+        is_steep |= values[..., 1:] * values[..., :-1] < 0
+    return np.asarray(is_steep.any(axis=-1))
 
 
 def refuse_poles(poles: Poles | None, part: Part) -> tuple[tuple[int, float], ...]:

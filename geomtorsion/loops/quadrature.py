@@ -124,9 +124,9 @@ def integrate(
     # Values that are not finite never count as converged.
     with np.errstate(all="ignore"):
         if len(arcs) == 1 and arcs[0].is_periodic:
-            found = trapezoid(arcs[0], integrand, accuracy, floor, most)
-            if found.converged:
-                return found
+            integral = trapezoid(arcs[0], integrand, accuracy, floor, most)
+            if integral.converged:
+                return integral
         return kronrod(arcs, integrand, accuracy, floor, most)
 
 
@@ -144,11 +144,11 @@ def trapezoid(
         return total[:, None] / counts[level]
 
     levels = max(2, sum(count <= most for count in counts))
-    found = refined([mean(0), mean(1)], mean, accuracy, np.array([floor]), levels)
-    points = sum(counts[: found.intervals + 1])
-    rule = f"trapezoid, {counts[found.intervals]} points"
-    done = bool(found.converged[0])
-    return Integral(found.values[:, 0], float(found.truncation[0]), points, done, rule)
+    integral = refined([mean(0), mean(1)], mean, accuracy, np.array([floor]), levels)
+    points = sum(counts[: integral.intervals + 1])
+    rule = f"trapezoid, {counts[integral.intervals]} points"
+    done = bool(integral.converged[0])
+    return Integral(integral.values[:, 0], float(integral.truncation[0]), points, done, rule)
 
 
 def equidistant(waves: int, level: int, first: int = 16) -> int:
@@ -269,14 +269,14 @@ def kronrod(
 
     floors = np.array([floor])
     group = np.zeros(len(arcs), dtype=np.int64)
-    found = halved(sampler, group, (owner, low, width), kronrod_rule(), accuracy, floors, most=most)
+    total = halved(sampler, group, (owner, low, width), kronrod_rule(), accuracy, floors, most=most)
     return Integral(
-        found.values[:, 0],
-        float(found.truncation[0]),
-        found.points,
-        bool(found.converged[0]),
-        f"Gauss-Kronrod, {found.intervals} intervals",
-        found.worst,
+        total.values[:, 0],
+        float(total.truncation[0]),
+        total.points,
+        bool(total.converged[0]),
+        f"Gauss-Kronrod, {total.intervals} intervals",
+        total.worst,
     )
 
 
@@ -397,12 +397,12 @@ def _panels(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Value, shape (m, p), error, and integral of the absolute value over each interval."""
     most = max(1, PIECE // len(rule.nodes))
-    found = []
+    panels = []
     for start in range(0, len(owner), most):
         chosen = slice(start, start + most)
         s = low[chosen, None] + width[chosen, None] * rule.nodes
         values = sampler(owner[chosen], s) * width[chosen, None]
         errors = np.abs(values @ (rule.fine - rule.coarse)).max(axis=0)
-        found.append((values @ rule.fine, errors, (np.abs(values) @ rule.fine).max(axis=0)))
-    values, errors, sizes = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+        panels.append((values @ rule.fine, errors, (np.abs(values) @ rule.fine).max(axis=0)))
+    values, errors, sizes = (np.concatenate(parts, axis=-1) for parts in zip(*panels, strict=True))
     return values, np.where(np.isfinite(errors), errors, np.inf), sizes

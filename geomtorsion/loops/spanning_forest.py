@@ -114,8 +114,8 @@ def _breadth_first(
     def table(rows: np.ndarray, columns: np.ndarray) -> scipy.sparse.csr_array:
         return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), size)
 
-    joined = table(tail, head)
-    _, component = scipy.sparse.csgraph.connected_components(joined, directed=False)
+    graph = table(tail, head)
+    _, component = scipy.sparse.csgraph.connected_components(graph, directed=False)
     component = component[:nodes]
     _, roots = np.unique(component, return_index=True)
     # One more node, joined to a root in each component, makes one tree of the forest.
@@ -137,15 +137,15 @@ def _edges_to(
     """
 
     def first(chosen: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        found = np.full(len(above), len(tail))
+        edges = np.full(len(above), len(tail))
         # The last of several assignments holds: in reverse order, the assignment of the first edge.
         mine = np.flatnonzero(chosen)[::-1]
-        found[ends[mine]] = mine
-        return found
+        edges[ends[mine]] = mine
+        return edges
 
-    other = tail != head
-    forward = first(other & (above[head] == tail), head)
-    back = first(other & (above[tail] == head), tail)
+    proper = tail != head
+    forward = first(proper & (above[head] == tail), head)
+    back = first(proper & (above[tail] == head), tail)
     used = np.minimum(forward, back)
     return np.where(used < len(tail), used, -1), np.where(forward <= back, 1, -1)
 

@@ -78,24 +78,24 @@ def transported(
         halves = _halved(arcs, integrand, waiting)
         points += len(halves.owner) * STAGES
         one, two = halves.motion[0::2], halves.motion[1::2]
-        joined = one + two + one @ two
-        change = np.abs(joined - waiting.motion)
-        found = np.stack([change[:, :-1, :-1].max(axis=(1, 2)), change[:, :-1, -1].max(axis=1)], 1)
+        combined = one + two + one @ two
+        change = np.abs(combined - waiting.motion)
+        gaps = np.stack([change[:, :-1, :-1].max(axis=(1, 2)), change[:, :-1, -1].max(axis=1)], 1)
         total = np.maximum(total, waiting.size.sum(axis=0))
         allowed = np.maximum(
             accuracy * total * waiting.width[:, None] / len(arcs), 4 * ROUNDING * waiting.size
         )
-        slow = (found > before / GAIN) & (before > earlier / GAIN)
-        stalled = slow & (found <= HALF * waiting.size)
-        good = np.asarray(((found <= allowed) | stalled).all(axis=1))
+        slow = (gaps > before / GAIN) & (before > earlier / GAIN)
+        stalled = slow & (gaps <= HALF * waiting.size)
+        good = np.asarray(((gaps <= allowed) | stalled).all(axis=1))
         narrow = ~good & (waiting.width < NARROWEST)
-        if narrow.any() or len(waiting.owner) > MOST_AT_ONCE or not np.isfinite(found).all():
-            worst = int(np.argmax(np.where(np.isfinite(found[:, 1]), found.max(axis=1), np.inf)))
+        if narrow.any() or len(waiting.owner) > MOST_AT_ONCE or not np.isfinite(gaps).all():
+            worst = int(np.argmax(np.where(np.isfinite(gaps[:, 1]), gaps.max(axis=1), np.inf)))
             raise _stuck(arcs, waiting, worst)
-        done.append(_chosen(waiting, good, joined))
-        errors.append(found[good] + ROUNDING / 2 * waiting.size[good])
+        done.append(_chosen(waiting, good, combined))
+        errors.append(gaps[good] + ROUNDING / 2 * waiting.size[good])
         waiting = _chosen(halves, np.repeat(~good, 2))
-        before, earlier = (np.repeat(x[~good], 2, axis=0) for x in (found, before))
+        before, earlier = (np.repeat(x[~good], 2, axis=0) for x in (gaps, before))
     return _assembled(done, errors, points)
 
 
@@ -188,13 +188,13 @@ def inner_turns(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
     # Matrices as rows: a product of weights with all stretches at once, much faster than einsum.
     flat = (*omega.shape[:2], -1)
     first = (weights @ omega.reshape(flat)).reshape(omega.shape)
-    found, before = first, np.inf
+    turns, before = first, np.inf
     while True:
-        after = first + (weights @ (found @ omega).reshape(flat)).reshape(omega.shape)
-        change = np.abs(after - found).max(initial=0.0)
-        found = after
-        if change <= np.finfo(float).eps / 4 * np.abs(found).max(initial=0.0):
-            return found
+        after = first + (weights @ (turns @ omega).reshape(flat)).reshape(omega.shape)
+        change = np.abs(after - turns).max(initial=0.0)
+        turns = after
+        if change <= np.finfo(float).eps / 4 * np.abs(turns).max(initial=0.0):
+            return turns
         # Where a sweep no longer halves the change, one linear system is cheaper.
         if not change < before / 2:
             return _solved(omega, weights)
@@ -208,8 +208,8 @@ def _solved(omega: np.ndarray, weights: np.ndarray) -> np.ndarray:
         m, stages * n, stages * n
     )
     first = np.einsum("kl,mlij->mkji", weights, omega).reshape(m, stages * n, n)
-    found = np.linalg.solve(system, first)
-    return found.reshape(m, stages, n, n).transpose(0, 1, 3, 2)
+    solution = np.linalg.solve(system, first)
+    return solution.reshape(m, stages, n, n).transpose(0, 1, 3, 2)
 
 
 def increments(omega: np.ndarray, theta: np.ndarray) -> np.ndarray:
@@ -250,10 +250,10 @@ def product(increments: np.ndarray, errors: np.ndarray) -> tuple[np.ndarray, np.
         end = len(increments) - odd
         one, two = increments[0:end:2], increments[1:end:2]
         size = np.linalg.norm(one[:, :-1, :-1] + np.eye(one.shape[1] - 1), 2, axis=(1, 2))
-        other = np.linalg.norm(two[:, :-1, :-1] + np.eye(one.shape[1] - 1), 2, axis=(1, 2))
+        second_size = np.linalg.norm(two[:, :-1, :-1] + np.eye(one.shape[1] - 1), 2, axis=(1, 2))
         shift = np.linalg.norm(two[:, :-1, -1], axis=1)
         a, b = errors[0:end:2], errors[1:end:2]
-        turn = a[:, 0] * other + size * b[:, 0]
+        turn = a[:, 0] * second_size + size * b[:, 0]
         errors = np.stack([turn, a[:, 1] + a[:, 0] * shift + size * b[:, 1]], axis=1)
         increments = one + two + one @ two
         if odd:

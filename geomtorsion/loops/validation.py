@@ -66,11 +66,11 @@ def check_accuracy(accuracy: float, least: float = float(np.finfo(float).resolut
 def is_symbolic(*values: Any) -> bool:
     """Whether a value contains symbols, at any depth of lists and arrays."""
     for value in values:
-        found = checks.rows(value)
-        if isinstance(found, sp.Expr):
-            if found.free_symbols:
+        content = checks.rows(value)
+        if isinstance(content, sp.Expr):
+            if content.free_symbols:
                 return True
-        elif isinstance(found, list | tuple) and is_symbolic(*found):
+        elif isinstance(content, list | tuple) and is_symbolic(*content):
             return True
     return False
 
@@ -162,19 +162,19 @@ def whole(values: object, subject: str, columns: int | None = None) -> np.ndarra
         It is none, or has another number of columns.
     """
     try:
-        found = checks.unmasked(values)
+        table = checks.unmasked(values)
     except (TypeError, ValueError):
-        found = np.empty(0, dtype=object)
-    if not found.size and found.dtype.kind == "f":
-        found = found.reshape(len(found), columns or 0).astype(np.int64)
-    fits = found.ndim == 2 and columns in (None, found.shape[-1])
-    if not fits or found.dtype.kind not in "iu":
-        wanted = "any" if columns is None else columns
+        table = np.empty(0, dtype=object)
+    if not table.size and table.dtype.kind == "f":
+        table = table.reshape(len(table), columns or 0).astype(np.int64)
+    fits = table.ndim == 2 and columns in (None, table.shape[-1])
+    if not fits or table.dtype.kind not in "iu":
+        column_text = "any" if columns is None else columns
         raise NetworkError(
-            f"{subject}: expected whole numbers of shape (any, {wanted}), got "
-            f"{found.dtype} of shape {found.shape}."
+            f"{subject}: expected whole numbers of shape (any, {column_text}), got "
+            f"{table.dtype} of shape {table.shape}."
         )
-    return found.astype(np.int64, copy=False)
+    return table.astype(np.int64, copy=False)
 
 
 def listed(values: object, subject: str) -> list[Any]:
@@ -199,31 +199,31 @@ def once_round(values: object, subject: str) -> list[Any]:
 def value_rows(values: object, name: str, count: int) -> np.ndarray:
     """Rows of whole numbers or of finite floats."""
     message = "{subject}: expected an array of real numbers, got {value}."
-    found = checks.unmasked(values) if isinstance(values, np.ndarray) else None
-    if found is None or found.dtype.kind not in "iuf":
+    table = checks.unmasked(values) if isinstance(values, np.ndarray) else None
+    if table is None or table.dtype.kind not in "iuf":
         try:
-            found = np.asarray(values)
+            table = np.asarray(values)
         except (TypeError, ValueError):
-            found = np.array(None)
-        if found.dtype.kind not in "iu":
-            found = checks.array(values, "values", NetworkError, message=message)
-    if found.ndim == 1:
-        found = found[:, None]
-    if found.ndim != 2 or len(found) != count:
+            table = np.array(None)
+        if table.dtype.kind not in "iu":
+            table = checks.array(values, "values", NetworkError, message=message)
+    if table.ndim == 1:
+        table = table[:, None]
+    if table.ndim != 2 or len(table) != count:
         raise NetworkError(
-            f"values: expected one row for each {name}, shape ({count}, n), got {found.shape}."
+            f"values: expected one row for each {name}, shape ({count}, n), got {table.shape}."
         )
-    if found.dtype.kind in "iu":
-        check_sums(largest(found) * max(count, 1))
-        return found.astype(np.int64, copy=False)
-    bad = np.argwhere(~np.isfinite(found))
+    if table.dtype.kind in "iu":
+        check_sums(largest(table) * max(count, 1))
+        return table.astype(np.int64, copy=False)
+    bad = np.argwhere(~np.isfinite(table))
     if len(bad):
         k, i = bad[0].tolist()
         raise NetworkError(
-            f"{name} {k}: expected finite values, got {found[k, i]} as component {i}. "
+            f"{name} {k}: expected finite values, got {table[k, i]} as component {i}. "
             f"Leave the {name} out."
         )
-    return found.astype(float, copy=False)
+    return table.astype(float, copy=False)
 
 
 def largest(values: np.ndarray) -> float:

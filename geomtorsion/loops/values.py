@@ -23,10 +23,10 @@ def with_numbers(
     """
     if not loop.symbols:
         return loop, parameters
-    known = {symbol.name for symbol in frame.field.symbols}
-    alone = {symbol.name for symbol in loop.symbols} - known
-    found = loop.at(parameters or {})
-    return found, {k: v for k, v in (parameters or {}).items() if str(k) not in alone}
+    names = {symbol.name for symbol in frame.field.symbols}
+    alone = {symbol.name for symbol in loop.symbols} - names
+    numeric_loop = loop.at(parameters or {})
+    return numeric_loop, {k: v for k, v in (parameters or {}).items() if str(k) not in alone}
 
 
 def with_values(frame: Frame, loop: Loop, parameters: Parameters | None) -> tuple[Frame, Loop]:

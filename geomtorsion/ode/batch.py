@@ -72,11 +72,11 @@ def run_batch(
     if own is not None:
         sizes, clocks = own
         columns = np.concatenate((parameters, sizes, clocks[:, None] / sizes), axis=1)
-        found = run_batch(
+        scaled = run_batch(
             engine, scaled_system(system), states / sizes, columns, units / clocks, pace, times,
             tolerance, show, counted=counted, longest=longest,
         )  # fmt: skip
-        return replace(found, states=found.states * sizes[:, None, :])
+        return replace(scaled, states=scaled.states * sizes[:, None, :])
     run = batch_method(engine)
     assert run is not None
     result = np.full((number, len(times), size), np.nan)

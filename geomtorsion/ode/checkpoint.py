@@ -72,14 +72,14 @@ class Checkpoint:
 
     def _load(self) -> None:
         arrays = read_npz(self.path, _FORMS, error=CheckpointError, message=_BAD)
-        known: dict[str, Any] = {"path": self.path, "error": CheckpointError, "message": _BAD}
-        given = json_in(arrays, "metadata", {"format?": int}, **known)
-        if given.get("format") != FORMAT:
+        options: dict[str, Any] = {"path": self.path, "error": CheckpointError, "message": _BAD}
+        header = json_in(arrays, "metadata", {"format?": int}, **options)
+        if header.get("format") != FORMAT:
             raise CheckpointError(
                 f"{self.path}: this is not a checkpoint of this version. Remove it, or name "
                 "another file."
             )
-        metadata = json_in(arrays, "metadata", _METADATA, **known)
+        metadata = json_in(arrays, "metadata", _METADATA, **options)
         del arrays["metadata"]
         if metadata["key"] != self.key:
             raise CheckpointError(
@@ -95,8 +95,8 @@ class Checkpoint:
 
     def known(self, name: str, engine: Engine, stage: Stage, times: np.ndarray) -> Run | None:
         """A part that is finished already."""
-        found = self.parts.get(name)
-        if found is None:
+        record = self.parts.get(name)
+        if record is None:
             return None
         part = ""
         try:
@@ -110,14 +110,14 @@ class Checkpoint:
             low, high = sorted((float(times[0]), float(times[-1])))
             if not low <= float(reached) <= high:
                 raise ValueError(f"{reached} is not between {low} and {high}")
-            part, done = "states", found["outcome"] == "done"
+            part, done = "states", record["outcome"] == "done"
             if len(states) > len(times) or (done and len(states) < len(times)):
                 raise ValueError(f"{len(states)} states came with {len(times)} times")
         except (KeyError, ValueError) as error:
             reason = f"part {name} {part}: {cut(str(error))}"
             raise CheckpointError(_BAD.format(path=self.path, reason=reason)) from None
         grid = times if engine.precision == 53 else Taylor(engine.precision).array(times)
-        return Run(grid[: len(states)], states, reached, last, **found)
+        return Run(grid[: len(states)], states, reached, last, **record)
 
     def keep(self, name: str, run: Run) -> None:
         """Add a part; write the file unless writing takes too much of the time."""
@@ -159,11 +159,11 @@ class Checkpoint:
 
         def run(k: int, stage: Stage, times: np.ndarray) -> Run:
             name = part_name(engine, tolerance, perturbation, k, pattern)
-            found = self.known(name, engine, stage, times)
-            if found is None:
-                found = run_stage(stage, times, tolerance, engine, longest=longest)
-                self.keep(name, found)
-            return found
+            result = self.known(name, engine, stage, times)
+            if result is None:
+                result = run_stage(stage, times, tolerance, engine, longest=longest)
+                self.keep(name, result)
+            return result
 
         return run
 
@@ -186,7 +186,7 @@ def _plain(array: np.ndarray) -> np.ndarray:
 def _restored(engine: Engine, array: np.ndarray, shape: tuple[int | None, ...]) -> np.ndarray:
     """The numbers that were kept, of the engine's kind and of the shape that is needed."""
     fits = len(array.shape) == len(shape) and all(
-        wanted in (None, came) for wanted, came in zip(shape, array.shape, strict=True)
+        length in (None, came) for length, came in zip(shape, array.shape, strict=True)
     )
     if not fits:
         raise ValueError(f"expected shape {shape}, got {array.shape}")

@@ -34,16 +34,16 @@ def read(
     normalized: Sequence[Sequence[str]],
 ) -> Given:
     """Rates, start, parameters, invariants, outputs and timed events; see `ODE.of`."""
-    given = rates
+    source = rates
     if not isinstance(rates, Mapping):
-        rates = getattr(given, "rates", None)
+        rates = getattr(source, "rates", None)
         if not isinstance(rates, Mapping):
             raise ExpressionError(
-                f"rates: expected a mapping from states to expressions, got {checks.shown(given)}."
+                f"rates: expected a mapping from states to expressions, got {checks.shown(source)}."
             )
-        known = getattr(given, "invariants", None)
-        if invariants is None and isinstance(known, Mapping):
-            invariants = known
+        own_invariants = getattr(source, "invariants", None)
+        if invariants is None and isinstance(own_invariants, Mapping):
+            invariants = own_invariants
     if not rates:
         raise ExpressionError("rates: expected at least one state, got none.")
     rates = checks.by_name(rates, "rates", ExpressionError)
@@ -102,23 +102,23 @@ def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) ->
             )
     if time in states or time in parameters:
         what = "state" if time in states else "parameter"
-        other = next(x for x in ("tau", "s", "time") if x not in (*states, *parameters))
+        proposal = next(x for x in ("tau", "s", "time") if x not in (*states, *parameters))
         raise ExpressionError(
             f"{time} is named twice, for a {what} and for the time. Give the time another name: "
-            f"time={other!r}."
+            f"time={proposal!r}."
         )
 
 
 def _declared(entries: Iterable[Any], names: Iterable[str]) -> tuple[sp.Symbol, ...]:
     """The parameters that occur in the input, with their assumptions."""
-    known, found = set(names), set[sp.Symbol]()
+    allowed, symbols = set(names), set[sp.Symbol]()
     for entry in entries:
         for part in entry if isinstance(entry, list | tuple) else (entry,):
             if isinstance(part, Element):
-                found |= part.symbols
+                symbols |= part.symbols
             elif isinstance(part, sp.Expr):
-                found |= part.atoms(sp.Symbol)
-    return tuple(sorted((x for x in found if x.name in known), key=sp.srepr))
+                symbols |= part.atoms(sp.Symbol)
+    return tuple(sorted((x for x in symbols if x.name in allowed), key=sp.srepr))
 
 
 def declarations(declared: Iterable[sp.Symbol]) -> dict[str, list[str]]:
@@ -129,30 +129,30 @@ def declarations(declared: Iterable[sp.Symbol]) -> dict[str, list[str]]:
     >>> declarations([sp.Symbol("k", integer=True), sp.Symbol("m")])
     {'k': ['real', 'integer']}
     """
-    found = {
+    assumptions = {
         symbol.name: [word for word in checks.DECLARED if getattr(symbol, f"is_{word}")]
         for symbol in declared
     }
-    return {name: words for name, words in found.items() if words}
+    return {name: words for name, words in assumptions.items() if words}
 
 
 def declared_symbols(words: Mapping[str, Sequence[str]]) -> tuple[sp.Symbol, ...]:
     """Parameters as `declarations` wrote them down."""
-    return tuple(sp.Symbol(name, **dict.fromkeys(said, True)) for name, said in words.items())
+    return tuple(sp.Symbol(name, **dict.fromkeys(traits, True)) for name, traits in words.items())
 
 
 def check_declared(declared: Iterable[sp.Symbol], values: Mapping[str, object]) -> None:
     """Refuse values of parameters, numbers or arrays, that contradict their assumptions."""
     for symbol in declared:
-        given = values.get(symbol.name)
-        if isinstance(given, np.ndarray):
+        entry = values.get(symbol.name)
+        if isinstance(entry, np.ndarray):
             # The ends show the signs: only where these are wrong all values are gone through.
-            ends = (given.min(), given.max())
+            ends = (entry.min(), entry.max())
             if symbol.is_integer or any(checks.against(symbol, checks.expression(x)) for x in ends):
-                for value in given.ravel().tolist():
+                for value in entry.ravel().tolist():
                     checks.check_declared(symbol, value)
-        elif given is not None:
-            checks.check_declared(symbol, given)
+        elif entry is not None:
+            checks.check_declared(symbol, entry)
 
 
 def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None:
@@ -167,12 +167,12 @@ def _stop(found: list[When], symbols: Mapping[str, sp.Symbol]) -> sp.Expr | None
 def term(outputs: Mapping[str, Terms], names: Sequence[str], entry: object) -> sp.Expr:
     """One output, or an expression over states, parameters and time."""
     if isinstance(entry, str) and entry in outputs:
-        known = outputs[entry]
-        if isinstance(known, tuple):
+        output = outputs[entry]
+        if isinstance(output, tuple):
             raise UnknownNameError(
-                f"{entry} has {len(known)} components; give an expression of one number."
+                f"{entry} has {len(output)} components; give an expression of one number."
             )
-        return known
+        return output
     return expression(entry, "event_times", symbol_table(names), smooth=False)
 
 
@@ -180,17 +180,17 @@ def _read_terms(
     terms: Mapping[str, object], what: str, symbols: Mapping[str, sp.Symbol]
 ) -> dict[str, Terms]:
     """Expressions, or tuples of them."""
-    found: dict[str, Terms] = {}
+    expressions: dict[str, Terms] = {}
     for key, value in terms.items():
         where = f"{what} {key}"
         if isinstance(value, list | tuple):
             parts = [
                 expression(x, f"{where}[{k}]", symbols, smooth=False) for k, x in enumerate(value)
             ]
-            found[key] = tuple(parts)
+            expressions[key] = tuple(parts)
         else:
-            found[key] = expression(value, where, symbols, smooth=False)
-    return found
+            expressions[key] = expression(value, where, symbols, smooth=False)
+    return expressions
 
 
 def start_numbers(
@@ -266,7 +266,7 @@ def _group_list(
     """Every state in one group; normalized states form a separate group."""
     groups = [tuple(group) for group in (*normalized, *(norm_groups or ()))]
     seen: set[str] = set()
-    found = []
+    disjoint = []
     for group in groups:
         for name in group:
             if name not in states:
@@ -275,9 +275,9 @@ def _group_list(
         if len(set(group)) != len(group):
             raise StartError(f"norm group {group}: a state is named twice.")
         seen |= set(fresh)
-        found += [fresh] if fresh else []
+        disjoint += [fresh] if fresh else []
     rest = [name for name in states if name not in seen]
-    return (*found, *default_groups(rest))
+    return (*disjoint, *default_groups(rest))
 
 
 def check_lengths(

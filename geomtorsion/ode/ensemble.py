@@ -91,8 +91,8 @@ class Ensemble:
     @property
     def error(self) -> float:
         """The largest error of all members that were verified."""
-        known = self.errors[np.isfinite(self.errors)]
-        return float(known.max()) if len(known) else float("inf")
+        finite = self.errors[np.isfinite(self.errors)]
+        return float(finite.max()) if len(finite) else float("inf")
 
     @property
     def checked(self) -> int:
@@ -220,13 +220,13 @@ def solve_many(
     members = problem.members(starts, velocities, frame_velocities)
     solver, reason = _engine(engine, problem.member(members, 0))
     number = len(members)
-    wanted = number if check is None else checks.count(check, "check", StartError, 1)
-    some = np.unique(np.linspace(0, number - 1, min(wanted, number)).astype(int))
+    sampled = number if check is None else checks.count(check, "check", StartError, 1)
+    some = np.unique(np.linspace(0, number - 1, min(sampled, number)).astype(int))
     job = _Job(problem, members, grid, solver, accuracy)
     patience = 0.0 if progress else PATIENCE
     with bar(f"{number} members", number, wanted=progress, patience=patience) as show:
         lacking = job.run(some, show)
-    found = Ensemble(
+    ensemble = Ensemble(
         problem,
         times,
         job.errors,
@@ -242,8 +242,8 @@ def solve_many(
         job.rows,
     )
     if lacking:
-        raise AccuracyError(lacking, found)
-    return found
+        raise AccuracyError(lacking, ensemble)
+    return ensemble
 
 
 def _engine(engine: Engine | None, problem: Problem) -> tuple[Engine, str]:
@@ -330,7 +330,7 @@ class _Job:
         """Members with their errors: those that stay in the batch, then the others one by one."""
         grain = SAFETY * 2.0 ** (1 - self.engine.precision)
         limit = GOLDEN * abs(float(self.grid[-1])) / PARTS or math.inf
-        apart, long, best = pending[:0], np.zeros(len(pending), dtype=bool), 0.0
+        separate, long, best = pending[:0], np.zeros(len(pending), dtype=bool), 0.0
         tolerance: float | None = self.engine.first(AIM * self.accuracy)
         first = tolerance
         while tolerance is not None and (finer := self.engine.finer(tolerance)) is not None:
@@ -339,26 +339,26 @@ class _Job:
             reference = self._batch(
                 "check_seconds", pending, finer, None, np.full(len(pending), grain), limit
             )
-            found = self._errors(answer, reference)
+            estimates = self._errors(answer, reference)
             failed = tolerance != first
-            self._add_roundings(pending, answer, tolerance, found, failed=failed)
+            self._add_roundings(pending, answer, tolerance, estimates, failed=failed)
             if self.interrupted:
-                self._keep(pending, answer, answer.finished, found)
+                self._keep(pending, answer, answer.finished, estimates)
                 return
             both = answer.finished & reference.finished
-            done = both & (found <= self.accuracy)
-            self._keep(pending, answer, done, found)
-            apart = np.concatenate((apart, pending[~both]))
+            done = both & (estimates <= self.accuracy)
+            self._keep(pending, answer, done, estimates)
+            separate = np.concatenate((separate, pending[~both]))
             left = both & ~done
-            pending, found, long = pending[left], found[left], answer.longest[left] > limit
+            pending, estimates, long = pending[left], estimates[left], answer.longest[left] > limit
             # Only of those that are still too far off, for the message.
-            best = float(found.max(initial=0.0))
+            best = float(estimates.max(initial=0.0))
             if not len(pending):
                 break
             tolerance = next_tolerance(self.engine, tolerance, self.accuracy / best)
         # A long step may not have seen what the finer run saw: `alone` cuts such a motion.
         self.lacking, self.best = pending[~long].tolist(), best
-        self._one_by_one(np.concatenate((apart, pending[long])))
+        self._one_by_one(np.concatenate((separate, pending[long])))
 
     def _batch(
         self,
@@ -376,14 +376,14 @@ class _Job:
         members = self.members if len(index) == len(self.members) else self.members.of(index)
         if parts is not None:
             members = members.perturbed(parts)
-        found = run_members(
+        result = run_members(
             members, self.grid, tolerance, self.engine, show, longest, counted=counted
         )
-        self.compile_seconds += found.compile_seconds
-        self.interrupted |= found.interrupted
-        spent = time.perf_counter() - began - found.compile_seconds
+        self.compile_seconds += result.compile_seconds
+        self.interrupted |= result.interrupted
+        spent = time.perf_counter() - began - result.compile_seconds
         setattr(self, account, getattr(self, account) + spent)
-        return found
+        return result
 
     def _add_roundings(
         self,
@@ -422,12 +422,12 @@ class _Job:
             began = time.perf_counter()
             try:
                 grid = self.grid * problem.time_unit
-                found = alone(problem, self.engine, self.accuracy, grid)
+                checked = alone(problem, self.engine, self.accuracy, grid)
             except GeomtorsionError as error:
                 self.reason = self.reason or f"Member {k}: {error}"
                 continue
-            answer, error = found.answer, found.error
-            compiling = sum([run.compile_seconds for run in found.runs])
+            answer, error = checked.answer, checked.error
+            compiling = sum([run.compile_seconds for run in checked.runs])
             self.compile_seconds += compiling
             self.run_seconds += answer.run_seconds
             self.check_seconds += time.perf_counter() - began - compiling - answer.run_seconds

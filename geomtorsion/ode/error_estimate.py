@@ -167,9 +167,9 @@ def next_tolerance(engine: Engine, tolerance: float, missing: float) -> float | 
     finer = engine.finer(tolerance)
     if finer is None or not missing > 0:
         return finer
-    wanted = engine.rung(min(tolerance * missing * AIM, finer))
+    target = engine.rung(min(tolerance * missing * AIM, finer))
     # A run without a finer run to compare is not an answer.
-    return wanted if engine.finer(wanted) is not None else finer
+    return target if engine.finer(target) is not None else finer
 
 
 def rounding(engine: Engine, steps: int) -> float:
@@ -204,10 +204,10 @@ def difference(problem: Comparable, one: Trajectory, two: Trajectory) -> float:
 
 def difference_over_samples(problem: Comparable, one: Trajectory, two: Trajectory) -> np.ndarray:
     """The same at each sample of the first, shape (m,); not a number where the second ended."""
-    found = np.full(one.count, np.nan)
+    differences = np.full(one.count, np.nan)
     for pair in _pairs(problem, one, two, False):
-        found[pair.places] = pair.at_samples()
-    return found
+        differences[pair.places] = pair.at_samples()
+    return differences
 
 
 def _columns(segment: Segment) -> np.ndarray:
@@ -296,8 +296,8 @@ def _size_between(one: Trajectory, label: str, group: Sequence[int]) -> float:
     times = np.unique(np.concatenate(([0.0], samples, [one.reached])))
     between = times[:-1] + (1 - GOLDEN) * np.diff(times)
     between = between if one.reached > 0 else between[::-1]
-    found = [states for segment, states, _ in one.at(between) if segment.label == label]
-    return max([float(np.abs(states[:, group]).max()) for states in found], default=0.0)
+    blocks = [states for segment, states, _ in one.at(between) if segment.label == label]
+    return max([float(np.abs(states[:, group]).max()) for states in blocks], default=0.0)
 
 
 def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool) -> Iterator[_Pair]:
@@ -328,14 +328,14 @@ def _pairs(problem: Comparable, one: Trajectory, two: Trajectory, stopped: bool)
 
 def _samples(one: Trajectory, stopped: bool) -> list[tuple[int, Segment, np.ndarray]]:
     """Number of the first sample, segment and states of each segment; the end counts if stopped."""
-    found, place = [], 0
+    samples, place = [], 0
     for segment in one.segments:
-        found.append((place, segment, segment.states))
+        samples.append((place, segment, segment.states))
         place += segment.count
     if stopped:
         # After all samples, wherever these end in the other trajectory.
-        found.append((-1, one.segments[-1], one.segments[-1].last[None, :]))
-    return found
+        samples.append((-1, one.segments[-1], one.segments[-1].last[None, :]))
+    return samples
 
 
 def _matched(
@@ -346,17 +346,17 @@ def _matched(
     label: str,
 ) -> np.ndarray | None:
     """States of the other trajectory at so many samples from a place on, as many as there are."""
-    found = []
+    blocks = []
     for begin, segment, states in others:
         if place < 0 or begin < 0:
             part = states if place == begin else states[:0]
         else:
             part = states[max(place - begin, 0) : max(place + count - begin, 0)]
         if len(part):
-            found.append(problem.rows(segment, part, label))
-    if not found:
+            blocks.append(problem.rows(segment, part, label))
+    if not blocks:
         return None
-    return found[0] if len(found) == 1 else np.concatenate(found)
+    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
 
 
 def _alike(first: np.ndarray, second: np.ndarray) -> np.ndarray:

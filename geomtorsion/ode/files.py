@@ -121,7 +121,7 @@ class SavedSolution(Mapping[str, np.ndarray]):
                 "a saved curve holds values only at its times. Solve the problem again for values "
                 "in between."
             )
-        made, engine = self.metadata["made"], _engine(self.metadata)
+        origin, engine = self.metadata["made"], _engine(self.metadata)
         if engine is None:
             raise StartError(
                 "expected a solution by Taylor, RungeKutta or Stiff, got one by "
@@ -129,12 +129,12 @@ class SavedSolution(Mapping[str, np.ndarray]):
                 "values at the saved times, or solve `problem` again with that engine."
             )
         stage = self.problem.first_stage(engine.precision, 0.0)
-        again = integrate(stage, self.grid, _tolerance(made["tolerance"]), engine)
-        known = self.metadata
+        again = integrate(stage, self.grid, _tolerance(origin["tolerance"]), engine)
+        data = self.metadata
         cost = Cost.of(again, [again])
         return Solution(
-            self.problem, self.times, known["accuracy"], known["error"], known["engine"],
-            known["reason"], cost, again,
+            self.problem, self.times, data["accuracy"], data["error"], data["engine"],
+            data["reason"], cost, again,
         )  # fmt: skip
 
     def at(self, time: Any) -> Moment:
@@ -157,13 +157,13 @@ class SavedSolution(Mapping[str, np.ndarray]):
             the file is missing, or was not written by `Solution.save`.
         """
         arrays = read_npz(path, _FORMS, message=_BAD)
-        given = json_in(arrays, "metadata", {"format?": int}, path=path, message=_BAD)
-        if given.get("format", FORMAT) != FORMAT:
+        header = json_in(arrays, "metadata", {"format?": int}, path=path, message=_BAD)
+        if header.get("format", FORMAT) != FORMAT:
             raise FileFormatError(
-                f"{path}: format {shown(given['format'])} was found, {FORMAT} is known. "
+                f"{path}: format {shown(header['format'])} was found, {FORMAT} is known. "
                 "Use the version of geomtorsion that wrote it."
             )
-        form = _METADATA | ({"problem": _PROBLEM} if given.get("kind") == "ode" else {})
+        form = _METADATA | ({"problem": _PROBLEM} if header.get("kind") == "ode" else {})
         metadata = json_in(arrays, "metadata", form, path=path, message=_BAD)
         missing = [key for key in ("grid", "times") if key not in arrays]
         if missing:
@@ -232,10 +232,10 @@ def _check_times(times: np.ndarray, grid: np.ndarray) -> None:
 
 def _tolerance(text: str) -> float:
     """A tolerance as it was written: a positive float in hexadecimal digits."""
-    found = float.fromhex(text)
-    if not 0 < found < np.inf:
+    tolerance = float.fromhex(text)
+    if not 0 < tolerance < np.inf:
         raise ValueError(f"{text} is not a tolerance")
-    return found
+    return tolerance
 
 
 def _engine(metadata: Mapping[str, Any]) -> Engine | None:

@@ -31,11 +31,11 @@ class Moment(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if isinstance(name, str) and name in self.values:
             return self.values[name]
-        known = list(self)
-        near = near_names(name, known)
+        names = list(self)
+        near = near_names(name, names)
         hint = f"Did you mean {near}? " if near else ""
         raise UnknownNameError(
-            f"{shown(name)} is not known of this motion. {hint}There are {', '.join(known)}."
+            f"{shown(name)} is not known of this motion. {hint}There are {', '.join(names)}."
         )
 
     def __iter__(self) -> Iterator[str]:

@@ -40,11 +40,11 @@ def checked_numbers(values: object, wanted: int, what: str) -> tuple[Any, ...]:
 
 def mpf(value: Real, precision: int) -> mpmath.mpf:
     """A number as mpmath number of so many bits."""
-    found = exact_number(value, precision)
-    if isinstance(found, Fraction):
+    exact = exact_number(value, precision)
+    if isinstance(exact, Fraction):
         with working_precision(precision):
-            return mpmath.mpf(found.numerator) / found.denominator
-    return found
+            return mpmath.mpf(exact.numerator) / exact.denominator
+    return exact
 
 
 def precision_of(values: np.ndarray) -> int:
@@ -114,21 +114,21 @@ def perturbed(
     >>> perturbed([1.0, 2.0], 2.0**-10, 53, all_of_them=True)
     [1.0009765625, 1.998792902365723]
     """
-    found: list[Real] = []
+    changed: list[Real] = []
     sizes = [] if all_of_them else [abs(value) for value in values]
     for place, value in enumerate(values):
         if not all_of_them and _is_held(value, precision):
-            found.append(value)
+            changed.append(value)
             continue
         k = place if all_of_them else sizes.index(sizes[place])
         change = -GOLDEN * part if k % 2 else part
         if precision == 53:
-            found.append(float(value) * (1 + change))
+            changed.append(float(value) * (1 + change))
             continue
         bits = 2 * precision
         with working_precision(bits):
-            found.append(mpf(value, bits) * (1 + mpmath.mpf(change)))
-    return found
+            changed.append(mpf(value, bits) * (1 + mpmath.mpf(change)))
+    return changed
 
 
 @cache
@@ -141,24 +141,24 @@ def random_signs(place: tuple[int, int], size: int) -> np.ndarray:
     ([-1.0, -1.0, 1.0, 1.0], [1.0, 1.0, 1.0, -1.0])
     """
     pattern, number = place
-    found = []
+    signs = []
     for k in range(size):
         # Bits are mixed by the last steps of MurmurHash3.
         bits = (pattern << 20 | number * 64 + k + 1) * 0x9E3779B9 & 0xFFFFFFFF
         bits = (bits ^ bits >> 16) * 0x85EBCA6B & 0xFFFFFFFF
         bits = (bits ^ bits >> 13) * 0xC2B2AE35 & 0xFFFFFFFF
-        found.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
-    return np.array(found)
+        signs.append(1.0 if (bits ^ bits >> 16) & 1 else -1.0)
+    return np.array(signs)
 
 
 def _is_held(value: Real, precision: int) -> bool:
     """Whether a number is a float of this precision without rounding."""
     if precision >= 53 and isinstance(value, float | int):
         return True
-    known = rational(value)
-    if known is None:
+    fraction = rational(value)
+    if fraction is None:
         return False
-    p, q = abs(known.numerator), known.denominator
+    p, q = abs(fraction.numerator), fraction.denominator
     return q & (q - 1) == 0 and (p // (p & -p) if p else 0).bit_length() <= precision
 
 
@@ -206,35 +206,35 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
         # An array may show one number very often; it is looked at before it is copied.
         check_memory(t.size, 1)
     # A copy: what becomes of an array later is its owner's business.
-    asked = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
-    if asked.size == 0 or asked.ndim != 1:
-        raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
-    if not np.isfinite(asked).all():
-        bad = asked[~np.isfinite(asked)][0]
+    times = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
+    if times.size == 0 or times.ndim != 1:
+        raise TimeError(f"t has shape {times.shape}: expected a number or a list of times.")
+    if not np.isfinite(times).all():
+        bad = times[~np.isfinite(times)][0]
         raise TimeError(f"t contains {bad}: all times must be finite.")
-    steps = np.diff(asked)
+    steps = np.diff(times)
     if (steps == 0).any():
         k = int(np.flatnonzero(steps == 0)[0])
-        raise TimeError(f"time {asked[k]:.6g} is repeated at [{k}] and [{k + 1}]. Give it once.")
-    rising = asked[-1] > 0
+        raise TimeError(f"time {times[k]:.6g} is repeated at [{k}] and [{k + 1}]. Give it once.")
+    rising = times[-1] > 0
     if not ((steps > 0).all() if rising else (steps < 0).all()):
         raise TimeError("times are not sorted. Sort them away from the start at t = 0.")
-    if (asked[0] < 0) if rising else (asked[0] > 0):
+    if (times[0] < 0) if rising else (times[0] > 0):
         raise TimeError(
-            f"times run from {asked[0]:.6g} to {asked[-1]:.6g}, but the motion starts at t = 0. "
+            f"times run from {times[0]:.6g} to {times[-1]:.6g}, but the motion starts at t = 0. "
             "Solve forwards and backwards apart."
         )
-    if asked[0] != 0:
-        return asked, np.concatenate(([0.0], asked))
-    return asked, asked
+    if times[0] != 0:
+        return times, np.concatenate(([0.0], times))
+    return times, times
 
 
 def times_between(t: object) -> np.ndarray:
     """Times at which a solution is requested, of any shape, in any order."""
-    asked = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
-    if not asked.size:
-        raise TimeError(f"t has shape {asked.shape}: expected a number or a list of times.")
-    return asked
+    times = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
+    if not times.size:
+        raise TimeError(f"t has shape {times.shape}: expected a number or a list of times.")
+    return times
 
 
 def check_memory(times: int, states: int, members: int = 1) -> None:

@@ -147,19 +147,19 @@ class ODE:
         if norm_groups is not None:
             norm_groups = [[constructor.named(x) for x in group] for group in norm_groups]
         try:
-            given = constructor.read(
+            fields = constructor.read(
                 rates, start, parameters, invariants, outputs, time, events, norm_groups, normalized
             )
-            made = cls(*given, tuple(tuple(group) for group in normalized), name)
-            made.check_lengths()
+            problem = cls(*fields, tuple(tuple(group) for group in normalized), name)
+            problem.check_lengths()
             # Made now, so that what cannot be compiled is reported here.
-            _ = made.system
+            _ = problem.system
         except RecursionError:
             raise ExpressionError(
                 "rates: an expression is nested too deeply to be read. Write it with fewer nested "
                 "functions or brackets."
             ) from None
-        return made
+        return problem
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -215,9 +215,9 @@ class ODE:
             timed = constructor.timed_events((*self.states, *self.rates.parameters), events)
         for values in (numbers, *(event.changes for event in timed)):
             constructor.check_declared(self.rates.declared, values)
-        made = replace(self, start=new_start, parameters=numbers, events=timed)
-        made.check_lengths()
-        return made
+        problem = replace(self, start=new_start, parameters=numbers, events=timed)
+        problem.check_lengths()
+        return problem
 
     def check_lengths(self) -> None:
         """Refuse a start whose length is not one where it should be."""
@@ -275,14 +275,14 @@ class ODE:
         """How the motion ends: where it stops, or where a function in its equations ends."""
         if not self.rates.edges:
             return "stopped", str(self.rates.stop)
-        made = self.rates.guard_graph
+        guard = self.rates.guard_graph
         numbers = [float(parameters[name]) for name in self.rates.parameters]
         rows = [[*[float(x) for x in row[: self.size]], *numbers, time] for row in (state, start)]
-        here, there = (np.array(made.numpy()(*row)) for row in rows)
+        here, there = (np.array(guard.numpy()(*row)) for row in rows)
         if not np.isfinite(here).all():
             # Rounding has taken it just beyond; how far it was has a size in complex numbers.
             with suppress(ZeroDivisionError):
-                here = np.array([float(abs(x)) for x in made.exactly(rows[0])])
+                here = np.array([float(abs(x)) for x in guard.exactly(rows[0])])
         shares = shares_left(here, there)
         if self.rates.stop is not None:
             room, *shares = shares
@@ -333,9 +333,9 @@ class ODE:
             follow = self._follower(parameters, later, precision, perturbation)
             events.append(Event(later[0].time, follow, self._jumped_beyond))
         groups = self.system.groups[:-1] if self.rates.has_clock else self.system.groups
-        kept = partial(self._normalized, precision=precision) if self._unit_places else None
+        normalizer = partial(self._normalized, precision=precision) if self._unit_places else None
         return Stage(
-            "", self.system, states, numbers, begin, tuple(events), groups=groups, kept=kept
+            "", self.system, states, numbers, begin, tuple(events), groups=groups, kept=normalizer
         )
 
     def _normalized(self, state: State, precision: int) -> State:
@@ -461,17 +461,17 @@ class ODE:
         if not self.outputs:
             return {}
         if bits > 53:
-            found = self._long_outputs(times, states, bits)
+            values = self._long_outputs(times, states, bits)
         else:
-            found = self.term_graphs[0].numpy()(*self.arguments(times, states))
+            values = self.term_graphs[0].numpy()(*self.arguments(times, states))
         return {
             name: rows.T if several else rows[0]
-            for name, rows, several in _cut(self.outputs, found)
+            for name, rows, several in _cut(self.outputs, values)
         }
 
     def _long_outputs(self, times: np.ndarray, states: np.ndarray, bits: int) -> np.ndarray:
         """Outputs in numbers of so many bits, shape (size, m)."""
-        engine, found = Taylor(bits), []
+        engine, columns = Taylor(bits), []
         for time, row in zip(times.tolist(), states, strict=True):
             table = dict(self.parameters)
             for event in self.events:
@@ -483,8 +483,8 @@ class ODE:
             except ZeroDivisionError:
                 exact = [math.nan] * self.term_graphs[0].size
             real = [math.nan if isinstance(x, mpmath.mpc) else x for x in exact]
-            found.append(engine.array(real))
-        return np.array(found).T
+            columns.append(engine.array(real))
+        return np.array(columns).T
 
     def invariant_changes(self, trajectory: Trajectory) -> dict[str, np.ndarray]:
         """Change of each invariant at the samples of a trajectory; see `changes`."""
@@ -506,10 +506,10 @@ class ODE:
         before = int(times[0] != 0 and 0 not in moments)
         at = np.concatenate(([0.0] * before, times))
         start = np.array([[float(x) for x in self.start]] * before).reshape(before, self.size)
-        asked = self.arguments(at, np.concatenate((start, states[:, : self.size])))
+        arguments = self.arguments(at, np.concatenate((start, states[:, : self.size])))
         values, sizes = (
             np.asarray(x) for x in (
-                self.term_graphs[1].numpy()(*asked), self.term_graphs[1].sizes(*asked)
+                self.term_graphs[1].numpy()(*arguments), self.term_graphs[1].sizes(*arguments)
             )
         )  # fmt: skip
         interval = np.searchsorted(moments, at, "right")
@@ -525,10 +525,10 @@ class ODE:
     def term(self, term: object) -> Term:
         """A function of moments for an output, or an expression over what may occur."""
         read = constructor.term(self.outputs, self.rates.names, term)
-        made = graph(self.rates.names, [read], factor=False).numpy()
+        function = graph(self.rates.names, [read], factor=False).numpy()
 
         def values(moment: Moment) -> np.ndarray:
-            return made(*self.arguments(moment.time, moment["states"]))[0]
+            return function(*self.arguments(moment.time, moment["states"]))[0]
 
         return Term(values)
 
@@ -573,8 +573,8 @@ class ODE:
         reached = float(trajectory.reached)
         pairs = zip(self.states, last.tolist(), strict=True)
         place = ", ".join(f"{name} = {x:.6g}" for name, x in pairs if math.isfinite(x))
-        found = self.rates.rate_graph.numpy()(*self.arguments(np.array([reached]), last[None, :]))
-        rates = zip(self.states, np.asarray(found)[:, 0].tolist(), strict=True)
+        values = self.rates.rate_graph.numpy()(*self.arguments(np.array([reached]), last[None, :]))
+        rates = zip(self.states, np.asarray(values)[:, 0].tolist(), strict=True)
         bad = [f"{name}' = {x:.3g}" for name, x in rates if not math.isfinite(x)]
         why = f"{trajectory.reason}; {', '.join(bad)}" if bad else trajectory.reason
         return StuckError(
@@ -596,12 +596,12 @@ class ODE:
                 "equations with When(...) end at times of their own; solve them one by one, or "
                 "leave it out and use event_times."
             )
-        states, given = constructor.start_columns(
+        states, varied = constructor.start_columns(
             self.states, self.start, self.rates.parameters, starts
         )
         constructor.check_many_lengths(self.states, states, self.normalized)
-        constructor.check_declared(self.rates.declared, given)
-        parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | given
+        constructor.check_declared(self.rates.declared, varied)
+        parameters: dict[str, Real | np.ndarray] = dict(self.parameters) | varied
         return self._members(0.0, self.unit_rows(states), parameters, self.events)
 
     def _members(
@@ -650,8 +650,8 @@ class ODE:
             exact = self.rates.numbers.exactly(values)
             return np.tile(np.array(floats(exact), dtype=float), (number, 1))
         columns = [x if isinstance(x, np.ndarray) else float(x) for x in values]
-        found = self.rates.numbers.numpy()(*columns)
-        return np.array([np.broadcast_to(x, number) for x in found], dtype=float).T
+        numbers = self.rates.numbers.numpy()(*columns)
+        return np.array([np.broadcast_to(x, number) for x in numbers], dtype=float).T
 
     def member(self, members: Members, k: int) -> ODE:
         """One member as a problem of its own."""
@@ -671,15 +671,15 @@ class ODE:
         with np.errstate(all="ignore"):
             flat_states = self.unit_rows(flat_states)
         states = flat_states.reshape(number, m, self.size)
-        found = {name: states[..., k] for k, name in enumerate(self.states)} | {"states": states}
+        table = {name: states[..., k] for k, name in enumerate(self.states)} | {"states": states}
         if not self.outputs:
-            return found
+            return table
         at = np.tile(times, number)
         varied = {name: np.repeat(value, m) for name, value in members.varied.items()}
         values = self.term_graphs[0].numpy()(*self.arguments(at, flat_states, varied))
         for name, lines, several in _cut(self.outputs, values):
-            found[name] = lines.T.reshape(number, m, -1) if several else lines[0].reshape(number, m)
-        return found
+            table[name] = lines.T.reshape(number, m, -1) if several else lines[0].reshape(number, m)
+        return table
 
 
 def flat(terms: Mapping[str, Terms]) -> list[sp.Expr]:

@@ -98,9 +98,9 @@ class Rates:
     def numbers(self) -> Graph:
         """The run-time numbers of the system, from the parameters."""
         folding, *_ = self._folding
-        known = {symbol.name: value for value, symbol in folding.names.items()}
-        wanted = [known.get(name, sp.Symbol(name, real=True)) for name in self.system.parameters]
-        return graph(self.parameters, wanted, factor=False)
+        values = {symbol.name: value for value, symbol in folding.names.items()}
+        terms = [values.get(name, sp.Symbol(name, real=True)) for name in self.system.parameters]
+        return graph(self.parameters, terms, factor=False)
 
     @cached_property
     def stop_graph(self) -> Graph | None:
@@ -147,8 +147,8 @@ def _system(
     arguments = (*names, *others)
     guards = [*(() if stop is None else (stop + TINY,)), *edges]
     guard = graph(arguments, guards, others) if guards else None
-    made = graph(arguments, list(terms), others)
-    return System(names, others, made, groups, guard, None, (clock, CLOCK) if clock else None)
+    rate_graph = graph(arguments, list(terms), others)
+    return System(names, others, rate_graph, groups, guard, None, (clock, CLOCK) if clock else None)
 
 
 def check_smooth(terms: Sequence[sp.Expr], where: Sequence[str]) -> None:
@@ -194,18 +194,18 @@ class _Folding:
 
     def folded(self, expr: sp.Expr) -> sp.Expr:
         """The expression with its numbers named."""
-        found = self._done.get(expr)
-        if found is None:
-            found = self._done[expr] = self._fold(expr)
-        return found
+        folded = self._done.get(expr)
+        if folded is None:
+            folded = self._done[expr] = self._fold(expr)
+        return folded
 
     def _is_free(self, expr: sp.Basic) -> bool:
         """Whether no state occurs; each part is looked at once."""
-        found = self._free.get(expr)
-        if found is None:
+        is_free = self._free.get(expr)
+        if is_free is None:
             inside = all(self._is_free(arg) for arg in expr.args)
-            found = self._free[expr] = inside and expr not in self.states
-        return found
+            is_free = self._free[expr] = inside and expr not in self.states
+        return is_free
 
     def _fold(self, expr: sp.Expr) -> sp.Expr:
         if self._is_free(expr):
@@ -266,7 +266,7 @@ def edges_of(terms: Iterable[sp.Expr], moving: set[str]) -> Mapping[sp.Expr, str
     >>> edges_of([sp.sqrt(x) + sp.acos(y)], {"x", "y"})
     {sqrt(x): 'sqrt(x) = 0', sqrt(1 - y**2): '1 - y**2 = 0, where acos(y) ends'}
     """
-    found: dict[sp.Expr, str] = {}
+    edges: dict[sp.Expr, str] = {}
     for term in terms:
         for part in dict.fromkeys(sp.preorder_traversal(term)):
             if not part.args or not _moves(part.args[0], moving):
@@ -276,16 +276,16 @@ def edges_of(terms: Iterable[sp.Expr], moving: set[str]) -> Mapping[sp.Expr, str
                 room = inside(part.args[0])
                 root = sp.sqrt(room)
                 if not root.has(sp.Abs):
-                    found.setdefault(root, f"{room} = 0, where {part} ends")
+                    edges.setdefault(root, f"{room} = 0, where {part} ends")
             elif isinstance(part, sp.Pow):
                 root = sp.sqrt(part.base)
                 if part.exp.is_Rational or isinstance(part.exp, sp.Float):
                     if _is_even_root(part.exp) and _may_end(term, part, moving):
-                        found[root] = f"{root} = 0"
+                        edges[root] = f"{root} = 0"
                 elif not (part.exp.is_integer or part.base.is_positive or root.has(sp.Abs)):
                     room = _unless_whole(part.base, part.exp, moving)
-                    found[sp.sqrt(room)] = f"{part.base} = 0, in {part}"
-    return found
+                    edges[sp.sqrt(room)] = f"{part.base} = 0, in {part}"
+    return edges
 
 
 def _moves(expr: sp.Basic, moving: set[str]) -> bool:

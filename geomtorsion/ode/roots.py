@@ -59,18 +59,18 @@ def _with_valleys(
     if not len(place):
         return times, values
     sign, low, high = signs[place], times[place - 1], times[place + 1]
-    through, found = np.zeros(len(place)), np.zeros(len(place), dtype=bool)
+    through, crossed = np.zeros(len(place)), np.zeros(len(place), dtype=bool)
     for _ in range(SECTIONS):
         first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         one, two = sign * function(first), sign * function(second)
         for at, value in ((first, one), (second, two)):
-            through = np.where(~found & (value < 0), at, through)
-            found |= value < 0
-        if found.all():
+            through = np.where(~crossed & (value < 0), at, through)
+            crossed |= value < 0
+        if crossed.all():
             break
         lower = one <= two
         high, low = np.where(lower, second, high), np.where(lower, low, first)
-    return _inserted(times, values, place[found], through[found], -sign[found])
+    return _inserted(times, values, place[crossed], through[crossed], -sign[crossed])
 
 
 def _inserted(

@@ -215,13 +215,13 @@ class Solution:
     @cached_property
     def _with_end(self) -> Trajectory:
         """The trajectory, with the place where it was stopped as its last sample."""
-        one, end = self.trajectory, self.trajectory.segments[-1]
-        last = next((x for x in reversed(one.segments) if x.count), None)
-        if one.outcome != "stopped" or (last is not None and last.times[-1] == one.reached):
-            return one
-        times = np.append(end.times.astype(float), one.reached)
+        path, end = self.trajectory, self.trajectory.segments[-1]
+        last = next((x for x in reversed(path.segments) if x.count), None)
+        if path.outcome != "stopped" or (last is not None and last.times[-1] == path.reached):
+            return path
+        times = np.append(end.times.astype(float), path.reached)
         states = np.concatenate((end.states, end.last[None, :]))
-        return replace(one, segments=(*one.segments[:-1], end.resampled(times, states)))
+        return replace(path, segments=(*path.segments[:-1], end.resampled(times, states)))
 
     def _read(
         self,
@@ -231,12 +231,12 @@ class Solution:
         names: Collection[str] | None = None,
     ) -> Moment:
         bits = self.trajectory.engine.precision
-        found = self.problem.moment(times, pieces, shape, bits, names)
+        moment = self.problem.moment(times, pieces, shape, bits, names)
         if self.accuracy < DOUBLE or bits == 53:
-            return found
+            return moment
         # Rounded last: quantities derived from rounded states may lose all of their digits.
-        rounded = {name: np.asarray(x).astype(float) for name, x in found.values.items()}
-        return replace(found, values=rounded)
+        rounded = {name: np.asarray(x).astype(float) for name, x in moment.values.items()}
+        return replace(moment, values=rounded)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A state, coordinate, velocity or output by name, shape (m,) or (m, k).
@@ -318,8 +318,8 @@ class Solution:
 
     def _at(self, time: Any, names: Collection[str] | None = None) -> Moment:
         """Everything at any time, or these names, not a number where the home chart ends."""
-        asked = times_between(time)
-        flat = np.atleast_1d(asked).ravel()
+        request = times_between(time)
+        flat = np.atleast_1d(request).ravel()
         unit = self.problem.time_unit
         last = self.trajectory.reached / unit
         low, high = min(0.0, last), max(0.0, last)
@@ -330,15 +330,15 @@ class Solution:
                 f"{self.problem.time_name} = {flat[bad][0]:.6g} is outside of the solution, "
                 f"which runs from 0 to {last:.6g}. Solve to a later time, or request a time within."
             )
-        found = self.trajectory.at(flat * unit)
-        order = np.argsort(np.concatenate([index for _, _, index in found]), kind="stable")
-        pieces = [(segment, states) for segment, states, _ in found]
-        if len(found) > 1:
+        parts = self.trajectory.at(flat * unit)
+        order = np.argsort(np.concatenate([index for _, _, index in parts]), kind="stable")
+        pieces = [(segment, states) for segment, states, _ in parts]
+        if len(parts) > 1:
             moment = self._read(flat[np.argsort(order)], pieces, flat.shape, names)
             values = {name: moment.values[name][order] for name in moment.values}
-            shaped = {name: x.reshape((*asked.shape, *x.shape[1:])) for name, x in values.items()}
-            return Moment(asked, shaped, moment.whole)
-        return self._read(flat, pieces, asked.shape, names)
+            shaped = {name: x.reshape((*request.shape, *x.shape[1:])) for name, x in values.items()}
+            return Moment(request, shaped, moment.whole)
+        return self._read(flat, pieces, request.shape, names)
 
     def event_times(self, term: object, direction: int = 0) -> np.ndarray:
         """All times at which a term crosses zero, in order.
@@ -376,7 +376,7 @@ class Solution:
         def function(times: np.ndarray) -> np.ndarray:
             return np.broadcast_to(read.values(self._at(times, read.names)), len(times))
 
-        found = [np.zeros(0)]
+        zeros = [np.zeros(0)]
         for k, times in enumerate(_stretches(self)):
             blocks = range(0, len(times), BLOCK)
             values = np.concatenate([function(times[j : j + BLOCK]) for j in blocks])
@@ -388,8 +388,8 @@ class Solution:
             if k == 0 and abs(values[0]) <= ROUNDINGS * EPS * np.abs(values).max():
                 # A zero at the start may be read as a rounding of either sign.
                 values[0] = 0.0
-            found.append(crossings(function, times, values, direction))
-        return np.concatenate(found)
+            zeros.append(crossings(function, times, values, direction))
+        return np.concatenate(zeros)
 
     # -- how good it is --------------------------------------------------------------------------
 
@@ -444,8 +444,8 @@ class Solution:
             return least
         size = float(np.abs(here).max())
         # If a value is NaN, or nothing remains to compare with, the error is unknown.
-        known = np.isfinite(gap) and size > 0
-        return max(least, SAFETY * gap / size) if known else float("inf")
+        is_known = np.isfinite(gap) and size > 0
+        return max(least, SAFETY * gap / size) if is_known else float("inf")
 
     @cached_property
     def _finer(self) -> Solution:
@@ -516,12 +516,12 @@ class Solution:
         0.60653066
         """
         words = ("accuracy", "error", "engine", "reason", "outcome")
-        known = {word: getattr(self, word) for word in words}
-        known |= {"kind": self.problem.kind, "problem": self.problem.described()}
-        known["cost"] = {name: float(value) for name, value in vars(self.cost).items()}
-        known["drift"] = {name: float(value) for name, value in self.drift.items()}
+        metadata = {word: getattr(self, word) for word in words}
+        metadata |= {"kind": self.problem.kind, "problem": self.problem.described()}
+        metadata["cost"] = {name: float(value) for name, value in vars(self.cost).items()}
+        metadata["drift"] = {name: float(value) for name, value in self.drift.items()}
         unit = self.problem.time_unit
-        write_solution(path, self.times, self.moment, self.trajectory, unit, known)
+        write_solution(path, self.times, self.moment, self.trajectory, unit, metadata)
 
 
 def _sampled(trajectory: Trajectory, times: np.ndarray) -> Trajectory:

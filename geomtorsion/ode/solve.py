@@ -101,15 +101,15 @@ def solve(
             f"motion {unit:.3g} times as fast. Use other units of time."
         )
     report = None if progress is None else Report(progress, float(scaled[-1]))
-    kept = None
+    store = None
     if checkpoint is not None:
         key = fingerprint(problem, times, accuracy, engine)
-        kept = Checkpoint(checkpoint, key, overwrite=overwrite)
+        store = Checkpoint(checkpoint, key, overwrite=overwrite)
     try:
-        solution = _solved(problem, times, scaled, accuracy, engine, kept, report)
+        solution = _solved(problem, times, scaled, accuracy, engine, store, report)
     finally:
-        if kept is not None:
-            kept.write()
+        if store is not None:
+            store.write()
     if progress is not None:
         progress(1.0)
     return solution
@@ -132,25 +132,25 @@ def _solved(
     parts = () if kept is None else tuple(end * k / PARTS for k in range(1, PARTS))
     for candidate, reason in engines(problem, accuracy, engine):
         check_memory(len(grid), len(problem.first_stage(candidate.precision, 0.0).start))
-        found = _followed(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
+        result = _followed(_Runs(problem, candidate, accuracy, grid, parts, kept, report), runs)
         names.append(candidate.name)
-        best = min(best, found.error)
-        if found.error <= accuracy or found.answer.outcome == "stuck":
-            solution = _solution(problem, times, grid, accuracy, reason, found, runs)
+        best = min(best, result.error)
+        if result.error <= accuracy or result.answer.outcome == "stuck":
+            solution = _solution(problem, times, grid, accuracy, reason, result, runs)
             if solution.complete:
                 return solution
-            other = None
+            alternative = None
             stepper = RungeKutta()
             if engine is None and candidate != stepper and is_coarse(accuracy):
                 # Series have no value where roots begin, which steps may leave behind.
                 stepwise = _Runs(problem, stepper, accuracy, grid, parts, kept, report)
-                other = _complete(stepwise, runs)
-            if other is None:
+                alternative = _complete(stepwise, runs)
+            if alternative is None:
                 error = problem.stuck_error(solution.trajectory)
                 error.solution = solution  # type: ignore[attr-defined]  # both errors have it
                 raise error
             reason = "a series has no value on the way"
-            return _solution(problem, times, grid, accuracy, reason, other, runs)
+            return _solution(problem, times, grid, accuracy, reason, alternative, runs)
     none = f"gives {'no ' if names else ''}two runs to compare"
     got = f"gets to {best:.2g}" if math.isfinite(best) else none
     raise AccuracyError(
@@ -181,9 +181,9 @@ class _Runs:
 
     def verified(self, runs: list[Trajectory]) -> Verified:
         """The answer with its error; all runs are added to those given."""
-        found = verified(self.problem, self.engine, self.accuracy, self.run, failed=bool(runs))
-        runs += found.runs
-        return found
+        result = verified(self.problem, self.engine, self.accuracy, self.run, failed=bool(runs))
+        runs += result.runs
+        return result
 
     @property
     def parts(self) -> tuple[float, ...]:
@@ -230,11 +230,11 @@ class _Runs:
 def _complete(asked: _Runs, runs: list[Trajectory]) -> Verified | None:
     """The answer if it comes to the end, and is good enough."""
     try:
-        found = _followed(asked, runs)
+        result = _followed(asked, runs)
     except WorkLimitError:
         return None
-    ended = found.answer.outcome in ("done", "stopped")
-    return found if ended and found.error <= asked.accuracy else None
+    ended = result.answer.outcome in ("done", "stopped")
+    return result if ended and result.error <= asked.accuracy else None
 
 
 def alone(problem: Problem, engine: Engine, accuracy: float, grid: np.ndarray) -> Verified:
@@ -251,11 +251,11 @@ def _followed(asked: _Runs, runs: list[Trajectory]) -> Verified:
     Where it fails and a step was long, the answer may not have seen what the finer run saw: it is
     cut into short parts.
     """
-    found = asked.verified(runs)
-    long = found.answer.longest_step > asked.limit
-    if found.error > asked.accuracy and long and not asked.cuts:
-        found = replace(asked, cuts=asked.parts).verified(runs)
-    return found
+    result = asked.verified(runs)
+    long = result.answer.longest_step > asked.limit
+    if result.error > asked.accuracy and long and not asked.cuts:
+        result = replace(asked, cuts=asked.parts).verified(runs)
+    return result
 
 
 def _solution(

@@ -117,8 +117,8 @@ class System:
         try:
             # Numbers may be long doubles, which may be beyond doubles.
             with np.errstate(over="ignore"):
-                found = np.array(self._jacobian(*state, *values), dtype=float)
-            return found.reshape(n, n)
+                matrix = np.array(self._jacobian(*state, *values), dtype=float)
+            return matrix.reshape(n, n)
         except NO_VALUE:
             return np.full((n, n), np.nan)
 
@@ -127,10 +127,10 @@ class System:
 
         Every direction that decays has one that grows beside it where a motion conserves an energy.
         """
-        found = eigenvalues(self.jacobian(state, values))
-        if found is None:
+        spectrum = eigenvalues(self.jacobian(state, values))
+        if spectrum is None:
             return 0.0
-        real = np.real(found)
+        real = np.real(spectrum)
         return float(-real.min()) if -real.min() > 2 * real.max() else 0.0
 
     @cached_property
@@ -165,10 +165,10 @@ class System:
         if inner is None:
             return float("inf")
         try:
-            found = min(inner(*state, *values))
+            least = min(inner(*state, *values))
         except NO_VALUE:
             return -1.0
-        return found if found == found else -1.0
+        return least if least == least else -1.0
 
     def guard_along(self, states: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
         """The same on arrays of states, shape (size, ...)."""
@@ -179,7 +179,7 @@ class System:
     @cached_property
     def hoisted(self) -> Hoisted:
         """The equations for an engine of series, with what makes all their numbers."""
-        names, parts, made = self.parameters, list[Graph](), list[Graph]()
+        names, parts, constant_graphs = self.parameters, list[Graph](), list[Graph]()
         for k, part in enumerate((self.rates, self.guard)):
             if part is not None:
                 wide = replace(part, arguments=(*self.states, *names))
@@ -187,11 +187,11 @@ class System:
                 names = rest.arguments[self.size :]
                 parts.append(rest)
                 if constants.size:
-                    made.append(constants)
+                    constant_graphs.append(constants)
         rates = replace(parts[0], arguments=(*self.states, *names))
         guard = None if self.guard is None else parts[1]
         wide = replace(self, parameters=names, rates=rates, guard=guard, end=None)
-        return Hoisted(wide, tuple(made))
+        return Hoisted(wide, tuple(constant_graphs))
 
     @cached_property
     def unguarded(self) -> System:
@@ -224,31 +224,31 @@ class Hoisted:
         bits: above 53 the constants of one motion are worked out to so many bits.
         """
         if isinstance(values, np.ndarray) and values.ndim == 2:
-            for made in self.constants:
+            for part in self.constants:
                 # Constants that contain only numbers are the same in all rows.
-                further = made.numpy()(*values.T).reshape(made.size, -1).T
-                rows = (len(values), made.size)
+                further = part.numpy()(*values.T).reshape(part.size, -1).T
+                rows = (len(values), part.size)
                 values = np.concatenate((values, np.broadcast_to(further, rows)), axis=1)
             return values
         if bits > 53:
             return self._long_numbers(list(values), bits + 20)
         # One motion: arrays would take ten times as long.
         row = floats(values)
-        for made in self.constants:
+        for part in self.constants:
             try:
-                row += made.python()(*row)
+                row += part.python()(*row)
             except NO_VALUE:
                 # An infinite intermediate result may still give a finite value.
-                row += made.numpy()(*row).tolist()
+                row += part.numpy()(*row).tolist()
         return np.array(row)
 
     def _long_numbers(self, row: list[Any], bits: int) -> list[Any]:
         """The numbers of one motion to so many bits."""
-        for made in self.constants:
+        for part in self.constants:
             try:
-                row += made.exactly(row, bits)
+                row += part.exactly(row, bits)
             except NO_VALUE:
-                row += [float("nan")] * made.size
+                row += [float("nan")] * part.size
         return row
 
 
@@ -568,14 +568,14 @@ def scaled_run(
     """
     units = units_of(system, start, parameters, float(times[-1] - times[0]), extents)
     if units is None:
-        found = engine.run(
+        run = engine.run(
             system, start, parameters, times, tolerance, dense=dense, watch=watch, longest=longest
         )
-        return checked_run(engine, found, times)
+        return checked_run(engine, run, times)
     unit = units.time
     sizes = units.sizes.tolist()
     try:
-        found = engine.run(
+        run = engine.run(
             scaled_system(system),
             [divided(x, size) for x, size in zip(start, sizes, strict=True)],
             [*parameters, *units.parameters],
@@ -587,15 +587,15 @@ def scaled_run(
         )
     except WorkLimitError as limit:
         raise limit.counted(unit) from None
-    checked_run(engine, found, times / units.time)
-    found.times = times[: len(found.times)]
-    found.states = multiplied(found.states, units.sizes)
-    found.last = multiplied(np.asarray(found.last)[None, :], units.sizes)[0]
-    found.reached = found.reached * type(found.reached)(units.time)
-    found.longest_step *= unit
-    if found.dense is not None:
-        found.dense = _unscaled(found.dense, units)
-    return found
+    checked_run(engine, run, times / units.time)
+    run.times = times[: len(run.times)]
+    run.states = multiplied(run.states, units.sizes)
+    run.last = multiplied(np.asarray(run.last)[None, :], units.sizes)[0]
+    run.reached = run.reached * type(run.reached)(units.time)
+    run.longest_step *= unit
+    if run.dense is not None:
+        run.dense = _unscaled(run.dense, units)
+    return run
 
 
 def member_units(
@@ -608,15 +608,15 @@ def member_units(
     far = np.flatnonzero(~_run_as_they_are(system, states, parameters, np.abs(durations)))
     if not len(far):
         return None
-    found: list[Units | None] = [None] * len(states)
+    unit_list: list[Units | None] = [None] * len(states)
     for k in far:
-        found[k] = units_of(system, states[k], parameters[k], float(durations[k]))
-    if all(units is None for units in found):
+        unit_list[k] = units_of(system, states[k], parameters[k], float(durations[k]))
+    if all(units is None for units in unit_list):
         return None
     plain = Units(np.ones(states.shape[1]), 1.0)
     if system.clock is not None:
         plain.sizes[system.states.index(system.clock[0])] = 1 / system.clock[1]
-    units = [one or plain for one in found]
+    units = [one or plain for one in unit_list]
     return np.array([one.sizes for one in units]), np.array([one.time for one in units])
 
 
@@ -679,19 +679,19 @@ def units_of(
     for _ in range(2):
         terms = np.abs(np.ravel(system.rates.sizes(*largest.tolist(), *parameters))) * time
         largest = np.maximum(largest, np.where(np.isfinite(terms), terms, 0.0))
-    found = np.ones(len(values))
+    scales = np.ones(len(values))
     for group in map(list, groups):
         top = float(largest[group].max())
         if top > 0:
-            found[group] = np.where(largest[group] < top / FAR, largest[group], top)
-            found[group] = np.where(found[group] > 0, found[group], top)
-    if all(map(_is_near, (*found.tolist(), time))):
+            scales[group] = np.where(largest[group] < top / FAR, largest[group], top)
+            scales[group] = np.where(scales[group] > 0, scales[group], top)
+    if all(map(_is_near, (*scales.tolist(), time))):
         return None
-    found = 2.0 ** np.round(np.log2(found))
+    scales = 2.0 ** np.round(np.log2(scales))
     time = float(2.0 ** np.round(np.log2(time)))
     if system.clock is not None:
-        found[system.states.index(system.clock[0])] = time / system.clock[1]
-    return Units(found, time)
+        scales[system.states.index(system.clock[0])] = time / system.clock[1]
+    return Units(scales, time)
 
 
 def _run_as_they_are(

@@ -59,13 +59,13 @@ def expression(
         entry = entry.sympy
     if isinstance(entry, sp.Expr):
         return _renamed(entry, where, symbols)
-    known = checks.fraction(entry)
-    if known is None:
+    fraction = checks.fraction(entry)
+    if fraction is None:
         raise ExpressionError(
             f"{where}: {checks.shown(entry)} is neither an expression nor a finite number; give "
             "text, sympy or a number."
         )
-    return sp.Rational(known.numerator, known.denominator)
+    return sp.Rational(fraction.numerator, fraction.denominator)
 
 
 def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:

@@ -208,12 +208,12 @@ class Trajectory:
         sign = -1.0 if self.reached < 0 else 1.0
         begins = [sign * float(segment.stage.begin) for segment in self.segments]
         place = np.clip(np.searchsorted(begins, sign * times, "right") - 1, 0, None)
-        found = []
+        parts = []
         for k in np.unique(place).tolist():
             index = np.flatnonzero(place == k)
             states = np.asarray(self._dense_output(k)(times[index]))
-            found.append((self.segments[k], states, index))
-        return found
+            parts.append((self.segments[k], states, index))
+        return parts
 
     def _dense_output(self, k: int) -> Dense:
         """States of one segment at any times: the same integration again, keeping every step."""
@@ -282,11 +282,11 @@ def integrate(
         while waiting and sign * waiting[0] <= sign * begin:
             waiting.pop(0)
         stop = _next_break(stage, waiting, sign, end)
-        asked, head, count = _samples(times, done, stage.begin, stop, sign)
+        samples, head, count = _samples(times, done, stage.begin, stop, sign)
         if runner is None:
-            run = run_stage(stage, asked, tolerance, engine, watch, longest)
+            run = run_stage(stage, samples, tolerance, engine, watch, longest)
         else:
-            run = runner(len(segments), stage, asked)
+            run = runner(len(segments), stage, samples)
             if watch is not None:
                 watch(float(run.reached))
         count = max(min(len(run.times) - head, count), 0)
@@ -345,9 +345,9 @@ def _shaken(stage: Stage, state: State, shake: tuple[float, int], number: int) -
 def _next_break(stage: Stage, cuts: Sequence[float], sign: float, end: float) -> float | None:
     """The next time before the end at which a run has to be ended."""
     timed = stage.timed
-    found = [] if timed is None or timed.when is None else [timed.when]
-    found += cuts[:1]
-    before = [at for at in found if sign * at < sign * end]
+    breaks = [] if timed is None or timed.when is None else [timed.when]
+    breaks += cuts[:1]
+    before = [at for at in breaks if sign * at < sign * end]
     return min(before, key=lambda at: sign * at) if before else None
 
 
@@ -361,10 +361,10 @@ def _samples(
         last = int(np.searchsorted(sign * times, sign * stop, "left"))
         inside = times[done:last]
     head = 0 if len(inside) and inside[0] == begin else 1
-    asked = np.concatenate(([begin], inside)) if head else inside
-    if stop is not None and asked[-1] != stop:
-        asked = np.concatenate((asked, [stop]))
-    return asked, head, len(inside)
+    samples = np.concatenate(([begin], inside)) if head else inside
+    if stop is not None and samples[-1] != stop:
+        samples = np.concatenate((samples, [stop]))
+    return samples, head, len(inside)
 
 
 def run_stage(
@@ -387,20 +387,20 @@ def run_stage(
         )  # fmt: skip
 
     if system.guard is None or not final or engine.finds_every_root:
-        found = run(False)
+        result = run(False)
         sees_all = not engine.finds_every_root or system.guard_is_entire
-        if sees_all and found.outcome != "beyond":
-            return found
-        if _is_early(system, stage, found, tolerance):
-            return _looked_at(stage, found, times, tolerance, engine, watch)
-        if not is_beyond(system, found, numbers):
-            return found
-    found = run(True)
-    if found.dense is None:
-        if found.outcome == "beyond":
+        if sees_all and result.outcome != "beyond":
+            return result
+        if _is_early(system, stage, result, tolerance):
+            return _looked_at(stage, result, times, tolerance, engine, watch)
+        if not is_beyond(system, result, numbers):
+            return result
+    result = run(True)
+    if result.dense is None:
+        if result.outcome == "beyond":
             raise StartError(without_dense(engine))
-        return found
-    return _ended_earlier(system, found, times, numbers)
+        return result
+    return _ended_earlier(system, result, times, numbers)
 
 
 def without_dense(engine: Engine) -> str:
@@ -436,16 +436,16 @@ def _looked_at(
         reach *= 2
         until = end if abs(reach) >= abs(end - begin) else begin + reach
         inside = times[sign * times < sign * until]
-        asked = np.append(inside, until)
+        samples = np.append(inside, until)
         free = scaled_run(
-            engine, system.unguarded, start, numbers, asked, tolerance, dense=True, watch=watch
+            engine, system.unguarded, start, numbers, samples, tolerance, dense=True, watch=watch
         )
-        found = _ended_earlier(system, free, asked, numbers)
-        if found.outcome == "stuck" or not np.isfinite(floats(found.last)).all():
+        ended = _ended_earlier(system, free, samples, numbers)
+        if ended.outcome == "stuck" or not np.isfinite(floats(ended.last)).all():
             # Where the rates end without it, the series were right to see an end.
             return run
-        if found.outcome == "edge" or until == end:
-            return found
+        if ended.outcome == "edge" or until == end:
+            return ended
 
 
 def is_beyond(system: System, run: Run, numbers: State) -> bool:
@@ -478,15 +478,15 @@ def _ended_earlier(system: System, run: Run, times: np.ndarray, numbers: State) 
 
     begin, end = float(times[0]), float(run.reached)
     looked = close_times(begin, end, run)
-    found = crossings(room, looked, room(looked), -1)
-    if not len(found):
+    zeros = crossings(room, looked, room(looked), -1)
+    if not len(zeros):
         outcome = "edge" if run.outcome == "beyond" else run.outcome
         return replace(run, outcome=outcome, dense=None)
     sign = 1.0 if end >= begin else -1.0
-    keep = sign * np.asarray(run.times).astype(float) < sign * found[0]
-    last = dense(found[:1])[0]
+    keep = sign * np.asarray(run.times).astype(float) < sign * zeros[0]
+    last = dense(zeros[:1])[0]
     return replace(
-        run, times=run.times[keep], states=run.states[keep], reached=float(found[0]), last=last,
+        run, times=run.times[keep], states=run.states[keep], reached=float(zeros[0]), last=last,
         outcome="edge", reason="", dense=None,
     )  # fmt: skip
 

@@ -49,11 +49,11 @@ def write_solution(
     plain = {f"value {x}": np.asarray(y).astype(float) for x, y in moment.values.items()}
     times = times.astype(float)
     grid = times if times[0] == 0 else np.concatenate(([0.0], times))
-    found = checks.file_name(path)
+    file = checks.file_name(path)
     # As numpy names files of arrays.
-    if found.name and found.suffix != ".npz":
-        found = found.with_name(f"{found.name}.npz")
-    with written(found) as part:
+    if file.name and file.suffix != ".npz":
+        file = file.with_name(f"{file.name}.npz")
+    with written(file) as part:
         write_npz(part, {"metadata": json.dumps(metadata), "times": times, "grid": grid, **plain})
 
 

@@ -76,7 +76,7 @@ def run_in_registers(
     ends, clocks = calls.times[-1], np.zeros((count, width))
     taken = np.zeros((count, width, 3))
     several = len(calls.times) > 2
-    found = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
+    samples = np.full((count, len(calls.times) if several else 1, size, width), np.nan)
     limits = batch.longest * batch.units if batch.longest < math.inf else None
     done = 0
     # Members whose guard has fallen in this call, for each output; heyoka keeps copies of its own.
@@ -96,11 +96,11 @@ def run_in_registers(
                     own[:] = calls.states[k]
                     integrator.set_time(0.0)
                     rows = integrator.propagate_grid(block, max_steps=max_steps, **step)[1]
-                found[k, : len(rows)] = rows
+                samples[k, : len(rows)] = rows
             else:
                 until(ends[k], max_steps=MOST_STEPS, **step)
                 _go_on(integrator, ends[k], hits, max_steps, step)
-                found[k, 0] = own
+                samples[k, 0] = own
             # Only from the last of several calls, whose members have taken many steps anyway.
             if steps is not None:
                 taken[k] = [one[1:4] for one in integrator.propagate_res]
@@ -114,10 +114,10 @@ def run_in_registers(
                 show(min(done * width, len(result)))
     finally:
         # Also after Ctrl-C: finished members are kept.
-        arrived = (clocks == ends) & np.isfinite(found).all(axis=(1, 2))
+        arrived = (clocks == ends) & np.isfinite(samples).all(axis=(1, 2))
         arrived[done:] = False
         good = arrived.reshape(-1)
-        rows = found.transpose(0, 3, 1, 2).reshape(count * width, found.shape[1], -1)
+        rows = samples.transpose(0, 3, 1, 2).reshape(count * width, samples.shape[1], -1)
         finished[index[good]] = True
         if steps is not None:
             # heyoka does not report the last step, and so nothing about a single step.

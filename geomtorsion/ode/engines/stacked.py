@@ -85,12 +85,12 @@ def _run_part(batch: Batch, tolerance: float, part: slice, most: int) -> None:
             )
             if trial.status == 0:
                 longest = Pace(trial.t.tolist(), tolerance, FLOOR, batch.longest * top)
-        found = scipy.integrate.solve_ivp(
+        solution = scipy.integrate.solve_ivp(
             counted(rates, most, abs(duration)), span, begin, paced_dop853(), t_eval=times * top,
             events=look, longest=longest,
             **options,
         )  # fmt: skip
-    if found.status == 0 and np.isfinite(found.y).all():
-        batch.result[part] = found.y.reshape(size, count, len(times)).transpose(1, 2, 0)
+    if solution.status == 0 and np.isfinite(solution.y).all():
+        batch.result[part] = solution.y.reshape(size, count, len(times)).transpose(1, 2, 0)
     sizes = np.abs(np.diff(reached))
     batch.steps[:, part] = [[len(sizes)], [sizes.max(initial=0.0) / abs(duration)]]

@@ -287,8 +287,8 @@ def _writer(n: int, rates: Graph) -> _Writer:
     values = tuple(f"a{k}" for k in range(n, len(rates.arguments)))
     if len(rates.python_source()) > LONGEST_SOURCE:
         return _Writer(n, values, tuple(range(n)), (), ())
-    asked = {step.detail for step in rates.steps if step.kind == "argument"}
-    return _Writer(n, values, tuple(k for k in range(n) if k in asked), *rates.python_body)
+    used = {step.detail for step in rates.steps if step.kind == "argument"}
+    return _Writer(n, values, tuple(k for k in range(n) if k in used), *rates.python_body)
 
 
 def _written(row: Sequence[float]) -> list[str]:
@@ -335,8 +335,8 @@ class _Writer:
     def step(self) -> list[str]:
         """Source of `step`, see `step_of`."""
         tables, each, last = scipy.integrate.DOP853, range(self.n), stage_count()
-        given = ["rates", "h", "rtol", *map(self._all, ("floor", "y", "k0_")), *self.values]
-        lines = [f"def step({', '.join(given)}):"]
+        arguments = ["rates", "h", "rtol", *map(self._all, ("floor", "y", "k0_")), *self.values]
+        lines = [f"def step({', '.join(arguments)}):"]
         for s in range(1, last):
             lines += self._stage(s, self._coefficients(s))
         lines += [f"d{i} = {self._combined(self._coefficients(last), i)}" for i in each]

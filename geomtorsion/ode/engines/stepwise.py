@@ -96,9 +96,9 @@ class Piece:
 
     @cached_property
     def _polynomial(self) -> Any:
-        found = self._solver.dense_output()
+        polynomial = self._solver.dense_output()
         self._solver = None
-        return found
+        return polynomial
 
     def __call__(self, times: np.ndarray) -> np.ndarray:
         """States at times within the step, shape (m, n)."""
@@ -238,8 +238,8 @@ def stepwise_run(
 
     def steps(begin: float, state: Sequence[float], by: str) -> Steps | ScipySteps:
         used = max(tolerance, least)
-        given = (system, values, state, (begin, last), used, scales, pace, most)
-        return Steps(*given) if generated else ScipySteps(by, *given)
+        arguments = (system, values, state, (begin, last), used, scales, pace, most)
+        return Steps(*arguments) if generated else ScipySteps(by, *arguments)
 
     if tolerance < least:
         trial = steps(first, y0, method)
@@ -340,12 +340,12 @@ def _joined(pieces: Pieces) -> Dense:
     def values(t: np.ndarray) -> np.ndarray:
         flat = np.atleast_1d(np.asarray(t, dtype=float))
         place = np.clip(np.searchsorted(sign * begins, sign * flat, "right") - 1, 0, None)
-        found = np.empty((len(flat), pieces[0].width), dtype=kind)
+        states = np.empty((len(flat), pieces[0].width), dtype=kind)
         order = np.argsort(place, kind="stable")
         numbers, first = np.unique(place[order], return_index=True)
         for k, index in zip(numbers.tolist(), np.split(order, first[1:]), strict=True):
-            found[index] = pieces[k](flat[index])
-        return found
+            states[index] = pieces[k](flat[index])
+        return states
 
     return values
 

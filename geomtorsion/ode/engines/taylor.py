@@ -119,14 +119,14 @@ def heyoka() -> Any:
     """The heyoka module, or an error that names the extra."""
     try:
         # An extra, and half a second to load.
-        found = import_module("heyoka")
+        module = import_module("heyoka")
     except ImportError:
         raise MissingExtraError(
             "the Taylor engine needs heyoka, which is not installed. "
             "Run `pip install 'geomtorsion[fast]'` (Linux), or use engine=RungeKutta()."
         ) from None
-    _quieten(found)
-    return found
+    _quieten(module)
+    return module
 
 
 @lru_cache(maxsize=1)
@@ -169,17 +169,17 @@ def _compiled(
     backward = backward and system.guard is not None
     key = (system.key, order, precision, width, backward)
     with _kept_lock:
-        found = _kept.get(key)
-        if found is not None:
+        cached = _kept.get(key)
+        if cached is not None:
             _kept.move_to_end(key)
-            return found, 0.0
+            return cached, 0.0
     integrator = _integrator(system, order, precision, width, number, backward)
-    made = _Shared(integrator)
+    fresh = _Shared(integrator)
     with _kept_lock:
-        _kept[key] = made
+        _kept[key] = fresh
         while len(_kept) > KEPT:
             _kept.popitem(last=False)
-    return made, time.perf_counter() - began
+    return fresh, time.perf_counter() - began
 
 
 @lru_cache(maxsize=1)
@@ -211,17 +211,17 @@ def _integrator(
     variables = hy.make_vars(*(f"s{k}" for k in range(system.size)))
     if system.size == 1:
         variables = [variables] if not isinstance(variables, list) else variables
-    known = dict(zip(system.states, variables, strict=True))
-    known |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
+    symbols = dict(zip(system.states, variables, strict=True))
+    symbols |= {name: hy.par[k] for k, name in enumerate(system.parameters)}
     if system.clock is not None and not width:
         # Members of a batch count from the start of their stage.
         name, unit = system.clock
-        known[name] = hy.time * hy.expression(number(Fraction(1, unit)))
+        symbols[name] = hy.time * hy.expression(number(Fraction(1, unit)))
 
     def quotient(p: int, q: int) -> Any:
         return hy.expression(number(Fraction(p, q)))
 
-    equations = list(zip(variables, system.rates.heyoka(known, quotient), strict=True))
+    equations = list(zip(variables, system.rates.heyoka(symbols, quotient), strict=True))
     options: dict[str, Any] = {
         "tol": number(tolerance_of(order)),
         "compact_mode": precision > 64 or len(system.rates.steps) > LONGEST_UNROLLED,
@@ -231,7 +231,7 @@ def _integrator(
     }
     guards = []
     if system.guard is not None:
-        guards = [guard * number(FAINT) for guard in system.guard.heyoka(known, quotient)]
+        guards = [guard * number(FAINT) for guard in system.guard.heyoka(symbols, quotient)]
     # heyoka counts along rising times, wherever a run goes.
     falling = hy.event_direction.positive if backward else hy.event_direction.negative
     if width:
@@ -373,17 +373,17 @@ class Taylor:
     ) -> Run:
         """See `Engine.run`."""
         backward = bool(times[-1] < times[0])
-        kept, compiling = self.compiled(system, tolerance, backward=backward)
-        found = self._run(kept, system, start, parameters, times, dense, watch, longest)
-        found.compile_seconds = compiling
-        return found
+        compiled, compiling = self.compiled(system, tolerance, backward=backward)
+        run = self._run(compiled, system, start, parameters, times, dense, watch, longest)
+        run.compile_seconds = compiling
+        return run
 
     def batch(self, batch: Batch, tolerance: float) -> float:
         """See `Engine`: several members in one instruction."""
         width = int(heyoka().recommended_simd_size()) * (2 if batch.states.shape[1] <= FEW else 1)
         backward = bool(batch.times[-1] < batch.times[0])
-        kept, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)
-        with kept.ready(batch.parameters) as ready:
+        compiled, compiling = self.compiled(batch.system, tolerance, width=width, backward=backward)
+        with compiled.ready(batch.parameters) as ready:
             run_in_registers(ready.integrator, ready.choose, batch, width, self.max_steps)
         return compiling
 
