@@ -1,5 +1,6 @@
 """Code generation: one graph of shared expressions, printed as NumPy, Python or heyoka."""
 
+from geomtorsion.codegen import balls
 from geomtorsion.codegen.arrays import numpy_function
 from geomtorsion.codegen.evaluation import exact_number, rational
 from geomtorsion.codegen.expression_graph import Graph, graph
@@ -10,6 +11,7 @@ __all__ = [
     "Graph",
     "Output",
     "Products",
+    "balls",
     "compiled",
     "exact_number",
     "graph",

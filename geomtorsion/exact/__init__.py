@@ -4,7 +4,7 @@ from geomtorsion.exact import limits, names, syntax, tokens
 from geomtorsion.exact.element import Certainty, Element
 from geomtorsion.exact.field import Field
 from geomtorsion.exact.generators import Branch, Generator
-from geomtorsion.exact.parsing import parse_expression
+from geomtorsion.exact.parsing import parse_expression, read_tokens
 from geomtorsion.exact.printing import PrintedOnce, TexPrinter
 from geomtorsion.exact.relations import Echelon, vanishing_sums
 from geomtorsion.exact.truncated import Truncated, TruncatedField
@@ -23,6 +23,7 @@ __all__ = [
     "limits",
     "names",
     "parse_expression",
+    "read_tokens",
     "syntax",
     "tokens",
     "vanishing_sums",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, NoReturn
@@ -24,7 +24,7 @@ from geomtorsion.exact.names import (
     SUBSTITUTION_NAME,
 )
 from geomtorsion.exact.syntax import Node, parse, too_deep
-from geomtorsion.exact.tokens import Limits, Source
+from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
 
 _NO_NUMBER = (sympy.zoo, sympy.oo, -sympy.oo, sympy.nan)
 
@@ -106,9 +106,20 @@ def parse_expression(
                 f"{checks.shown(function)}."
             )
     source = Source(text, where)
+    tokens = tokens_of(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
+    return read_tokens(source, tokens, symbols, functions, limits)
+
+
+def read_tokens(
+    source: Source,
+    tokens: Sequence[Token],
+    symbols: Mapping[str, sympy.Symbol],
+    functions: Mapping[str, Any] | None,
+    limits: Limits,
+) -> sympy.Expr:
+    """Read an expression from the tokens of any notation; see `parse_expression`."""
     try:
-        tree = parse(source, {*symbols, *(functions or ())}, limits, decimals=decimals)
-        return _Reader(source, symbols, functions, limits).read(tree)
+        return _Reader(source, symbols, functions, limits).read(parse(source, tokens, limits))
     except (RecursionError, MemoryError):
         raise source.limit(0, 1, too_deep(limits), "Write it flatter.") from None
 

@@ -6,11 +6,11 @@ deep they go; the parser then meets no mistake. Sums and products are flat, howe
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geomtorsion.exact.names import DERIVATIVE_NAMES, SUBSTITUTION_NAME
-from geomtorsion.exact.tokens import Limits, Source, Token, tokens_of
+from geomtorsion.exact.tokens import Limits, Source, Token
 
 # Calls with brackets of several parts inside, as in Derivative(f(r), (r, 2)).
 _WITH_GROUPS = DERIVATIVE_NAMES | {SUBSTITUTION_NAME}
@@ -35,28 +35,24 @@ class Node:
     end: int
 
 
-def parse(
-    source: Source, names: Collection[str], limits: Limits, *, decimals: bool = False
-) -> Node:
-    """The tree of a text; names are words that may be used although a language reserves them.
-
-    decimals: read 0.1 as a number; otherwise it is refused, as exact work needs a rational.
+def parse(source: Source, tokens: Sequence[Token], limits: Limits) -> Node:
+    """The tree of the tokens of a text.
 
     Raises
     ------
     ExpressionError
-        A sign that has no place in an expression, a value or a sign that is missing, a bracket
-        without its partner.
+        A value or a sign that is missing, a bracket without its partner.
     LimitError
-        The text is longer or deeper than ``limits`` allow.
+        The tree is deeper than ``limits`` allow.
 
     Examples
     --------
-    >>> node = parse(Source("1 - 2*r^2", "entry"), {"r"}, Limits())
+    >>> from geomtorsion.exact.tokens import tokens_of
+    >>> source, limits = Source("1 - 2*r^2", "entry"), Limits()
+    >>> node = parse(source, tokens_of(source, {"r"}, limits), limits)
     >>> node.kind, node.signs, [part.kind for part in node.parts]
     ('sum', (1, -1), ['number', 'product'])
     """
-    tokens = tokens_of(source, names, limits, decimals=decimals)
     _check(source, tokens, limits)
     return _Parser(tokens).sum()
 

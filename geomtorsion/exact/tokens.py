@@ -67,10 +67,9 @@ class Source:
 
 _PATTERN = re.compile(
     r"""(?P<space>\s+)
-      | (?P<decimal>[0-9][0-9_]*\.[0-9_]*(?:[eE][+-]?[0-9]+)?
-                  | \.[0-9]+(?:[eE][+-]?[0-9]+)?
-                  | [0-9][0-9_]*[eE][+-]?[0-9]+)
-      | (?P<number>[0-9][0-9_]*)
+      | (?P<number>[0-9][0-9_]*\.[0-9_]*(?:[eE][+-]?[0-9]+)?
+                 | \.[0-9]+(?:[eE][+-]?[0-9]+)?
+                 | [0-9][0-9_]*(?:[eE][+-]?[0-9]+)?)
       | (?P<name>[^\W0-9]\w*)
       | (?P<sign>\*\*|//|==|<=|>=|!=|:=|->|[-+*/^(),−·×])
     """,
@@ -121,27 +120,45 @@ def tokens_of(
         match = _PATTERN.match(text, position)
         if match is None:
             _refuse(source, text[position], position, position + 1)
-        kind, piece, end = str(match.lastgroup), match.group(), match.end()
-        if kind == "decimal":
-            _check_digits(source, piece, position, end, limits)
-            if not decimals:
-                raise _decimal(source, piece, position, end)
-            kind, piece = "number", piece.replace("_", "")
-        elif kind == "number" and len(piece) > limits.digits:
-            reason = f"the number has {len(piece):,} digits; the limit is {limits.digits:,}"
-            raise source.limit(position, end, reason)
-        elif kind == "number":
-            piece = piece.replace("_", "").lstrip("0") or "0"
-        if kind == "name" and piece not in names:
-            _refuse_code(source, piece, position, end)
-        if kind == "sign":
-            piece = _PLAIN.get(piece, piece)
-            if piece not in {"+", "-", "*", "/", "**", "(", ")", ","}:
-                _refuse(source, piece, position, end)
-        if kind != "space":
-            tokens.append(Token(kind, piece, position, end))
-        position = end
+        token = Token(str(match.lastgroup), match.group(), position, match.end())
+        if token.kind != "space":
+            tokens.append(checked(source, token, names, limits, decimals=decimals))
+        position = match.end()
     return tokens
+
+
+def checked(
+    source: Source, token: Token, names: Collection[str], limits: Limits, *, decimals: bool
+) -> Token:
+    """A token as the parser takes it, from this notation or another; see `tokens_of`.
+
+    kind: "number" (also of a decimal), "name" or "sign".
+
+    Raises
+    ------
+    ExpressionError
+        It has no place in an expression.
+    LimitError
+        It is longer than ``limits`` allow.
+    """
+    kind, piece, start, end = token.kind, token.text, token.start, token.end
+    if kind == "number" and not piece.replace("_", "").isdecimal():
+        _check_digits(source, piece, start, end, limits)
+        if not decimals:
+            raise _decimal(source, piece, start, end)
+        piece = piece.replace("_", "")
+    elif kind == "number" and len(piece) > limits.digits:
+        reason = f"the number has {len(piece):,} digits; the limit is {limits.digits:,}"
+        raise source.limit(start, end, reason)
+    elif kind == "number":
+        piece = piece.replace("_", "").lstrip("0") or "0"
+    if kind == "name" and piece not in names:
+        _refuse_code(source, piece, start, end)
+    if kind == "sign":
+        piece = _PLAIN.get(piece, piece)
+        if piece not in {"+", "-", "*", "/", "**", "(", ")", ","}:
+            _refuse(source, piece, start, end)
+    return token if piece == token.text else Token(kind, piece, start, end)
 
 
 def _refuse(source: Source, sign: str, start: int, end: int) -> NoReturn:

@@ -46,9 +46,9 @@ def notebook(cells: Sequence[Json]) -> Json:
 
     Examples
     --------
-    >>> found = notebook([])
-    >>> found["nbformat"], found["nbformat_minor"], found["metadata"]["kernelspec"]["name"]
-    (4, 5, 'python3')
+    >>> document = notebook([])
+    >>> document["nbformat"], document["metadata"]["kernelspec"]["name"]
+    (4, 'python3')
     """
     return {
         "cells": list(cells),

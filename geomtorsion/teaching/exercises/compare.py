@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import sympy
+from flint import acb, arb
 
 from geomtorsion.checks import expression
+from geomtorsion.codegen import graph
+from geomtorsion.codegen.balls import BallCode
 from geomtorsion.errors import ExpressionError, GeomtorsionError, LimitError
-from geomtorsion.precision import HALF
+from geomtorsion.precision import ball_precision
 from geomtorsion.teaching.exercises.limits import check_weight
-from geomtorsion.teaching.exercises.numeric import DIGITS, at_point, at_points, at_points_with_size
 
 if TYPE_CHECKING:
-    from geomtorsion.teaching.exercises.domain import Domain, Point
+    from collections.abc import Iterator, Sequence
+
+    from geomtorsion.teaching.exercises.domain import Domain
+    from geomtorsion.teaching.exercises.question import Question
 
 Index = tuple[int, ...]
 Value = Mapping[Index, Any]
@@ -26,22 +30,23 @@ _INVERSE = (
     sympy.asin, sympy.acos, sympy.atan, sympy.acot, sympy.atan2, sympy.asinh, sympy.acosh,
     sympy.atanh, sympy.acoth, sympy.asec, sympy.acsc, sympy.asech, sympy.acsch, sympy.log,
 )  # fmt: skip
-# Half of the digits may have cancelled; values that differ in the remaining half are different.
-SURE = 10.0 ** (-DIGITS // 2)
-# Largest ratio of intermediate numbers, answer to solution: beyond it, too many digits cancel.
-BEYOND = 1 / SURE
+# Decimal digits of a sure agreement; as many more may cancel on the way.
+DIGITS = 100
+# Bits of twice as many digits.
+_BITS = 2 * DIGITS * 10 // 3
 
 
 def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     """How two expressions are related: EQUAL, PARTLY (on a part of the domain) or DIFFERENT.
 
-    Equal means that the difference vanishes exactly and that both have the same value at every
-    sample point: sqrt(1 - cos(x)**2) is sin(x) for 0 < x < pi, but not for 0 < x < 2 pi.
+    Equal means that the difference vanishes exactly and that the values differ at no sample
+    point: sqrt(1 - cos(x)**2) is sin(x) for 0 < x < pi, but not for 0 < x < 2 pi. Points at which
+    one of them has no finite value are skipped.
 
     Raises
     ------
     LimitError
-        They agree at all points, but are too large to be compared exactly.
+        They differ at no point, but are too large to be compared exactly.
 
     Examples
     --------
@@ -56,15 +61,24 @@ def compare(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> str:
     # Nearly all right answers are written like the solution, or become so when they are read.
     if one == two:
         return EQUAL
-    near, excess = _near(domain, one, two)
-    if not any(near):
+    values = [pair for pair in _values(domain, one, two) if all(x.is_finite() for x in pair)]
+    # Balls that share no point prove that the values differ.
+    differences = [not a.overlaps(b) for a, b in values]
+    if all(differences):
         return DIFFERENT
-    if not all(near):
+    if any(differences):
         # Without branches two expressions that differ agree at no generic point.
         return PARTLY if has_root(one - two) or has_inverse(one - two) else DIFFERENT
-    if not excess < BEYOND:
-        raise LimitError("answer: numbers beyond all size occur on the way. Write it without them.")
-    return EQUAL if _is_zero(domain, one, two) else DIFFERENT
+    zero = _is_zero(domain, one, two)
+    if zero is None:
+        # No exact rule decides: many digits do.
+        share = arb(10) ** -DIGITS
+        if not all(abs(a - b) < share * (1 + abs(a) + abs(b)) for a, b in values):
+            raise LimitError(
+                f"answer: more than {DIGITS} digits cancel in it. Write it with smaller numbers."
+            )
+        zero = True
+    return EQUAL if zero else DIFFERENT
 
 
 def has_root(expr: sympy.Expr) -> bool:
@@ -95,88 +109,85 @@ def has_inverse(expr: sympy.Expr) -> bool:
     return any(part.free_symbols for part in expr.atoms(*_INVERSE))
 
 
-def compare_all(domain: Domain, given: Value, right: Value) -> dict[Index, str]:
-    """`compare` for every component that occurs in one of two; a missing component is zero."""
-    keys = sorted({*given, *right})
-    return {key: compare(domain, given.get(key, 0), right.get(key, 0)) for key in keys}
+def agreement(question: Question, given: Value, right: Value) -> Mapping[Index, str]:
+    """EQUAL, PARTLY or DIFFERENT for each component of two answers; a missing component is zero.
 
+    Options of a choice are compared as they are, numbers within the tolerance of the question
+    (relative to the largest number of `right`), all others by `compare`.
 
-def same(domain: Domain, given: Value, right: Value) -> bool:
-    """Whether all components are equal; ends at the first difference."""
-    return all(
-        compare(domain, given.get(key, 0), right.get(key, 0)) == EQUAL for key in {*given, *right}
-    )
-
-
-def _near(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> tuple[list[bool], float]:
-    """At each point where both have a value, whether the values agree; and the ratio of the largest
-    intermediate number of the first to the largest intermediate number of the second.
-
-    Floats decide where the values differ by more than half of their digits and no intermediate
-    number is so large that one over a difference of two such numbers may have lost more digits;
-    elsewhere many digits are computed.
+    Examples
+    --------
+    >>> from geomtorsion.teaching.exercises import load
+    >>> [agreement(load("4.4").question("compass"), {(): x}, {(): 2.0}) for x in (2.001, 2.5)]
+    [{(): 'equal'}, {(): 'different'}]
     """
-    firsts, sizes = at_points_with_size(one, domain.columns)
-    seconds, others = at_points_with_size(two, domain.columns)
-    found, beyond = [], 0.0
-    rows = zip(domain.places, firsts, seconds, sizes, others, strict=True)
-    for point, first, second, size, other in rows:
-        largest = max(size, other)
-        # If the second overflows a float, the first may also overflow.
-        beyond = max(beyond, size / max(other, 1.0)) if math.isfinite(other) else beyond
-        difference = _size(first - second)
-        # Near values are compared with many digits.
-        near = difference <= HALF * (1 + _size(first) + _size(second)) < math.inf
-        if near or (HALF * largest < difference < math.inf and HALF * largest * largest < 1):
-            found.append(near)
+    return dict(_states(question, given, right))
+
+
+def agrees(question: Question, given: Value, right: Value) -> bool:
+    """Whether all components of two answers agree; ends at the first difference."""
+    return all(state == EQUAL for _, state in _states(question, given, right))
+
+
+def _states(question: Question, given: Value, right: Value) -> Iterator[tuple[Index, str]]:
+    """`agreement`, one component after another."""
+    allowed = question.tolerance * largest(right) if question.kind == "number" else 0.0
+    for key in sorted({*given, *right}):
+        one, two = given.get(key, 0), right.get(key, 0)
+        if question.kind == "choice":
+            yield key, EQUAL if one == two else DIFFERENT
+        elif question.kind == "number":
+            yield key, EQUAL if abs(float(one) - float(two)) <= allowed else DIFFERENT
         else:
-            settled = _settled(point, one, two)
-            found += [] if settled is None else [settled]
-    return found, beyond
+            yield key, compare(question.domain, one, two)
 
 
-def _size(x: complex) -> float:
-    """|x|, infinite where it overflows a float."""
-    try:
-        return abs(x)
-    except OverflowError:
-        return math.inf
+def largest(value: Value) -> float:
+    """Size of the largest number, which sets the scale of a tolerance; 1 if all are zero.
+
+    Examples
+    --------
+    >>> largest({(0,): -3.0, (1,): 2.0}), largest({})
+    (3.0, 1.0)
+    """
+    return max((abs(float(x)) for x in value.values()), default=0.0) or 1.0
 
 
-def _settled(point: Point, one: sympy.Expr, two: sympy.Expr) -> bool | None:
-    """Whether both have one value at a point, in many digits; None if one has no value there."""
-    a, b = at_point(one, point), at_point(two, point)
-    if a is None or b is None:
-        return None
-    return bool(abs(a - b) <= SURE * (1 + abs(a) + abs(b)))
+def _values(domain: Domain, *expressions: sympy.Expr) -> list[Sequence[acb]]:
+    """Balls around the values of expressions, at each sample point."""
+    symbols = domain.symbols
+    code = BallCode(graph([symbol.name for symbol in symbols], expressions, factor=False))
+    with ball_precision(_BITS):
+        function, numbers = code.complex_function(), code.numbers()
+        points = [[point[symbol] for symbol in symbols] for point in domain.places]
+        return [
+            function([acb(arb(int(x.p)) / int(x.q)) for x in point], numbers, False)
+            for point in points
+        ]
 
 
-def _is_zero(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> bool:
-    """Whether the difference vanishes exactly; if this is undecided, the result of many digits."""
+def _is_zero(domain: Domain, one: sympy.Expr, two: sympy.Expr) -> bool | None:
+    """Whether the difference vanishes exactly; None if no exact rule decides."""
     for expr in (one, two):
         check_weight(expr, "answer")
     try:
         first, second = domain.field().read_all(
             [("answer", _without_sizes(domain, one)), ("solution", _without_sizes(domain, two))]
         )
-        verdict = (first - second).is_zero
+        return (first - second).is_zero
     except (LimitError, RecursionError) as error:
         raise LimitError(f"the answer is too large to be compared exactly: {error}") from None
     except ExpressionError as error:
         raise ExpressionError(f"the answer cannot be read exactly: {error}") from None
     except GeomtorsionError:
-        verdict = None
-    if verdict is None:
-        settled = [_settled(point, one, two) for point in domain.places]
-        return False not in settled and True in settled
-    return verdict
+        return None
 
 
 def _without_sizes(domain: Domain, expr: sympy.Expr) -> sympy.Expr:
     """|x| as x or -x, if x has one sign at all points; sympy makes it from sqrt(x**2)."""
     table = {}
     for size in expr.atoms(sympy.Abs):
-        inner = [x.real for x in at_points(size.args[0], domain.columns)]
+        inner = [x.real for (x,) in _values(domain, size.args[0])]
         if all(x >= 0 for x in inner):
             table[size] = size.args[0]
         elif all(x <= 0 for x in inner):

@@ -66,13 +66,6 @@ class Domain:
         """The points; a single point without coordinates if there are no symbols."""
         return self.points if self.symbols else ({},)
 
-    @cached_property
-    def columns(self) -> Mapping[sympy.Symbol, tuple[float, ...]]:
-        """The points as floats: for each symbol its values at all of them."""
-        return {
-            symbol: tuple(float(point[symbol]) for point in self.points) for symbol in self.symbols
-        }
-
     def field(self) -> Field:
         """A fresh exact field over the symbols: no answer affects the next one."""
         return Field(self.symbols, sample=self.points[0] if self.symbols else None)

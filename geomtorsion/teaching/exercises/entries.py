@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from geomtorsion.checks import cut
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.teaching.exercises.limits import MOST
-from geomtorsion.teaching.exercises.notation import plain_signs
+from geomtorsion.teaching.exercises.signs import plain_signs
 
 if TYPE_CHECKING:
     from geomtorsion.teaching.exercises.compare import Index
     from geomtorsion.teaching.exercises.question import Question
 
+# Between components, and between equations.
+SEPARATOR = re.compile(r"[;\n]|\band\b")
 _OPEN, _CLOSE = "([{", ")]}"
 _WRAPPED = re.compile(r"(?:[\w.]*\b)?(?:Matrix|matrix|array|vector|Vector)\s*\((.*)\)", re.DOTALL)
 _DIAGONAL = re.compile(r"diag\s*\((.*)\)", re.DOTALL)
@@ -32,12 +34,8 @@ def table_or_list(question: Question, text: str, where: str) -> object:
     LimitError
         It is too long, or too many lists are nested.
     """
-    if len(text) > MOST.characters:
-        raise LimitError(
-            f"{where}: {len(text):,} characters; the limit is {MOST.characters:,}. "
-            "Write it shorter."
-        )
-    text = _with_signs(text).strip().replace("==", "=").replace(":=", "=")
+    check_length(text, where)
+    text = _with_signs(text, where).strip().replace("==", "=").replace(":=", "=")
     if text.startswith("{") and _PAIR.search(text):
         # A dictionary of Python: {"1,1": "r"}.
         text = "; ".join(f"{m[2]} = {m[4] or m[5] or ''}" for m in _PAIR.finditer(text))
@@ -63,9 +61,24 @@ def table_or_list(question: Question, text: str, where: str) -> object:
     return _bare(question, text, where)
 
 
-def _with_signs(text: str) -> str:
-    """Only the text between entries is rewritten here; each entry is read separately later."""
-    return plain_signs(text) if "\\" in text or not text.isascii() else text
+def check_length(text: str, where: str) -> None:
+    """Refuse an answer that is too long.
+
+    Raises
+    ------
+    LimitError
+        It has more than MOST.characters characters.
+    """
+    if len(text) > MOST.characters:
+        raise LimitError(
+            f"{where}: expected at most {MOST.characters:,} characters, got {len(text):,}. "
+            "Write it shorter."
+        )
+
+
+def _with_signs(text: str, where: str) -> str:
+    """Text in keyboard signs; each entry is read separately later."""
+    return plain_signs(text, where) if "\\" in text or not text.isascii() else text
 
 
 def _is_name(question: Question, label: str) -> bool:
@@ -78,19 +91,22 @@ def _is_name(question: Question, label: str) -> bool:
 
 
 def _table(question: Question, text: str, where: str) -> dict[str, str]:
-    """Index -> text, from lines index = value with semicolons, line ends or commas between."""
+    """Index -> text, from index = value between semicolons, line ends or commas."""
     table: dict[str, str] = {}
-    for line in re.split(r"[;\n]|\band\b", text):
+    for line in SEPARATOR.split(text):
         if not line.strip(" ,"):
             continue
         for key, value in _pairs(question, line.strip(" ,")):
             if not value:
                 raise ExpressionError(
-                    f"{where}: {line.strip()[:60]!r} names no component. Write index = value, one "
-                    "after the other, separated by semicolons."
+                    f"{where}: expected index = value, got {line.strip()[:60]!r}. Separate "
+                    "components by semicolons."
                 )
             if key in table:
-                raise ExpressionError(f"{where}: {key[:60]} is given twice. Give it once.")
+                raise ExpressionError(
+                    f"{where}: expected each component once, got {key[:60]} twice. Remove one of "
+                    "them."
+                )
             table[key] = value
     return table
 
@@ -178,13 +194,22 @@ def nested(question: Question, text: str, where: str) -> list[object]:
         depth += (letter in "[{") - (letter in "]}")
         deepest = max(deepest, depth)
         if depth < 0:
-            raise ExpressionError(f"{where}: a bracket ] is closed that was not opened.")
+            raise ExpressionError(
+                f"{where}: expected a bracket [ before each bracket ], got none. Write [[a, b], "
+                "[c, d]]."
+            )
     # No tensor here has more indices; deeper lists are meant to exhaust the reader.
     if deepest > MOST.levels:
-        raise LimitError(f"{where}: more than 6 lists inside one another. Flatten it.")
+        raise LimitError(
+            f"{where}: expected at most {MOST.levels} nested lists, got {deepest}. Write one level "
+            "for each index."
+        )
     inner = _inside(text)
     if depth or inner is None:
-        raise ExpressionError(f"{where}: the brackets [ ] do not pair up. Write [[a, b], [c, d]].")
+        raise ExpressionError(
+            f"{where}: expected a bracket ] for each bracket [, got {cut(text, 40)!r}. Write "
+            "[[a, b], [c, d]]."
+        )
     return _listed(question, inner, 0)
 
 
@@ -200,15 +225,15 @@ def _listed(question: Question, text: str, level: int) -> list[object]:
     spaced = text.split()
     if len(parts) == 1 and level == rank - 1 and len(spaced) == question.shape[-1] > 1:
         parts = spaced
-    found: list[object] = []
+    entries: list[object] = []
     for part in parts[:-1] if parts and not parts[-1] else parts:
         inner = _inside(part)
         is_list = inner is not None and (part[0] in "[{" or len(split_outside(inner, ",")) > 1)
         if is_list and inner is not None and level < MOST.levels:
-            found.append(_listed(question, inner, level + 1))
+            entries.append(_listed(question, inner, level + 1))
         else:
-            found.append(_unquoted(part))
-    return found
+            entries.append(_unquoted(part))
+    return entries
 
 
 def _unquoted(text: str) -> str:
@@ -227,35 +252,33 @@ def index(question: Question, key: object, where: str) -> Index:
     ExpressionError
         It is not an index, has too many or too few parts, or is out of range.
     """
-    text = str(key)[:200]
-    if not text.isascii() or "\\" in text:
-        text = plain_signs(text)
+    text = _with_signs(str(key)[:200], where)
     rank, marks = len(question.shape), question.marks
     try:
-        below, above, written = _marked(question, _without_head(question, text), where)
+        below, above, indices = _marked(question, _without_head(question, text), where)
     except ExpressionError:
         # A text that looks like a name before indices may be the first index.
-        below, above, written = _marked(question, text, where)
-    found = written
-    if above and marks and len(written) == rank:
+        below, above, indices = _marked(question, text, where)
+    if above and marks and len(indices) == rank:
         if (len(below), len(above)) != (marks.count("_"), marks.count("^")):
             raise ExpressionError(
-                f"{where}: {text!r} has {len(below)} indices below and {len(above)} above; needed "
-                f"are {marks.count('_')} and {marks.count('^')}, or {_example(question)}."
+                f"{where}: expected {marks.count('_')} lower and {marks.count('^')} upper indices, "
+                f"got {len(below)} and {len(above)} in {text!r}. Write {_example(question)}."
             )
         lower, upper = iter(below), iter(above)
-        found = [next(lower) if mark == "_" else next(upper) for mark in marks]
-    if len(found) != rank:
+        indices = [next(lower) if mark == "_" else next(upper) for mark in marks]
+    if len(indices) != rank:
         raise ExpressionError(
-            f"{where}: {text!r} has {len(found)} indices; needed are {rank}, as in "
+            f"{where}: expected {rank} indices, got {len(indices)} in {text!r}. Write "
             f"{_example(question)}."
         )
-    for k, (number, size) in enumerate(zip(found, question.shape, strict=True)):
+    for k, (number, size) in enumerate(zip(indices, question.shape, strict=True)):
         if number >= size or (number < 0 and number != -1):
             raise ExpressionError(
-                f"{where}: index {k + 1} of {text!r} is {number + 1}, but runs from 1 to {size}."
+                f"{where}: expected an index from 1 to {size}, got {number + 1} as index {k + 1} "
+                f"of {text!r}. Write {_example(question)}."
             )
-    return tuple(found)
+    return tuple(indices)
 
 
 def is_part(question: Question, key: object) -> bool:
@@ -312,24 +335,24 @@ def _number(question: Question, part: str, place: int, where: str) -> int:
     if part in names:
         return symbols.index(names[part])
     raise ExpressionError(
-        f"{where}: {part!r} is no index {place + 1}. Indices are numbers counted from 1, as in "
-        f"{_example(question)}."
+        f"{where}: expected a number or a coordinate as index {place + 1}, got "
+        f"{part!r}. Write {_example(question)}."
     )
 
 
 def _coordinates(question: Question, part: str) -> list[str]:
     """Coordinates written side by side, such as rphi; empty if the text is anything else."""
-    found, rest = [], part
+    names, rest = [], part
     while rest:
         head = next(
             (name for name in sorted(question.domain.names, key=len, reverse=True)
              if rest.startswith(name)), "",
         )  # fmt: skip
-        if not head or len(found) > MOST.levels:
+        if not head or len(names) > MOST.levels:
             return []
-        found.append(head)
+        names.append(head)
         rest = rest[len(head) :]
-    return found
+    return names
 
 
 def flat(given: list[object], shape: tuple[int, ...], where: str) -> list[tuple[Index, object]]:
@@ -341,23 +364,24 @@ def flat(given: list[object], shape: tuple[int, ...], where: str) -> list[tuple[
         A list is too long or too short, or a list is missing.
     """
     if not shape or len(given) != shape[0]:
-        needed = " x ".join(map(str, shape)) or "one expression"
-        raise ExpressionError(
-            f"{where}: a list of {len(given)} entries came where the shape is {needed}."
-        )
+        needed = f"{' x '.join(map(str, shape))} components" if shape else "one expression"
+        remedy = "Write all of them, zeros included." if shape else "Remove the brackets."
+        raise ExpressionError(f"{where}: expected {needed}, got a list of {len(given)}. {remedy}")
     if len(shape) == 1:
         return [((k,), entry) for k, entry in enumerate(given)]
-    found: list[tuple[Index, object]] = []
+    pairs: list[tuple[Index, object]] = []
     for k, row in enumerate(given):
         if not isinstance(row, list):
-            raise ExpressionError(f"{where}[{k + 1}]: a list was needed, but {kind(row)} came.")
-        found += [((k, *key), x) for key, x in flat(row, shape[1:], f"{where}[{k + 1}]")]
-    return found
+            raise ExpressionError(
+                f"{where}[{k + 1}]: expected a list, got {kind(row)}. Write one list for each row."
+            )
+        pairs += [((k, *key), x) for key, x in flat(row, shape[1:], f"{where}[{k + 1}]")]
+    return pairs
 
 
 def _example(question: Question) -> str:
     """A component as it may be written."""
-    return ",".join("1" for _ in question.shape) + " = ..."
+    return ",".join("1" for _ in question.shape) + " = ... (indices from 1)"
 
 
 def kind(value: object) -> str:
@@ -365,10 +389,14 @@ def kind(value: object) -> str:
 
     Examples
     --------
-    >>> kind([1]), kind(True), kind("x")
-    ('a list', 'true or false', "'x'")
+    >>> kind([1]), kind(True), kind("x"), kind(2.5)
+    ('a list', 'true', "'x'", 'the number 2.5')
     """
     if isinstance(value, str):
         return repr(cut(value, 40))
-    names = {bool: "true or false", list: "a list", dict: "a table", type(None): "nothing"}
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return f"the number {cut(str(value), 40)}"
+    names = {list: "a list", dict: "a table", type(None): "nothing"}
     return names.get(type(value), f"{type(value).__name__} {str(value)[:40]}")

@@ -1,110 +1,27 @@
-"""Notation: answers as people write them, rewritten in the syntax of the parser.
+"""Notation: expressions as people write them, as tokens of the library's own parser.
 
-Only signs are exchanged and added here; the result still passes the whitelist. A text that
-can be read in two ways is refused, with both readings.
+Signs are exchanged and omitted products and brackets are added; the parser then checks and reads
+the tokens. A text that can be read in two ways is refused, with both readings.
 """
 
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import NoReturn
+from typing import Any, NoReturn
+
+import sympy
 
 from geomtorsion.checks import GREEK
-from geomtorsion.errors import ExpressionError
+from geomtorsion.errors import ExpressionError, LimitError
+from geomtorsion.exact import read_tokens
 from geomtorsion.exact.names import CONSTANTS, FUNCTIONS
+from geomtorsion.exact.tokens import Limits, Source, Token, checked
 from geomtorsion.teaching.exercises.limits import ANSWER
+from geomtorsion.teaching.exercises.signs import plain_signs
 
-_SPACES = re.compile(
-    r"\\(?:left|right|bigg?[lr]?|Bigg?[lr]?|displaystyle|textstyle|quad|qquad|[,;:! ])(?![A-Za-z])"
-    r"|\\[,;:! ]|\$"
-)
-_PRODUCT = re.compile(r"\\(?:cdot|times|ast)(?![A-Za-z])")
-_UPRIGHT = re.compile(r"\\(?:mathrm|mathit|mathbf|text|operatorname)\s*\{([^{}]*)\}")
-_LETTERS = {"varphi": "phi", "vartheta": "theta", "varepsilon": "epsilon", "arctan": "atan",
-            "arcsin": "asin", "arccos": "acos"}  # fmt: skip
-_DOT = re.compile(r"\\(d?)dot\s*(?:\{\s*\\?([A-Za-z]+)\s*((?:_\{?[0-9]+\}?)?)\s*\}|\\?([A-Za-z]+))"
-                  r"\s*((?:_\{?[0-9]+\}?)?)")  # fmt: skip
-_INDEX = re.compile(r"_\s*\{\s*(\w+)\s*\}")
-_MATRIX = re.compile(r"\\begin\{(\w*(?:matrix|array))\}(?:\{[lcr|]*\})?(.*?)\\end\{\1\}", re.DOTALL)
-
-
-def without_latex(text: str) -> str:
-    r"""A formula of LaTeX as plain text; unknown commands are unchanged.
-
-    Examples
-    --------
-    >>> without_latex(r"\frac{\sin\phi_{1}}{2}"), without_latex(r"\dot{\Omega}_1 = \sqrt{x}")
-    ('(( sin phi_1)/(2))', "Omega_1' = sqrt(x)")
-    >>> without_latex(r"\begin{pmatrix} 1 & 0 \\ 0 & r \end{pmatrix}")
-    '[[1, 0], [0, r]]'
-    """
-    text = re.sub(r"\\delta\s*\\([A-Z])", r"\\d\1", text)
-    text = _PRODUCT.sub("*", _SPACES.sub(" ", re.sub(r"\\\\(?=[^A-Za-z]|$)", "\0", text)))
-    text = _UPRIGHT.sub(r"\1", _DOT.sub(_rate, text))
-    text = _MATRIX.sub(_rows, text.replace("\0", "\\\\"))
-    text = _without_braces(text)
-    text = _INDEX.sub(r"_\1", text)
-    return re.sub(r"\\([A-Za-z]+)", lambda m: f" {_LETTERS.get(m[1], m[1])}", text).strip()
-
-
-def _rate(match: re.Match[str]) -> str:
-    """A letter with dots as a name with primes."""
-    name, index = match[2] or match[4], re.sub(r"[{}]", "", (match[3] or "") + match[5])
-    return f" {name}{index}{chr(39) * (1 + bool(match[1]))} "
-
-
-def _rows(match: re.Match[str]) -> str:
-    """A matrix as nested lists."""
-    rows = [row for row in match[2].split("\\\\") if row.strip()]
-    cells = ("[" + ", ".join(cell.strip() for cell in row.split("&")) + "]" for row in rows)
-    return f"[{', '.join(cells)}]"
-
-
-_BRACES = r"\s*\{([^{}]*)\}"
-# A part of a fraction that is one sign, such as 2, r or \phi, needs no braces.
-_PART = rf"\s*(?:\{{([^{{}}]*)\}}|([0-9A-Za-z]|\\(?:{'|'.join(GREEK)})(?![A-Za-z])))"
-_QUOTIENT = re.compile(r"\\[dtc]?frac(?![A-Za-z])" + _PART + _PART)
-_ROOT = re.compile(r"\\sqrt\s*(?:\[\s*([0-9]+)\s*\])?" + _BRACES)
-_SCRIPT = re.compile(r"([_^])" + _BRACES)
-_ARGUMENT = re.compile(r"(\\(?![dtc]?frac|sqrt)[A-Za-z]+)" + _BRACES)
-
-
-def _without_braces(text: str) -> str:
-    """Quotients, roots, scripts and arguments with round brackets, from the inside out."""
-    while True:
-        before = text
-        text = _QUOTIENT.sub(r"((\1\2)/(\3\4))", text)
-        text = _ROOT.sub(_root, text)
-        text = _SCRIPT.sub(_script, text)
-        text = _ARGUMENT.sub(r"\1(\2)", text)
-        if text == before:
-            return text
-
-
-def _script(match: re.Match[str]) -> str:
-    simple = match[1] == "_" and match[2].strip().isalnum()
-    return match[1] + (match[2].strip() if simple else f"({match[2]})")
-
-
-def _root(match: re.Match[str]) -> str:
-    return f"({match[2]})^(1/{match[1]})" if match[1] else f"sqrt({match[2]})"
-
-
-# How Unicode marks a sign as a superscript or subscript -> how it is typed.
-_SMALL = MappingProxyType({"<super>": "^({})", "<sub>": "_{}"})
-_SIGNS = str.maketrans(
-    {
-        **dict.fromkeys("−–—‐‑﹣", "-"), **dict.fromkeys("×⋅·∙•∗", "*"),
-        **dict.fromkeys("÷∕⁄", "/"), **dict.fromkeys("′’‘`´", "'"), "″": "''", "√": " sqrt ",
-        "∛": " cbrt ", "½": "(1/2)", "¼": "(1/4)", "¾": "(3/4)", "⅓": "(1/3)", "⅔": "(2/3)",
-        "“": '"', "”": '"', **dict.fromkeys("\u200b\u200c\u200d\u2060\ufeff", None),
-    }
-)  # fmt: skip
 # Names of functions in other systems.
 _OTHER_NAMES = MappingProxyType(
     {
@@ -114,91 +31,68 @@ _OTHER_NAMES = MappingProxyType(
     }
 )  # fmt: skip
 _TOKEN = re.compile(
-    r"(?P<space>\s+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+(?!\w))?)"
-    r"|(?P<name>[^\W\d]\w*)|(?P<prime>['\"]+)|(?P<sign>\*\*|.)",
+    r"(?P<space>\s+)|(?P<number>[0-9]{1,3}(?:_[0-9]{3})+(?!\w)"
+    r"|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+(?!\w))?)"
+    r"|(?P<name>[^\W\d]\w*)|(?P<sign>['\"]+|\*\*|//|[=<>!:]=|->|.)",
     re.DOTALL,
 )
-_DOTTED = re.compile("([^\\W\\d_])([\u0307\u0308])(_?[0-9]*)")
 _RATE = re.compile(r"\bd\s*([^\W\d]\w*?)\s*/\s*d\s*t\b")
 _RATE_OF = re.compile(r"\bd\s*/\s*d\s*t\s*\(?\s*([^\W\d]\w*)\s*\)?")
 _SECOND_RATE = re.compile(r"\bd\s*(?:\^|\*\*)\s*\(?2\)?\s*([^\W\d]\w*?)\s*/\s*d\s*t\s*"
                           r"(?:\^|\*\*)\s*\(?2\)?")  # fmt: skip
-# Constants as Maxima writes them.
-_MAXIMA = MappingProxyType({"pi": "pi", "e": "E", "i": "I"})
-_PERCENT = re.compile(r"%(pi|e|i)\b")
-_BARS = re.compile(r"\|([^|]+)\|")
-_LIBRARY = re.compile(r"\b(?:np|numpy|math|cmath|mpmath|sp|sympy)\.(?=[A-Za-z])")
 _BRACKETS = "([{"
 
 
-def plain_signs(text: str) -> str:
-    """Text in keyboard signs: superscripts, subscripts, LaTeX and other minus signs are replaced.
+def read_typed(
+    text: str,
+    symbols: Mapping[str, sympy.Symbol],
+    where: str,
+    limits: Limits,
+    functions: Mapping[str, Any] = MappingProxyType({}),
+    *,
+    decimals: bool = True,
+) -> sympy.Expr:
+    """An expression as people type it; see `parse_expression` for the parameters.
 
-    Examples
-    --------
-    >>> plain_signs("−φ₁² · √2"), plain_signs(r"\\frac{1}{2}\\cos^2\\phi_{1}")
-    ('-φ_1^(2) *  sqrt 2', '((1)/(2)) cos^2 phi_1')
-    """
-    if re.search("[0-9][½¼¾⅓⅔]", text):
-        raise ExpressionError("a number stands before a fraction sign. Write 5/2 for two and a "
-                              "half.")  # fmt: skip
-    text = "".join(_full_size(kind, "".join(run)) for kind, run in groupby(text, _small_kind))
-    text = text.translate(_SIGNS)
-    # Compatible forms of letters are one letter; composed dots are taken apart first.
-    text = unicodedata.normalize("NFKC", text)
-    text = _DOTTED.sub(_primed, unicodedata.normalize("NFD", text))
-    text = unicodedata.normalize("NFC", text)
-    text = re.sub(r"_\s*\{\s*(\w+)\s*\}", r"_\1", _LIBRARY.sub("", text))
-    text = _PERCENT.sub(lambda match: f" {_MAXIMA[match[1]]}", text)
-    text = without_latex(text) if "\\" in text or "$" in text else text
-    return _BARS.sub(r" abs(\1)", text)
-
-
-def _small_kind(sign: str) -> str:
-    kind = unicodedata.decomposition(sign).partition(" ")[0]
-    return kind if kind in _SMALL else ""
-
-
-def _full_size(kind: str, run: str) -> str:
-    return _SMALL[kind].format(unicodedata.normalize("NFKC", run)) if kind else run
-
-
-def _primed(match: re.Match[str]) -> str:
-    return match[1] + match[3] + "'" * (1 + (match[2] == "\u0308"))
-
-
-def written_out(text: str, names: Mapping[str, object], where: str) -> str:
-    """An expression with all its products and brackets, over names that the parser knows.
-
-    names: allowed names, as name -> symbol; x'' means x_dd.
+    Products without a sign, functions without brackets, LaTeX, Greek letters and superscripts are
+    read; x'' is the symbol x_dd.
 
     Raises
     ------
     ExpressionError
-        It can be read in two ways; the message gives both.
+        It cannot be read, or can be read in two ways; the message gives both.
+    LimitError
+        It is larger than ``limits`` allow.
 
     Examples
     --------
-    >>> names = dict.fromkeys(["phi1", "phi2", "r", "r_d"])
-    >>> written_out("1/2 sin^2 phi_1 + 2r(1 - e^x)", names, "q")
-    '1/2*sin(phi1)**2+2*r*(1-E**x)'
-    >>> written_out("sin phi1/2", names, "q")
+    >>> names = dict(zip(("phi1", "r"), sympy.symbols("phi1 r")))
+    >>> read_typed("1/2 sin^2 φ_1 + 2r(1 - r)", names, "q", Limits())
+    2*r*(1 - r) + sin(phi1)**2/2
+    >>> read_typed("sin phi1/2", names, "q", Limits())
     Traceback (most recent call last):
     geomtorsion.errors.ExpressionError: q: 'sin phi1/2' can be read in two ways. Write...
     """
-    try:
-        text = _with_rates(plain_signs(text), names)
-    except ExpressionError as error:
-        raise ExpressionError(f"{where}: {error}") from None
-    return _Writer(list(_tokens(text, names)), where).written()
+    if len(text) > limits.characters:
+        raise LimitError(
+            f"{where}: expected at most {limits.characters:,} characters, got {len(text):,}. "
+            "Write it shorter."
+        )
+    source = Source(_with_rates(plain_signs(text, where), symbols), where)
+    words = list(_words(source.text, symbols, functions))
+    tokens = [
+        checked(source, token, {*symbols, *functions}, limits, decimals=decimals)
+        for token in _Completer(words, where).tokens()
+    ]
+    return read_tokens(source, tokens, symbols, functions, limits)
 
 
 def _with_rates(text: str, names: Mapping[str, object]) -> str:
     """dx/dt and d^2x/dt^2 as x' and x'', where these are names."""
 
     def rate(match: re.Match[str], order: int) -> str:
-        known = _rate_name(match[1], order, names)
-        return f"({match[1]}{chr(39) * order})" if known else match[0]
+        is_name = _rate_name(match[1], order, names)
+        return f"({match[1]}{chr(39) * order})" if is_name else match[0]
 
     text = _SECOND_RATE.sub(lambda match: rate(match, 2), text)
     for pattern in (_RATE, _RATE_OF):
@@ -207,15 +101,17 @@ def _with_rates(text: str, names: Mapping[str, object]) -> str:
 
 
 @dataclass(frozen=True)
-class _Token:
-    """A piece of an answer; kind: number, symbol, function, sign or unknown.
+class _Word:
+    """A part of a typed expression.
 
-    text: as the parser takes it. shown: as typed. spaced: whether a space precedes it.
+    kind: number, symbol, function, call (of a function with brackets), sign or unknown.
+    text: as the parser takes it. shown: as typed. start: column. spaced: whether a space precedes.
     """
 
     kind: str
     text: str
     shown: str
+    start: int
     spaced: bool = False
 
     @property
@@ -226,217 +122,238 @@ class _Token:
     def ends_value(self) -> bool:
         return self.kind in ("number", "symbol", "unknown") or self.text == ")"
 
+    @property
+    def end(self) -> int:
+        return self.start + len(self.shown)
 
-def _tokens(text: str, names: Mapping[str, object]) -> Iterator[_Token]:
-    """The pieces of a text, with names as the reader knows them."""
+
+def _words(text: str, names: Mapping[str, object], functions: Mapping[str, Any]) -> Iterator[_Word]:
+    """The parts of a text, with names as the parser knows them."""
     pieces = list(_TOKEN.finditer(text))
     spaced, k = False, 0
     while k < len(pieces):
         match = pieces[k]
-        kind, piece = str(match.lastgroup), match.group()
+        kind, piece, start = str(match.lastgroup), match.group(), match.start()
         k += 1
         if kind == "space":
             spaced = True
             continue
         if kind == "name":
             following = [later.group() for later in pieces[k : k + 3]]
-            taken, found = _word(piece, following, names)
-            k += taken
-            for place, token in enumerate(found):
-                yield _Token(token.kind, token.text, token.shown, spaced and not place)
-        elif kind == "sign":
-            plain = {"^": "**", "[": "(", "]": ")", "{": "(", "}": ")"}.get(piece, piece)
-            yield _Token("sign", plain, piece, spaced)
+            if piece in functions:
+                is_value = isinstance(functions[piece], sympy.Expr) and following[:1] != ["("]
+                count, parts = 0, [_Word("symbol" if is_value else "call", piece, piece, 0)]
+            else:
+                count, parts = _name(piece, following, names)
+            k += count
+            for part in parts:
+                yield replace(part, start=start, spaced=spaced)
+                start, spaced = start + len(part.shown), False
         else:
-            yield _Token(kind, piece, piece, spaced)
+            plain = {"^": "**", "[": "(", "]": ")", "{": "(", "}": ")"}.get(piece, piece)
+            yield _Word(kind, plain, piece, start, spaced)
         spaced = False
 
 
-def _word(
+def _name(
     word: str, following: Sequence[str], names: Mapping[str, object]
-) -> tuple[int, list[_Token]]:
-    """A name, with the number of following pieces that belong to it."""
+) -> tuple[int, list[_Word]]:
+    """The number of following pieces that belong to a name, and the words of all."""
     after = following[0] if following else ""
     if after[:1] in ("'", '"'):
         order = len(after.replace('"', "''"))
         rate = _rate_name(word, order, names)
         if rate:
-            return 1, [_Token("symbol", rate, word + after)]
+            return 1, [_Word("symbol", rate, word + after, 0)]
         # In rr' the prime belongs to the last name only.
         for cut in range(1, min(len(word), ANSWER.depth)):
-            before, rate = _parts(word[:cut], names), _rate_name(word[cut:], order, names)
+            before, rate = _factors(word[:cut], names), _rate_name(word[cut:], order, names)
             if before and rate and before[-1].kind == "symbol":
-                return 1, [*before, _Token("symbol", rate, word[cut:] + after)]
-        return 1, [_Token("symbol", f"{word}_{'d' * order}", word + after)]
-    known = _known(word, names)
-    if known:
-        return 0, [known]
+                return 1, [*before, _Word("symbol", rate, word[cut:] + after, 0)]
+        # The parser names a rate that is near, if there are rates at all.
+        has_rates = any(name.endswith("_d") for name in names)
+        rate = f"{word}_{'d' * order}" if has_rates else word + after
+        return 1, [_Word("symbol", rate, word + after, 0)]
+    whole = _single(word, names)
+    if whole:
+        return 0, [whole]
     # phi 2, phi^2 and phi_2 are phi2 where there is no phi.
-    number = 1 if after in ("^", " ") else 0
-    if number and len(following) > 1 and following[1].isdigit():
+    if after in ("^", " ") and len(following) > 1 and following[1].isdigit():
         symbol = _symbol(word + following[1], names)
         if symbol:
-            return 2, [_Token("symbol", symbol, f"{word}{after}{following[1]}")]
+            return 2, [_Word("symbol", symbol, f"{word}{after}{following[1]}", 0)]
     # sqrt2 and ln2; log2 might be a logarithm to the base 2.
-    joined = re.fullmatch(r"(sqrt|cbrt|ln|exp)([0-9]+)", word)
-    if joined:
-        return 0, [_Token("function", joined[1], joined[1]), _Token("number", joined[2], joined[2])]
-    parts = _parts(word, names)
-    return 0, parts or [_Token("unknown", word, word)]
+    match = re.fullmatch(r"(sqrt|cbrt|ln|exp)([0-9]+)", word)
+    if match:
+        return 0, [_Word("function", match[1], match[1], 0), _Word("number", match[2], match[2], 0)]
+    return 0, _factors(word, names) or [_Word("unknown", word, word, 0)]
 
 
-def _known(word: str, names: Mapping[str, object]) -> _Token | None:
+def _single(word: str, names: Mapping[str, object]) -> _Word | None:
     """A word that is a symbol, a constant or a function."""
     symbol = _symbol(word, names)
     if symbol:
-        return _Token("symbol", symbol, word)
+        return _Word("symbol", symbol, word, 0)
     for form in (word, word.lower()):
         plain = _OTHER_NAMES.get(form, form)
         if plain in (*FUNCTIONS, "abs"):
-            return _Token("function", plain, word)
+            return _Word("function", plain, word, 0)
     if word in CONSTANTS or word in ("e", "Pi", "PI"):
-        return _Token("symbol", {"e": "E", "Pi": "pi", "PI": "pi"}.get(word, word), word)
+        return _Word("symbol", {"e": "E", "Pi": "pi", "PI": "pi"}.get(word, word), word, 0)
     return None
 
 
 def _symbol(word: str, names: Mapping[str, object]) -> str:
     """The symbol that a word writes: phi_1, φ1 or phi1; empty if there is none."""
-    for form in (word, word.replace("_", ""), _spelled(word), _spelled(word).replace("_", "")):
-        if form in names:
-            return form
-    dotted = re.fullmatch(r"(\w+?)_?(d?)dot(_?[0-9]*)", word)
-    return _rate_name(dotted[1] + dotted[3], 1 + bool(dotted[2]), names) if dotted else ""
+    symbol = next((form for form in _forms(word) if form in names), "")
+    dotted = None if symbol else re.fullmatch(r"(\w+?)_?(d?)dot(_?[0-9]*)", word)
+    return _rate_name(dotted[1] + dotted[3], 1 + bool(dotted[2]), names) if dotted else symbol
 
 
-def _spelled(word: str) -> str:
-    """Greek letters by their names; a small delta before a name is the d of dPhi."""
-    word = re.sub(r"^(?:δ|delta_?)(?=[^\W\d])", "d", word)
-    return "".join(_NAMES_OF_LETTERS.get(sign, sign) for sign in word)
+def _rate_name(word: str, order: int, names: Mapping[str, object]) -> str:
+    """The symbol of a rate, such as Omega1_d for Ω_1'; empty if there is none."""
+    rates = (f"{form}_{'d' * order}" for form in _forms(word))
+    return next((rate for rate in rates if rate in names), "")
+
+
+def _forms(word: str) -> tuple[str, ...]:
+    """A word as written, without _, and both with Greek letters by their names."""
+    # A small delta before a name is the d of dPhi.
+    plain = re.sub(r"^(?:δ|delta_?)(?=[^\W\d])", "d", word)
+    plain = "".join(_NAMES_OF_LETTERS.get(sign, sign) for sign in plain)
+    return word, word.replace("_", ""), plain, plain.replace("_", "")
 
 
 _NAMES_OF_LETTERS = {letter: name for name, letter in GREEK.items()}
 
 
-def _rate_name(word: str, order: int, names: Mapping[str, object]) -> str:
-    """The symbol of a rate, such as Omega1_d for Ω_1'; empty if there is none."""
-    for form in (word, word.replace("_", ""), _spelled(word), _spelled(word).replace("_", "")):
-        if f"{form}_{'d' * order}" in names:
-            return f"{form}_{'d' * order}"
-    return ""
-
-
-def _parts(word: str, names: Mapping[str, object]) -> list[_Token]:
+def _factors(word: str, names: Mapping[str, object]) -> list[_Word]:
     """A word as names side by side, such as Omega2Omega3 or piR; empty if it is anything else.
 
     If several splits exist, the split with the longest names from the left is taken.
     """
-    found: list[_Token] = []
+    factors: list[_Word] = []
     longest = max(map(len, (*names, *FUNCTIONS))) + 1
     rest = word if len(word) <= ANSWER.depth else ""
     while rest:
         heads = (rest[:size] for size in range(min(longest, len(rest)), 0, -1))
-        known = next((token for head in heads if (token := _known(head, names))), None)
-        if known is None or (known.shown in ("e", "E", "I") and len(word) > 1):
+        factor = next((single for head in heads if (single := _single(head, names))), None)
+        if factor is None or (factor.shown in ("e", "E", "I") and len(word) > 1):
             return []
-        found.append(known)
-        rest = rest[len(known.shown) :]
+        factors.append(factor)
+        rest = rest[len(factor.shown) :]
     # A function only as the last: xsin(...) is x sin(...), but sinx may be a name misspelt.
-    single = len(found) == 2 and found[0].kind == "function" and found[1].kind == "symbol"
-    inner = any(token.kind == "function" for token in found[:-1])
-    repeated = len({token.text for token in found}) < len(found)
-    return found if single or not (inner or repeated) else []
+    called = len(factors) == 2 and factors[0].kind == "function" and factors[1].kind == "symbol"
+    inner = any(factor.kind == "function" for factor in factors[:-1])
+    repeated = len({factor.text for factor in factors}) < len(factors)
+    return factors if called or not (inner or repeated) else []
 
 
-class _Writer:
-    """Inserts the omitted products and brackets."""
+class _Completer:
+    """Adds the omitted products and brackets to the words of an expression."""
 
-    def __init__(self, tokens: Sequence[_Token], where: str) -> None:
-        self.tokens = tokens
+    def __init__(self, words: Sequence[_Word], where: str) -> None:
+        self.words = words
         self.where = where
-        self.found: list[str] = []
+        self.result: list[Token] = []
         # For each open bracket: whether a value is in a denominator, and whether this is a
-        # fraction of two numbers; and the text that follows the closed bracket.
+        # fraction of two numbers; and the tokens after the closed bracket.
         self.under: list[str] = [""]
         self.closing: list[str] = [""]
 
-    def written(self) -> str:
+    def tokens(self) -> list[Token]:
         k = 0
-        while k < len(self.tokens):
+        while k < len(self.words):
             k = self._next(k)
-        return "".join(self.found)
+        return self.result
 
-    def _at(self, k: int) -> _Token:
-        return self.tokens[k] if 0 <= k < len(self.tokens) else _Token("end", "", "")
+    def _at(self, k: int) -> _Word:
+        return self.words[k] if 0 <= k < len(self.words) else _Word("end", "", "", 0)
+
+    def _add(self, k: int, code: str) -> None:
+        """Append tokens, separated by spaces in `code`, at the columns of word k."""
+        start, end = self.words[k].start, self.words[k].end
+        for text in code.split():
+            kind = (
+                "number" if text[0] in "0123456789." else "name" if text.isidentifier() else "sign"
+            )
+            self.result.append(Token(kind, text, start, end))
 
     def _next(self, k: int) -> int:
-        token = self.tokens[k]
-        before = self._at(k - 1)
+        word, before = self.words[k], self._at(k - 1)
         # An unknown name may be meant as a function: the parser reports that there is none.
-        called = before.kind == "unknown" and token.text == "("
-        if k and token.starts_value and before.ends_value and not called:
+        called = before.kind == "unknown" and word.text == "("
+        if k and word.starts_value and before.ends_value and not called:
             self._multiply(k)
-        if token.kind == "function":
+        if word.kind == "function":
             return self._function(k)
-        self.found.append(token.text)
-        if token.text == "(":
+        kind = word.kind if word.kind in ("number", "sign") else "name"
+        self.result.append(Token(kind, word.text, word.start, word.end))
+        if word.text == "(":
             self.under.append("")
             self.closing.append("")
-        elif token.text == ")" and len(self.under) > 1:
+        elif word.text == ")" and len(self.under) > 1:
             self.under.pop()
-            self.found.append(self.closing.pop())
-        elif token.text == "/":
-            before, first = self._at(k - 1), self._at(k - 2)
+            self._add(k, self.closing.pop())
+        elif word.text == "/":
+            first = self._at(k - 2)
             plain = before.kind == "number" and first.text in ("", "(", "+", "-", ",", "=")
             self.under[-1] = "number" if plain and self._at(k + 1).kind == "number" else "value"
-        elif token.kind == "sign" and token.text != "**":
+        elif word.kind == "sign" and word.text != "**":
             self.under[-1] = ""
         return k + 1
 
     def _multiply(self, k: int) -> None:
-        """A product sign before token k, unless it is ambiguous."""
-        token, before = self.tokens[k], self._at(k - 1)
-        if self.under[-1] == "value" or (self.under[-1] == "number" and not token.spaced):
+        """A product sign before word k, unless it is ambiguous."""
+        word, before = self.words[k], self._at(k - 1)
+        if self.under[-1] == "value" or (self.under[-1] == "number" and not word.spaced):
             above = self._at(k - 3).shown if self._at(k - 2).text == "/" else "..."
             above = "..." if above == ")" else above
-            below = (
-                f"{before.shown}*{token.shown}" if before.text != ")" else f"(...)*{token.shown}"
-            )
+            below = f"{before.shown}*{word.shown}" if before.text != ")" else f"(...)*{word.shown}"
             self._ambiguous(k, f"({above}/{below.replace('*', ')*', 1)} or {above}/({below})")
         power = self._at(k - 2).text == "**" and self._at(k - 3).text == "E"
         if power and before.kind == "number":
-            self._ambiguous(k, f"exp({before.shown}*{token.shown}) or exp({before.shown})*"
-                               f"{token.shown}")  # fmt: skip
+            self._ambiguous(
+                k, f"exp({before.shown}*{word.shown}) or exp({before.shown})*{word.shown}"
+            )
         self.under[-1] = ""
-        self.found.append("*")
+        self._add(k, "*")
 
     def _function(self, k: int) -> int:
-        """A function with its power before its argument, and with brackets if it has none."""
-        name = self.tokens[k].text
+        """A function with its power after its argument, and with brackets if it has none."""
+        place, name = k, self.words[k].text
         power, k = self._power(name, k + 1)
         # The parser has no |x|; the root of a square drops the sign of a real value.
-        opening, closing = ("sqrt((", f"**2){power}") if name == "abs" else (f"{name}(", power)
+        plain, opening, closing = ("sqrt", "( (", "** 2 )") if name == "abs" else (name, "(", "")
         if self._at(k).text == "(":
-            self.found.append(opening)
+            self._add(place, plain)
+            self._add(k, opening)
             self.under.append("")
-            self.closing.append(closing)
+            self.closing.append(f"{closing} {power}")
             return k + 1
-        start = k
-        if self._at(k).text == "-":
-            k += 1
-        number, symbol = self._at(k).kind == "number", self._at(k + 1).kind == "symbol"
-        if number and symbol and name in ("sqrt", "cbrt"):
-            self._ambiguous(k, f"{name}({self._at(k).shown})*{self._at(k + 1).shown} or "
-                               f"{name}({self._at(k).shown}*{self._at(k + 1).shown})")  # fmt: skip
-        size = 2 if number and symbol else 1 if number or self._at(k).kind == "symbol" else 0
+        start, sign = k, "-" if self._at(k).text == "-" else ""
+        k += len(sign)
+        is_number, is_name = self._at(k).kind == "number", self._is_name(k + 1)
+        if is_number and is_name and name in ("sqrt", "cbrt"):
+            number, symbol = self._at(k).shown, self._at(k + 1).shown
+            self._ambiguous(k, f"{name}({number})*{symbol} or {name}({number}*{symbol})")
+        size = 2 if is_number and is_name else 1 if is_number or self._is_name(k) else 0
         if not size:
-            self.found.append(name)
+            self._add(place, name)
             return start
-        argument = "*".join(self._at(j).text for j in range(k, k + size))
-        sign = "-" if k > start else ""
+        argument = [self._at(j).text for j in range(k, k + size)]
+        self._add(place, f"{plain} {opening} {sign}")
+        for j, text in enumerate(argument):
+            self._add(k + j, f"* {text}" if j else text)
         k += size
-        self.found.append(f"{opening}{sign}{argument}){closing}")
-        self._check_end(k, name, sign + argument)
+        self._add(k - 1, f") {closing} {power}")
+        self._check_end(k, name, sign + "*".join(argument))
         return k
+
+    def _is_name(self, k: int) -> bool:
+        """Whether word k is a name that may be the argument of a function without brackets."""
+        word = self._at(k)
+        return word.kind == "symbol" or (word.kind == "unknown" and self._at(k + 1).text != "(")
 
     def _power(self, name: str, k: int) -> tuple[str, int]:
         """The power between a function and its argument, as in sin^2 x, and where it ends."""
@@ -449,22 +366,22 @@ class _Writer:
         closed = not bracket or self._at(k + 3).text == ")"
         if exponent.kind != "number" or not closed:
             self._ambiguous(k, f"{name}(x)^2 for a power")
-        return f"**{exponent.text}", k + 2 + 2 * bracket
+        return f"** {exponent.text}", k + 2 + 2 * bracket
 
     def _check_end(self, k: int, name: str, argument: str) -> None:
-        """Refuse a piece that may or may not belong to an argument without brackets."""
-        token, after = self._at(k), self._at(k + 1)
-        if token.text == "/" and after.kind == "function":
+        """Refuse a word that may or may not belong to an argument without brackets."""
+        word, after = self._at(k), self._at(k + 1)
+        if word.text == "/" and after.kind == "function":
             return
-        if token.text in ("**", "/") or (
-            token.starts_value and token.kind not in ("function", "end")
+        if word.text in ("**", "/") or (
+            word.starts_value and word.kind not in ("function", "call", "end")
         ):
-            sign = "^" if token.text == "**" else token.text if token.text == "/" else "*"
-            rest = after.shown if token.text in ("**", "/") else token.shown
+            sign = "^" if word.text == "**" else word.text if word.text == "/" else "*"
+            rest = after.shown if word.text in ("**", "/") else word.shown
             rest = "(...)" if rest in _BRACKETS else rest
             self._ambiguous(k, f"{name}({argument}){sign}{rest} or {name}({argument}{sign}{rest})")
 
     def _ambiguous(self, k: int, ways: str) -> NoReturn:
-        near = self.tokens[max(0, k - 3) : k + 3]
-        text = "".join(" " * token.spaced + token.shown for token in near).strip()
+        near = self.words[max(0, k - 3) : k + 3]
+        text = "".join(" " * word.spaced + word.shown for word in near).strip()
         raise ExpressionError(f"{self.where}: {text[:60]!r} can be read in two ways. Write {ways}.")

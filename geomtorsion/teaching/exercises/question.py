@@ -15,7 +15,7 @@ import sympy
 from geomtorsion.caching import cached_property
 from geomtorsion.checks import cut
 from geomtorsion.geometry import Tensor
-from geomtorsion.teaching.exercises.compare import Index, Value
+from geomtorsion.teaching.exercises.compare import Index, Value, agrees
 from geomtorsion.teaching.exercises.domain import Domain
 
 KINDS = ("expression", "components", "equations", "number", "choice")
@@ -75,7 +75,7 @@ class Question:
     unit: str = ""
     tolerance: float = 1e-3
     options: Mapping[str, str] = field(default_factory=dict)
-    generic: tuple[str, ...] = ("sign", "factor", "permuted", "counted")
+    generic: tuple[str, ...] = ("sign", "factor", "permuted")
     remarks: Mapping[str, str] = field(default_factory=dict)
     points: int = 1
 
@@ -114,10 +114,10 @@ def normal(value: object) -> Value:
     elif isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, Sequence) and not isinstance(value, str):
-        found: dict[Index, Any] = {}
+        components: dict[Index, Any] = {}
         for k, entry in enumerate(value):
-            found |= {(k, *key): x for key, x in normal(entry).items()}
-        return found
+            components |= {(k, *key): x for key, x in normal(entry).items()}
+        return components
     return {} if _is_zero(value) else {(): value}
 
 
@@ -125,47 +125,26 @@ def _is_zero(value: object) -> bool:
     return not isinstance(value, str) and value == 0
 
 
-def deviation(question: Question, given: Value, right: Value) -> float:
-    """Largest difference, in tolerances of the question."""
-    size = max((abs(float(x)) for x in right.values()), default=0.0)
-    allowed = question.tolerance * (size or 1.0)
-    keys = {*given, *right}
+def all_mistakes(question: Question) -> tuple[Mistake, ...]:
+    """Expected mistakes of the exercise, then generic ones; none equals the solution."""
+    own: list[Mistake] = []
+    for mistake in question.errors():
+        value = normal(mistake.value)
+        repeated = any(m.code == mistake.code and m.value == value for m in own)
+        if not (repeated or looks_like(question, value, question.solution)):
+            own.append(Mistake(mistake.code, value, mistake.message))
+    # If the exercise explains why a value is wrong, the general message is dropped.
+    better = (question.solution, *(mistake.value for mistake in own))
+    generic = [Mistake(m.code, normal(m.value), m.message) for m in _generic(question)]
     return (
-        max((abs(float(given.get(k, 0)) - float(right.get(k, 0))) for k in keys), default=0.0)
-        / allowed
+        *own,
+        *(m for m in generic if not any(looks_like(question, m.value, value) for value in better)),
     )
 
 
-def all_mistakes(question: Question) -> tuple[Mistake, ...]:
-    """Expected mistakes of the exercise, then generic ones; none equals the solution."""
-    found: list[Mistake] = []
-    for mistake in question.errors():
-        value = normal(mistake.value)
-        if _is_other(question, value) and not _repeats(found, mistake.code, value):
-            found.append(Mistake(mistake.code, value, mistake.message))
-    # If the exercise explains why a value is wrong, the general message is dropped.
-    own = tuple(found)
-    for mistake in _generic(question):
-        value = normal(mistake.value)
-        if _is_other(question, value) and not any(_agree(question, value, m.value) for m in own):
-            found.append(Mistake(mistake.code, value, mistake.message))
-    return tuple(found)
-
-
-def _is_other(question: Question, value: Value) -> bool:
-    """Whether a wrong answer differs from the right one."""
-    if question.kind == "number":
-        return deviation(question, value, question.solution) > 1
-    return value != question.solution
-
-
-def _agree(question: Question, one: Value, two: Value) -> bool:
-    """Whether two wrong answers are the same."""
-    return one == two or (question.kind == "number" and deviation(question, one, two) <= 1)
-
-
-def _repeats(found: Iterable[Mistake], code: str, value: Value) -> bool:
-    return any(known.code == code and known.value == value for known in found)
+def looks_like(question: Question, one: Value, two: Value) -> bool:
+    """Whether two answers are written alike, or are one number within the tolerance."""
+    return one == two or (question.kind == "number" and agrees(question, one, two))
 
 
 def _generic(question: Question) -> Iterator[Mistake]:
@@ -306,7 +285,7 @@ def shown_name(text: str) -> str:
 def advice(question: Question, message: str, given: str = "") -> str:
     """A message of the parser, with advice for an answer, in which nothing can be declared.
 
-    given: the typed text; it replaces the rewritten text in the message.
+    given: the typed text; it is added if the message shows other signs for it.
 
     Examples
     --------
@@ -317,11 +296,12 @@ def advice(question: Question, message: str, given: str = "") -> str:
     """
     names = ", ".join(symbol_names(question))
     allowed = f"Names that may occur here: {names}." if names else "No names occur in this answer."
-    message = _NAME.sub(r"\1 is no name that occurs in this answer", message)
+    message = _NAME.sub(r"\1 is not a name of this question", message)
     message = _DECLARE.sub(allowed, message)
     message = _FUNCTION.sub("Write it with sin, cos, tan, exp, log, sqrt and the like.", message)
     message = _SMALLER.sub("Write a smaller one.", shown_name(message))
     lines = message.splitlines()
-    if len(lines) < 2 or not given or cut(given, 80) in lines[1]:
+    excerpt = lines[1].strip(" …") if len(lines) > 1 else ""
+    if not given or excerpt in re.sub(r"\s", " ", given):
         return message
-    return f"{message}\nThat is how your answer was read: {cut(given, 80)}"
+    return f"{message}\nYou typed: {cut(given, 80)}"

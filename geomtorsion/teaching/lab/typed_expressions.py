@@ -8,11 +8,10 @@ from typing import Any
 
 import sympy as sp
 
-from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
 from geomtorsion.exact.names import NOT_SMOOTH
 from geomtorsion.exact.tokens import Limits
-from geomtorsion.teaching.exercises.notation import written_out
+from geomtorsion.teaching.exercises import notation
 
 # A text typed by hand stays far below these.
 LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
@@ -21,17 +20,14 @@ LIMITS = Limits(characters=600, depth=20, exponent=32, digits=40)
 def read_typed(
     text: str, symbols: Mapping[str, sp.Symbol], functions: Mapping[str, Any], where: str
 ) -> sp.Expr:
-    """An expression; zero for an empty text.
-
-    A text that the library reads keeps its meaning. Any other text is read like an answer to
-    an exercise: products without a sign, functions without brackets, LaTeX, signs of other keys.
+    """An expression, read like an answer to an exercise; zero for an empty text.
 
     Raises
     ------
     ExpressionError
-        It can be read in no way, or in two ways.
+        It cannot be read, can be read in two ways, or is not smooth.
     LimitError
-        It is longer or deeper than what a person types.
+        It is longer or deeper than people type.
 
     Examples
     --------
@@ -40,18 +36,9 @@ def read_typed(
     >>> read_typed("-2r² sin^2 θ", names, {}, "here") == -2 * r**2 * sp.sin(theta) ** 2
     True
     """
-    text = text.strip() or "0"
-    try:
+    if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
+        # An answer may have an absolute value, a frame may not: the parser refuses it.
         return parse_expression(text, symbols, functions, where=where, limits=LIMITS)
-    except LimitError:
-        raise
-    except ExpressionError as error:
-        if NOT_SMOOTH.keys() & set(re.findall(r"\w+", text)):
-            raise
-        # Raises if the text is ambiguous: that message is better than one about a missing sign.
-        plain = written_out(text, symbols, where)
-        try:
-            return parse_expression(plain, symbols, functions, where=where, limits=LIMITS)
-        except (ExpressionError, LimitError):
-            # The first error shows the text as typed.
-            raise error from None
+    return notation.read_typed(
+        text.strip() or "0", symbols, where, LIMITS, functions, decimals=False
+    )

@@ -237,6 +237,18 @@ def test_several_numbers():
     assert code_of(three, "1 = 1; 2 = 2") == "right"
     assert code_of(three, "[-1, -2, 0]") == "sign"
     assert "b[2]" in check_question(three, "[1, 7, 0]").message
+    said = check_question(three, "[1, -2, 0]")
+    assert (said.score, said.diagnosis) == (pytest.approx(2 / 3, abs=1e-3), "sign")
+    assert "Look again at b[2]. The sign is wrong." in said.message
+    assert code_of(three, "0 = 1; 1 = 2") == "counted"
+
+
+def test_an_index_zero_is_explained_for_every_question():
+    """Also where the exercise expects no general mistake."""
+    matrix = components([[x, 0], [0, y]], generic=())
+    for answer, words in (("0,0 = x; 1,1 = y", "Indices are"), ("0,1 = x", "An index is 0: ")):
+        said = check_question(matrix, answer)
+        assert (said.diagnosis, said.message.startswith(words)) == ("counted", True)
 
 
 RATES = Question(
@@ -295,7 +307,7 @@ def test_a_choice_is_not_read_out_of_its_beginning():
 def test_a_decimal_comma():
     """It is said how to write the number."""
     said = check_question(number(1.5), "1,5")
-    assert said.message == "q: a number was needed, but 1,5 has a comma. Write 1.5 with a point."
+    assert said.message == "q: expected a number with a decimal point, got 1,5. Write 1.5."
 
 
 HOSTILE = [
@@ -357,7 +369,7 @@ def test_hostile_answers_end_soon(kind, given):
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ("xx", "xx is no name that occurs in this answer"),
+        ("xx", "xx is not a name of this question"),
         ("xx", "Did you mean x? Names that may occur here: x, y, t."),
         ("banana", "Names that may occur here: x, y, t."),
         ("foo(x)", "Write it with sin, cos, tan,"),

@@ -7,13 +7,11 @@ import sympy as sp
 
 from geomtorsion.errors import ExpressionError, LimitError
 from geomtorsion.exact import parse_expression
-from geomtorsion.teaching.exercises.answers import components
-from geomtorsion.teaching.exercises.checking import equations
 from geomtorsion.teaching.exercises.domain import Domain
+from geomtorsion.teaching.exercises.equations import equations
 from geomtorsion.teaching.exercises.limits import ANSWER, MOST, check_weight
-from geomtorsion.teaching.exercises.question import (
-    Question,
-)
+from geomtorsion.teaching.exercises.question import Question
+from geomtorsion.teaching.exercises.reading import components
 
 x, y = sp.symbols("x y", real=True)
 
@@ -65,7 +63,7 @@ def test_limits_hold_on_both_sides():
     many = Question("q", "components", "?", lambda: 0, Domain((x,)), shape=(MOST.entries,))
     assert len(components(many, ["x"] * MOST.entries, "q")) == MOST.entries
     more = replace(many, shape=(MOST.entries + 1,))
-    with pytest.raises(LimitError, match="501 entries; the limit is 500"):
+    with pytest.raises(LimitError, match="at most 500 entries, got 501"):
         components(more, ["x"] * (MOST.entries + 1), "q")
     roots = [sp.sqrt(x**2 + k) for k in range(1, MOST.roots + 2)]
     check_weight(sp.Add(*roots[:-1]), "q")
@@ -75,7 +73,7 @@ def test_limits_hold_on_both_sides():
     text = "; ".join(f"{name} = x" for name in names)
     asked = Question("q", "equations", "?", lambda: 0, Domain((x,)), unknowns=(*names[:-1],))
     assert len(equations(asked, text.rpartition(";")[0], "q")) == MOST.equations
-    with pytest.raises(LimitError, match="13 equations; the limit is 12"):
+    with pytest.raises(LimitError, match="at most 12 equations, got 13"):
         equations(replace(asked, unknowns=(*names,)), text, "q")
 
 

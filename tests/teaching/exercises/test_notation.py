@@ -13,10 +13,11 @@ import sympy as sp
 
 from geomtorsion import exercises
 from geomtorsion.errors import GeomtorsionError
-from geomtorsion.teaching.exercises.checking import check_question, read
+from geomtorsion.exact import parse_expression
+from geomtorsion.teaching.exercises.checking import check_question
 from geomtorsion.teaching.exercises.domain import Domain
-from geomtorsion.teaching.exercises.notation import written_out
 from geomtorsion.teaching.exercises.question import Question
+from geomtorsion.teaching.exercises.reading import read
 
 # Exercise, question, a right answer in an odd form.
 RIGHT = [
@@ -238,12 +239,37 @@ def test_decimals_are_shown_as_they_were_written(text):
 
 
 def test_what_was_read_is_shown():
-    """Where signs were put in, the message has both texts."""
+    """The message marks the mistake in the typed text; it has both texts if signs were replaced."""
     message = check_question(ASKED, "2 sin x zz").message
     assert "can be read in two ways" in message
-    message = check_question(ASKED, "2x + zz").message
-    assert "2*x+zz" in message
-    assert "That is how your answer was read: 2x + zz" in message
+    lines = check_question(ASKED, "2x sin y + zz").message.splitlines()
+    assert lines[1:3] == ["    2x sin y + zz", "               ^^"]
+    assert not any("You typed" in line for line in lines)
+    message = check_question(ASKED, r"\frac{x}{2} + zz").message
+    assert "((x)/(2)) + zz" in message
+    assert r"You typed: \frac{x}{2} + zz" in message
+
+
+@pytest.mark.parametrize(
+    ("text", "marked"),
+    [
+        ("sin zz", "zz"),
+        ("2 sin^2 zz", "zz"),
+        ("sin(x", "("),
+        ("x sqrt(2 + 0.5 zz)", "zz"),
+        ("x''", "x''"),
+        ("φ zz", "φ"),
+        ("|x| + zz", "zz"),
+        ("2e^x % 3", "%"),
+        ("x,y", ","),
+        ("1_2 x", "_2"),
+        ("sin", "sin"),
+    ],
+)
+def test_the_mistake_is_marked(text, marked):
+    """The signs below the text mark the part that cannot be read."""
+    _, shown, signs, *_ = check_question(ASKED, text).message.splitlines()
+    assert "".join(sign for sign, mark in zip(shown, signs, strict=False) if mark == "^") == marked
 
 
 HOSTILE = [
@@ -309,15 +335,16 @@ def test_what_is_left_out_is_never_put_in_wrongly(number):
 @pytest.mark.parametrize(
     ("text", "meant"),
     [
-        ("%pi*r", "pi*r"),
-        ("%e^(2*%pi*r)", "E**(2*pi*r)"),
-        ("|r - 1|^2", "sqrt((r-1)**2)**2"),
-        ("2|r|phi1", "2*sqrt((r)**2)*phi1"),
-        ("abs r", "sqrt((r)**2)"),
-        ("Abs(r)/r", "sqrt((r)**2)/r"),
-        (r"\left|r\right|", "sqrt((r)**2)"),
+        ("%pi*x", "pi*x"),
+        ("%e^(2*%pi*x)", "E**(2*pi*x)"),
+        ("|x - 1|^3", "sqrt((x-1)**2)**3"),
+        ("2|x|y", "2*sqrt((x)**2)*y"),
+        ("abs x", "sqrt((x)**2)"),
+        ("Abs(x)/x", "sqrt((x)**2)/x"),
+        (r"\left|x\right|", "sqrt((x)**2)"),
+        ("1_000 x", "1000*x"),
     ],
 )
 def test_maxima_and_sizes(text, meant):
     """Constants of Maxima, and |x| as the root of its square."""
-    assert written_out(text, dict.fromkeys(["r", "phi1"]), "q") == meant
+    assert read(ASKED, text)[()] == parse_expression(meant, {"x": x, "y": y})

@@ -1,7 +1,6 @@
 """Questions: tolerances, and the mistakes that are expected."""
 
 import numpy as np
-import pytest
 import sympy as sp
 
 from geomtorsion.teaching.exercises.domain import Domain
@@ -9,7 +8,6 @@ from geomtorsion.teaching.exercises.question import (
     Mistake,
     Question,
     all_mistakes,
-    deviation,
     normal,
     permuted,
     reordered,
@@ -17,19 +15,6 @@ from geomtorsion.teaching.exercises.question import (
 )
 
 x, y = sp.symbols("x y", real=True)
-
-
-def question(kind="expression", **more) -> Question:
-    """A question whose answer is x."""
-    return Question("q", kind, "?", lambda: more.pop("right", x), Domain((x, y)), **more)
-
-
-def test_deviation_counts_tolerances():
-    """One tolerance away is one, relative to the largest component."""
-    asked = question("number", tolerance=1e-2)
-    assert deviation(asked, {(): 101.0}, {(): 100.0}) == pytest.approx(1)
-    assert deviation(asked, {(0,): 100.0, (1,): 2.0}, {(0,): 100.0}) == pytest.approx(2)
-    assert deviation(asked, {(): 0.01}, {}) == pytest.approx(1)
 
 
 def test_mistakes_never_equal_the_solution():

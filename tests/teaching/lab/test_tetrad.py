@@ -62,7 +62,7 @@ def test_only_what_is_asked_for_is_shown():
         ("r.real", "a dot is allowed only between"),
         ("abs(r)", "abs is not smooth"),
         ("r**99", "the limit is 32"),
-        ("+".join(["r"] * 400), "the limit is 600"),
+        ("+".join(["r"] * 400), "at most 600 characters"),
         ("(" * 40 + "r" + ")" * 40, "the limit is 20"),
     ],
 )
@@ -146,7 +146,9 @@ def test_entries_as_on_paper(entry):
         ("sin r phi", "Write sin(r)*phi or sin(r*phi)."),
         ("1/2r", "can be read in two ways"),
         ("sqrt(-1)", "give real entries"),
-        ("2 rr", "a sign is missing"),
+        ("2 rr", "rr is neither a coordinate nor a declared parameter"),
+        ("r' phi", "r' is neither a coordinate nor a declared parameter"),
+        ("|r - 2", "'|' is not part of an expression"),
     ],
 )
 def test_what_cannot_be_read_on_paper_either(entry, message):
@@ -154,6 +156,20 @@ def test_what_cannot_be_read_on_paper_either(entry, message):
     found = tetrad("r, phi", [["1", "0"], ["0", entry]])
     assert message in found["errors"]["1,1"]
     assert "complex=True" not in found["errors"]["1,1"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "plain"),
+    [("sin f", "sin(f(r))"), ("2f(r) r", "2*f(r)*r"), ("f r", "f(r)*r"), ("2_000 r", "2000*r"),
+     ("2 diff(f(r), r) r", "2*diff(f(r), r)*r")],
+)  # fmt: skip
+def test_unknown_functions_as_on_paper(typed, plain):
+    """A declared function may stand without its arguments, and in products without a sign."""
+    one, two = (
+        tetrad("r, phi", [["1", "0"], ["0", entry]], functions="f(r)") for entry in (typed, plain)
+    )
+    assert one == two
+    assert not one.get("errors")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import sympy
 from geomtorsion.caching import cached_property
 from geomtorsion.teaching.exercises.answers import without_rounding
 from geomtorsion.teaching.exercises.checking import ROUNDED
-from geomtorsion.teaching.exercises.compare import Value
+from geomtorsion.teaching.exercises.compare import Value, largest
 from geomtorsion.teaching.exercises.exercise import Exercise
 from geomtorsion.teaching.exercises.exports.maxima import (
     maxima_list,
@@ -21,8 +21,8 @@ from geomtorsion.teaching.exercises.exports.maxima import (
     maxima_name,
     maxima_text,
 )
-from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedback, largest
-from geomtorsion.teaching.exercises.question import Mistake, Question, deviation, how_to_answer
+from geomtorsion.teaching.exercises.exports.tasks import can_be_rounded, feedback
+from geomtorsion.teaching.exercises.question import Mistake, Question, how_to_answer, looks_like
 
 # Replaces a mistake that only other variants have; no answer is equal to it.
 MISSING = "nomistake"
@@ -166,7 +166,7 @@ class Part:
         if self.kind == "choice":
             yield f"options{self.place}", [_options(q, int(text)) for q, text in pairs]
         if self.tolerance:
-            sizes = [largest(question) for question in self.questions]
+            sizes = [largest(question.solution) for question in self.questions]
             yield (
                 self.tolerance,
                 [f"{q.tolerance * x:.12g}" for q, x in zip(self.questions, sizes, strict=True)],
@@ -284,12 +284,9 @@ class Part:
     def _meet(self, one: Sequence[Mistake | None], two: Sequence[Mistake | None]) -> bool:
         """Whether two mistakes are the same answer in some variant."""
         return any(
-            a is not None and b is not None and (
-                a.value == b.value
-                or (self.kind == "number" and deviation(question, a.value, b.value) <= 1)
-            )
+            a is not None and b is not None and looks_like(question, a.value, b.value)
             for question, a, b in zip(self.questions, one, two, strict=True)
-        )  # fmt: skip
+        )
 
 
 def _letters() -> Iterator[str]:

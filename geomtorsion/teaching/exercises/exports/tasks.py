@@ -90,17 +90,6 @@ def feedback(question: Question, mistake: Mistake) -> str:
     return mistake.message or message_of(mistake.code, question.remarks)
 
 
-def largest(question: Question) -> float:
-    """The number that sets the scale of a tolerance: the largest component of the solution, or 1.
-
-    Examples
-    --------
-    >>> round(largest(load("4.4").question("compass")), 6)
-    1.317345
-    """
-    return max((abs(float(x)) for x in question.solution.values()), default=0.0) or 1.0
-
-
 def can_be_rounded(question: Question) -> bool:
     """Whether early rounding can move a number out of its tolerance.
 
