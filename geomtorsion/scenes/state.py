@@ -62,7 +62,9 @@ nothing.
                 object.__setattr__(self, key, _three(getattr(self, key), key, unit))
         given = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
         if len(given) > 1:
-            raise StartError(f"the attitude is given as {' and as '.join(given)}; give it once.")
+            raise StartError(
+                f"attitude: expected it once, got {' and '.join(given)}. Give one of them."
+            )
         if self.quaternion is not None:
             attitude.checked_quaternion(self.quaternion)
             object.__setattr__(self, "quaternion", tuple(self.quaternion))

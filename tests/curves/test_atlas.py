@@ -238,7 +238,7 @@ X, Y, K = sp.symbols("x y k")
         (3, {"k": 1}, "coordinates: expected a list, got 3"),
         (["1", 2.0], {"k": 1}, "expected a number.*, got '1'"),
         ([1.0, 2j], {"k": 1}, "expected a number.*, got 2j"),
-        ([1.0, 2.0], None, "k has no value"),
+        ([1.0, 2.0], None, "got none for k"),
         ([1.0, 2.0], {"k": "1"}, "parameter k: expected a number, got '1'"),
     ],
 )

@@ -110,12 +110,12 @@ def test_what_is_refused():
     with pytest.raises(SceneError, match="gimbal and pivot both tie"):
         assemble(body, {"gimbal": Gimbal(), "pivot": effects.Pivot((0, 0, 1))})
     one = Odd(Contribution(states={"w": sp.S.One}, start={"w": 0}))
-    with pytest.raises(SceneError, match="brings the state 'w', which another effect has"):
+    with pytest.raises(SceneError, match="expected a new state, got 'w', which another effect has"):
         assemble(body, {"odd": one, "odd2": one})
     with pytest.raises(SceneError, match="the state 'w' without a start"):
         assemble(body, {"odd": Odd(Contribution(states={"w": sp.S.One}))})
     context = Context(body)
-    with pytest.raises(SceneError, match="'Omega1' is taken already"):
+    with pytest.raises(SceneError, match="expected a new name, got 'Omega1'"):
         context.state("Omega1")
     with pytest.raises(SceneError, match="k = nan: expected a finite number"):
         context.parameter("k", float("nan"))

@@ -36,7 +36,7 @@ def gravity(
             "-L",
             "--lagrangian",
             metavar="TEXT",
-            help="In T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
+            help="Formula in T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
             "tegr, stegr, einstein_cartan, general_relativity, gauss_bonnet.",
         ),
     ] = "tegr",
@@ -45,8 +45,8 @@ def gravity(
         typer.Option(
             "--connection",
             "-c",
-            help="own: of the space, else Cartan. Repeat it for several; names of the Levi-Civita "
-            "connection beside another one end in bar.",
+            help="own: of the space, or Cartan if it has none. May be repeated; with several, "
+            "names of the Levi-Civita connection end in bar.",
             show_default=False,
         ),
     ] = None,
@@ -57,8 +57,8 @@ def gravity(
     """Show the field equations of a Lagrangian on a space.
 
     E is the equation of the coframe; E_[ij], its antisymmetric part, is the equation of the spin
-    connection of a teleparallel theory. A space with a connection of its own has also C, the
-    equation of the connection, and M, of the metric. Indices count legs of the frame from 1;
+    connection of a teleparallel theory. A space with its own connection also has C, the equation
+    of the connection, and M, the equation of the metric. Indices count legs of the frame from 1;
     in JSON they count from 0. The command ends with 1 if a Noether identity fails.
 
     \b
