@@ -65,11 +65,11 @@ def test_toml(tmp_path):
             "a = 1\nb = x\n",
             r"line 2, column 5: expected TOML, got an error: .*\n    b = x\n        \^\nAdvice.",
         ),
-        ("a = " + "[" * 5000, "nested too deeply|no TOML"),
+        ("a = " + "[" * 5000, "nested too deeply|expected TOML"),
         ("a = 1" + "0" * 5000, "more digits"),
         ("a = 0x1" + "0" * 5000, "more digits"),
-        ("a = 1979-13-45", "no TOML"),
-        ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "no TOML"),
+        ("a = 1979-13-45", "expected TOML"),
+        ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "expected TOML"),
     ],
 )
 def test_bad_toml(text, says):

@@ -83,4 +83,4 @@ def test_indefinite_metrics_have_no_distance():
     two = solve(geodesic(plane, [3, 3], [1, 0]), [1.0])
     assert distance_apart(one, two) == pytest.approx([np.sqrt(18)])
     words = " ".join((distance_apart.__doc__ or "").split())
-    assert "it is no distance, and no invariant" in words
+    assert "neither a distance nor an invariant" in words

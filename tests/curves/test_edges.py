@@ -99,7 +99,7 @@ def test_an_edge_to_which_a_motion_only_tends(engine, frame, start, velocity):
     if refused is None:
         assert found.complete
     elif found is not None:
-        assert "without reaching the edge" in str(refused)
+        assert "approaches the edge without reaching it" in str(refused)
         assert found.times[-1] < 40
 
 

@@ -30,8 +30,8 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
         (lambda: geodesic(SO3, [0.3, float("nan"), 0], TURN), StartError, r"start.*\[1\] = nan"),
         (lambda: geodesic(SO3, START, [0, 0, 1j]), StartError, "not a real number"),
         (lambda: geodesic(SO3, [0.3, 0.0, 0.2], TURN), StartError, "which is singular there"),
-        (lambda: geodesic(SO3, START), StartError, "none came"),
-        (lambda: geodesic(SO3, START, TURN, frame_velocity=TURN), StartError, "both came"),
+        (lambda: geodesic(SO3, START), StartError, "got none. Give one"),
+        (lambda: geodesic(SO3, START, TURN, frame_velocity=TURN), StartError, "got both. Give one"),
         (lambda: geodesic(SO3, None, TURN), StartError, "expected a start with it, got none"),
         (lambda: geodesic(S2, [1, 0], [0, 1]), StartError, r"R.*parameters=\{"),
         (

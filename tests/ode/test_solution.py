@@ -264,7 +264,7 @@ def test_files_of_others(tmp_path):
     with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(tmp_path / "text.npz")
     np.savez(tmp_path / "old.npz", metadata=np.array('{"format": 99}'))
-    with pytest.raises(FileFormatError, match="format 99 was found"):
+    with pytest.raises(FileFormatError, match="expected format .*, got 99"):
         SavedSolution.load(tmp_path / "old.npz")
 
 
@@ -334,7 +334,7 @@ def test_asking_too_much_says_so():
         solve(swing(), 50.0, 1e-17, RungeKutta())
     with pytest.raises(AccuracyError, match="positive"):
         solve(swing(), 1.0, 0)
-    with pytest.raises(TimeError, match="repeated"):
+    with pytest.raises(TimeError, match="expected different times"):
         solve(swing(), [1.0, 1.0])
 
 
@@ -424,10 +424,10 @@ def test_length_is_kept_at_every_cut(tmp_path):
 def test_times_between_are_numbers(time):
     """Text and truth values were taken for numbers, others ended in errors of Python."""
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
-    with pytest.raises(TimeError, match=r"expected|is outside"):
+    with pytest.raises(TimeError, match=r"expected"):
         solution.at(time)
     hidden = np.ma.array([0.5, 1], mask=[False, True])
-    with pytest.raises(TimeError, match="t = nan is outside"):
+    with pytest.raises(TimeError, match="expected t from 0 to 2, .* got nan"):
         solution.at(hidden)
     assert solution.at([[1, 0], [0, 1]])["x"].shape == (2, 2)
 

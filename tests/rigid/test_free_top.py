@@ -261,7 +261,13 @@ def test_times_are_reduced_exactly():
 @pytest.mark.parametrize(
     ("moments", "omega", "quaternion", "error", "words"),
     [
-        ((1, 2, 0), (1, 0, 0), TILTED, StartError, r"moments\[2\] = 0.0 is not positive"),
+        (
+            (1, 2, 0),
+            (1, 0, 0),
+            TILTED,
+            StartError,
+            r"moments\[2\]: expected a positive moment of inertia, got 0.0",
+        ),
         ((1, 2, -1), (1, 0, 0), TILTED, StartError, r"moments\[2\]: expected a positive moment"),
         ((1, 2), (1, 0, 0), TILTED, ShapeError, "expected 3 numbers, got 2"),
         ((1, 2, 3), (1, 0, math.inf), TILTED, StartError, r"omega\[2\] = inf is not finite"),

@@ -115,7 +115,7 @@ def test_measures():
     assert found["first zero x"] == pytest.approx(np.pi, rel=1e-13)
     assert found["between zeros x"] == pytest.approx(np.pi, rel=1e-13)
     assert np.isnan(measures("first zero v[0]")["first zero v[0]"](run))
-    with pytest.raises(SceneError, match="v has 2 components"):
+    with pytest.raises(SceneError, match="v: expected one component, got 2"):
         measures("max v")["max v"](run)
     with pytest.raises(UnknownNameError, match="expected a watched quantity"):
         measures("max w")["max w"](run)
@@ -130,7 +130,7 @@ def test_measures():
         ([1], FLIP, SceneError, "varied: expected"),
         ({"start.omega[0]": [1]}, None, SceneError, "measure: expected words"),
         ({"start.omega[0]": [1]}, [3], SceneError, "measure: expected words"),
-        ({"start.omega[0]": []}, FLIP, SceneError, "no values"),
+        ({"start.omega[0]": []}, FLIP, SceneError, "varied: expected at least one value, got none"),
         ({"start.omga[0]": [1]}, FLIP, UnknownNameError, "Did you mean omega"),
         ({"gravity.g": [1]}, FLIP, UnknownNameError, "does not exist"),
         ({"start.omega[7]": [1]}, FLIP, UnknownNameError, r"no \[7\]"),
