@@ -221,7 +221,7 @@ Watch = Annotated[
     list[str] | None,
     option(
         metavar="NAME,...",
-        text="Watch these quantities instead of those of the scene; may be repeated.",
+        text="Watch these quantities instead of those in the scene; may be repeated.",
     ),
 ]
 SceneAccuracy = Annotated[
