@@ -92,7 +92,7 @@ def test_dislocations_show_sense_strength_and_violations(tmp_path):
     figure.savefig(tmp_path / "dislocations.png")
     whole = DislocationNetwork.of_lines([*lines[:2], ("j", "c", (1, 1, 0))], "abc")
     assert "conserved at every inner node" in texts(draw_dislocations(whole))
-    with pytest.raises(NetworkError, match="no position"):
+    with pytest.raises(NetworkError, match="expected a position, got none"):
         draw_dislocations(broken, {"a": (0, 0)})
 
 
