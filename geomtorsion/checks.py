@@ -508,7 +508,7 @@ def check_declared(symbol: sp.Symbol, value: object) -> None:
     --------
     >>> check_declared(sp.Symbol("k", real=True), 1j)
     Traceback (most recent call last):
-    geomtorsion.errors.CoordinateError: k was declared real, but 1j was to be put in its place. \
+    geomtorsion.errors.CoordinateError: k: expected a value that is real, as declared, got 1j. \
 Give another value, or declare k without it.
     """
     found = plain(value)

@@ -247,8 +247,8 @@ def written(path: object, *, is_folder: bool = False) -> Iterator[Path]:
     >>> with written("/nowhere/a.txt") as file:
     ...     _ = file.write_text("a")
     Traceback (most recent call last):
-    geomtorsion.errors.FileFormatError: /nowhere/a.txt: it cannot be written: No such file or \
-directory. Name a file in a folder that is there.
+    geomtorsion.errors.FileFormatError: /nowhere/a.txt: the file cannot be written: No such file \
+or directory. Name a file in a folder that exists.
     """
     found = checks.file_name(path)
     if "\0" in str(found) or not (found.name or is_folder):

@@ -224,7 +224,7 @@ def quantity(value: object, field: str = "") -> float:
     (True, 0.25, 2)
     >>> quantity("3 rpm", "m")
     Traceback (most recent call last):
-    geomtorsion.errors.UnitError: the unit rpm does not fit: this is measured in m.
+    geomtorsion.errors.UnitError: expected a value in m, got the unit rpm.
     """
     # True is an int in Python, but not a number here.
     if isinstance(value, bool) or not isinstance(value, int | float | str):

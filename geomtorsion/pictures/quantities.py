@@ -173,7 +173,7 @@ def entry(name: str) -> Entry:
     'Ricci tensor'
     >>> entry("rici")
     Traceback (most recent call last):
-    geomtorsion.errors.UnknownNameError: no quantity is called 'rici'. Did you mean ricci ...
+    geomtorsion.errors.UnknownNameError: expected the name of a quantity, got 'rici'. Did ...
     """
     for known in CATALOGUE:
         if known.name == name:

@@ -39,8 +39,8 @@ class State:
     [0.988771, 0.0, 0.149438, 0.0]
     >>> State(omega=(0, 0, 1), quaternion=(0, 0, 0, 0))
     Traceback (most recent call last):
-    geomtorsion.errors.StartError: the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns \
-nothing.
+    geomtorsion.errors.StartError: quaternion: expected length 1, got 0. Use \
+(1, 0, 0, 0) for no rotation.
     """
 
     omega: Sequence[Number] | None = None
