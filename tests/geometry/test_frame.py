@@ -78,7 +78,7 @@ def test_wrong_shapes() -> None:
         Frame([x, y], [[1, 0], [1]])
     with pytest.raises(CoframeError, match="not square"):
         Frame([x, y], [1, 2])
-    with pytest.raises(ShapeError, match="1 coordinates"):
+    with pytest.raises(ShapeError, match="coordinates: expected 2, .* got 1"):
         Frame([x], [[1, 0], [0, 1]])
     with pytest.raises(SignatureError, match="has 3 entries"):
         Frame([x, y], [[1, 0], [0, 1]], signature=(1, 1, 1))

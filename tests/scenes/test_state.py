@@ -49,7 +49,7 @@ def test_arrays_are_kept_as_tuples():
         ({"position": (1, 2, None)}, "position\\[2\\] = None is not a number"),
         (
             {"euler": (0, 0, 0), "quaternion": (1, 0, 0, 0)},
-            "expected it once, got euler and as quaternion",
+            "expected it once, got euler and quaternion",
         ),
         ({"quaternion": (0, 0, 0, 0)}, "quaternion: expected length 1, got 0"),
         ({"quaternion": (1, 1, 0, 0)}, "expected length 1, got 1.41421356"),
