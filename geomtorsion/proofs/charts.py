@@ -207,8 +207,9 @@ class CurveCourse:
             if _are_near(found, there):
                 return found
         raise ProofError(
-            f"the change from chart {change.source!r} to {change.target!r} is written with cases, "
-            "of which none is proved here. Follow the motion in other charts, with_charts(...)."
+            f"the change from chart {change.source!r} to {change.target!r} is defined by cases, "
+            "and none of them is proved here. Follow the motion in other charts, "
+            "with_charts(...)."
         )
 
 
