@@ -508,7 +508,7 @@ def check_declared(symbol: sp.Symbol, value: object) -> None:
     --------
     >>> check_declared(sp.Symbol("k", real=True), 1j)
     Traceback (most recent call last):
-    geomtorsion.errors.CoordinateError: k was declared real, but 1j was to be put in its place. \
+    geomtorsion.errors.CoordinateError: k: expected a value that is real, as declared, got 1j. \
 Give another value, or declare k without it.
     """
     found = plain(value)
@@ -523,7 +523,7 @@ Give another value, or declare k without it.
         like = _LIKE[(size > 0) - (size < 0), exact % 2 if exact == exact // 1 else 0.5]
     if words := against(symbol, like):
         raise CoordinateError(
-            f"{symbol} was declared {', '.join(words)}, but {found} was to be put in its place. "
+            f"{symbol}: expected a value that is {', '.join(words)}, as declared, got {found}. "
             f"Give another value, or declare {symbol} without it."
         )
 
@@ -667,7 +667,7 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
     {'M': 1, 'a': 2}
     >>> by_name({sp.Symbol("M"): 1, "M": 2}, "at")
     Traceback (most recent call last):
-    geomtorsion.errors.ArgumentError: at: M came twice, as Symbol('M') and 'M'. Give it once.
+    geomtorsion.errors.ArgumentError: at: expected M once, got Symbol('M') and 'M'. Give one.
     """
     found: dict[str, Any] = {}
     keys: dict[str, object] = {}
@@ -675,8 +675,8 @@ def by_name(values: object, subject: str, error: ErrorClass = ArgumentError) -> 
         name = key if isinstance(key, str) else getattr(key, "name", str(key))
         if name in keys:
             raise error(
-                f"{subject}: {cut(name)} came twice, as {_written(keys[name])} and "
-                f"{_written(key)}. Give it once."
+                f"{subject}: expected {cut(name)} once, got {_written(keys[name])} and "
+                f"{_written(key)}. Give one."
             )
         found[name], keys[name] = value, key
     return found

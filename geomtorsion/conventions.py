@@ -257,4 +257,4 @@ def convention(name: str) -> Convention:
         if item.name == name:
             return item
     known = ", ".join(item.name for item in CONVENTIONS)
-    raise UnknownNameError(f"no convention is called {name!r}. Known are {known}.")
+    raise UnknownNameError(f"expected the name of a convention, got {name!r}. Known are {known}.")

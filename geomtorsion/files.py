@@ -220,7 +220,7 @@ def read_text(
         if otherwise is not None:
             return content.decode(otherwise)
         raise FileFormatError(
-            f"{path.name}: the file is no UTF-8 text. Save it as UTF-8."
+            f"{path.name}: expected UTF-8 text, got other bytes. Save the file as UTF-8."
         ) from None
 
 
@@ -247,8 +247,8 @@ def written(path: object, *, is_folder: bool = False) -> Iterator[Path]:
     >>> with written("/nowhere/a.txt") as file:
     ...     _ = file.write_text("a")
     Traceback (most recent call last):
-    geomtorsion.errors.FileFormatError: /nowhere/a.txt: it cannot be written: No such file or \
-directory. Name a file in a folder that is there.
+    geomtorsion.errors.FileFormatError: /nowhere/a.txt: the file cannot be written: No such file \
+or directory. Name a file in a folder that exists.
     """
     found = checks.file_name(path)
     if "\0" in str(found) or not (found.name or is_folder):
@@ -263,12 +263,12 @@ directory. Name a file in a folder that is there.
     except OSError as error:
         if isinstance(error, GeomtorsionError):
             raise
-        remedy = "Name another folder" if is_folder else "Name a file in a folder that is there"
+        remedy = "Name another folder" if is_folder else "Name a file in a folder that exists"
         # On a full disk NumPy reports only that an element was not written.
         if error.errno is None or error.errno in _FULL:
-            remedy = "Make room, or name another disk"
+            remedy = "Free space on this disk, or name another one"
         raise FileFormatError(
-            f"{cut(str(found))}: it cannot be written: {error.strerror or error}. {remedy}."
+            f"{cut(str(found))}: the file cannot be written: {error.strerror or error}. {remedy}."
         ) from None
 
 
@@ -308,7 +308,7 @@ def digest_of(path: Path) -> str:
         listed = [f"{one.relative_to(path).as_posix()} {digest_of(one)}" for one in files]
         return hashlib.sha256("\n".join(listed).encode()).hexdigest()
     if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file.")
+        raise FileFormatError(f"{path}: expected a file, got none. Check the name.")
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
@@ -340,14 +340,14 @@ def check_resumption(
 --overwrite to start again.
     """
     if resume and overwrite:
-        raise CheckpointError(f"expected {options} or --overwrite, got both: give one of them.")
+        raise CheckpointError(f"expected {options} or --overwrite, got both. Give one of them.")
     if begun and not (resume or overwrite):
         raise CheckpointError(
             f"{where} holds a stopped {run}. Give --resume to continue it, or --overwrite to start "
             "again."
         )
     if resume and not begun:
-        raise CheckpointError(f"{where} holds no stopped {run}. Leave out {options}.")
+        raise CheckpointError(f"{where}: expected a stopped {run}, got none. Omit {options}.")
 
 
 def write_text(path: str | PathLike[str], text: str) -> None:
@@ -473,13 +473,13 @@ def _bad_toml(name: str, text: str, reason: str, advice: str) -> FileFormatError
     """The error for a text that tomllib refuses, with the refused line."""
     found = _PLACE.search(reason)
     if found is None:
-        return FileFormatError(f"{name}: this is no TOML file: {cut(reason)}. {advice}")
+        return FileFormatError(f"{name}: expected TOML, got an error: {cut(reason)}. {advice}")
     line, column = int(found[1]), int(found[2])
     row = text.replace("\r\n", "\n").split("\n")[line - 1]
     # Show only the part of a long line before the mark.
     first = max(0, column - 1 - 150)
     return FileFormatError(
-        f"{name}: line {line}, column {column}: this is no TOML: "
+        f"{name}: line {line}, column {column}: expected TOML, got an error: "
         f"{cut(reason[: found.start()].strip())}.\n    {row[first : first + 200]}\n"
         f"    {' ' * (column - 1 - first)}^\n{advice}"
     )
@@ -568,8 +568,8 @@ def read_json_text(text: str, name: str) -> Any:
         return json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
         raise FileFormatError(
-            f"{name}: line {error.lineno}, column {error.colno}: this is no JSON: {error.msg}. "
-            "Is the file complete?"
+            f"{name}: line {error.lineno}, column {error.colno}: expected JSON, got an error: "
+            f"{error.msg}. Check that the file is complete."
         ) from None
     except RecursionError:
         raise LimitError(f"{name}: lists are nested too deeply to be read.") from None

@@ -39,7 +39,7 @@ def check_hdf5(path: Path, h5py: Any) -> list[str]:
     except Exception as error:  # noqa: BLE001
         # A damaged file makes HDF5 fail anywhere, and h5py by errors of any class.
         raise FileFormatError(
-            f"{path}: it cannot be read, it is truncated or no HDF5 file "
+            f"{path}: the file cannot be read: it is truncated or not an HDF5 file "
             f"({type(error).__name__}: {cut(str(error))}). Copy or export it again."
         ) from None
 

@@ -211,7 +211,7 @@ def _check_shape(
         needed = ", ".join("any" if n == "None" else n for n in known)
         more = ", ..." if ... in form.shape else ""
         came = cut(str(shape))
-        raise ValueError(f"{name} has the shape {came}, but ({needed}{more}) is needed")
+        raise ValueError(f"{name}: expected shape ({needed}{more}), got {came}")
 
 
 def write_npz(path: Path, arrays: Mapping[str, ArrayLike], *, packed: bool = True) -> None:

@@ -187,7 +187,7 @@ def scale_of(given: Unit, field: str) -> float:
     0.01
     >>> scale_of(unit("m/s"), "m/s^2")
     Traceback (most recent call last):
-    geomtorsion.errors.UnitError: the unit m/s does not fit: this is measured in m/s^2.
+    geomtorsion.errors.UnitError: expected a value in m/s^2, got the unit m/s.
     """
     wanted = unit(field)
     if given.powers[:4] == wanted.powers[:4]:
@@ -197,8 +197,8 @@ def scale_of(given: Unit, field: str) -> float:
         # Angles may go without a name, as in 1/s; they may not turn up where none is measured.
         if given.powers[4] in (0, wanted.powers[4]):
             return given.scale / wanted.scale
-    needed = f"in {field}" if field else "as a plain number, without a unit"
-    raise UnitError(f"the unit {given.text} does not fit: this is measured {needed}.")
+    needed = f"a value in {field}" if field else "a plain number, without a unit"
+    raise UnitError(f"expected {needed}, got the unit {given.text}.")
 
 
 def quantity(value: object, field: str = "") -> float:
@@ -224,7 +224,7 @@ def quantity(value: object, field: str = "") -> float:
     (True, 0.25, 2)
     >>> quantity("3 rpm", "m")
     Traceback (most recent call last):
-    geomtorsion.errors.UnitError: the unit rpm does not fit: this is measured in m.
+    geomtorsion.errors.UnitError: expected a value in m, got the unit rpm.
     """
     # True is an int in Python, but not a number here.
     if isinstance(value, bool) or not isinstance(value, int | float | str):

@@ -66,9 +66,9 @@ def test_whole_numbers_of_every_kind_are_indices(one: Any):
 def test_what_is_no_whole_number_is_none_anywhere(none: Any):
     """Truth values, floats and text are not taken for one."""
     frame = gt.Frame([x, y], [[1, 0], [0, x]])
-    with pytest.raises(TensorIndexError, match="needed are 2 whole numbers"):
+    with pytest.raises(TensorIndexError, match="expected 2 whole numbers"):
         frame.coframe[none, 1]
-    with pytest.raises(TensorIndexError, match="has no index"):
+    with pytest.raises(TensorIndexError, match="expected an index of"):
         frame.coframe.table(where={none: 1})
     with pytest.raises(LoopError, match="coordinate numbers or vectors"):
         gt.Loop.circle([1, 2], 0.5, plane=(0, none))

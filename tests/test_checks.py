@@ -287,9 +287,7 @@ def test_what_is_masked_is_not_known(kind):
 def test_values_against_what_was_declared(kind):
     """Every kind of number; zero is where positive and negative values end."""
     symbols = {word: sp.Symbol("M", **{word: True}) for word in ("positive", "negative", "real")}
-    said = (
-        "M was declared {}.*, but .* was to be put in its place. Give another value, or declare M"
-    )
+    said = "M: expected a value that is {}.*, as declared, got .*. Give another value, or declare M"
     for word, value in {"positive": -1, "negative": 1}.items():
         with pytest.raises(CoordinateError, match=said.format(word)):
             checks.check_declared(symbols[word], kind(value))
@@ -300,7 +298,9 @@ def test_values_against_what_was_declared(kind):
         checks.check_declared(symbols["real"], 1 + 1j)
     whole = sp.Symbol("M", integer=True)
     checks.check_declared(whole, kind(-1))
-    with pytest.raises(CoordinateError, match="M was declared integer, but 0.5"):
+    with pytest.raises(
+        CoordinateError, match="M: expected a value that is integer, as declared, got 0.5"
+    ):
         checks.check_declared(whole, 0.5)
     checks.check_declared(sp.Symbol("M"), 1j)
 
@@ -313,9 +313,14 @@ def test_even_and_odd_are_declared(kind):
         for value in right:
             checks.check_declared(n, kind(value))
         for value in wrong:
-            with pytest.raises(CoordinateError, match=f"n was declared {word}, but"):
+            with pytest.raises(
+                CoordinateError, match=f"n: expected a value that is {word}, as declared, got"
+            ):
                 checks.check_declared(n, kind(value))
-        with pytest.raises(CoordinateError, match=f"n was declared integer, {word}, but 0.5"):
+        with pytest.raises(
+            CoordinateError,
+            match=f"n: expected a value that is integer, {word}, as declared, got 0.5",
+        ):
             checks.check_declared(n, 0.5)
 
 
@@ -324,7 +329,7 @@ def test_large_whole_numbers_keep_their_last_digit():
     n, whole = sp.Symbol("n", even=True), sp.Symbol("k", integer=True)
     checks.check_declared(n, 10**30)
     checks.check_declared(whole, 10**400)
-    with pytest.raises(CoordinateError, match="n was declared even"):
+    with pytest.raises(CoordinateError, match="n: expected a value that is even"):
         checks.check_declared(n, 10**30 + 1)
 
 

@@ -50,7 +50,7 @@ def test_values_against_what_was_declared(route: Callable[..., object]) -> None:
     M = sp.Symbol("M", positive=True)
     x, y = sp.symbols("x y", real=True)
     frame = Frame([x, y], [[1, 0], [0, sp.sqrt(M**2) + x**2]])
-    said = "M was declared positive, nonnegative, but -1 was to be put in its place"
+    said = "M: expected a value that is positive, nonnegative, as declared, got -1"
     for key in (M, "M"):
         with pytest.raises(CoordinateError, match=said):
             route(frame, {key: -1})

@@ -26,7 +26,7 @@ def test_no_files(tmp_path):
         with pytest.raises(FileFormatError):
             read_text(path)
     (tmp_path / "a.txt").write_bytes(b"abc\xff")
-    with pytest.raises(FileFormatError, match="no UTF-8"):
+    with pytest.raises(FileFormatError, match="expected UTF-8"):
         read_text(tmp_path / "a.txt")
     (tmp_path / "a.txt").write_bytes("\ufeffabc".encode())
     assert read_text(tmp_path / "a.txt") == "abc"
@@ -63,13 +63,13 @@ def test_toml(tmp_path):
     [
         (
             "a = 1\nb = x\n",
-            r"line 2, column 5: this is no TOML: .*\n    b = x\n        \^\nAdvice.",
+            r"line 2, column 5: expected TOML, got an error: .*\n    b = x\n        \^\nAdvice.",
         ),
-        ("a = " + "[" * 5000, "nested too deeply|no TOML"),
+        ("a = " + "[" * 5000, "nested too deeply|expected TOML"),
         ("a = 1" + "0" * 5000, "more digits"),
         ("a = 0x1" + "0" * 5000, "more digits"),
-        ("a = 1979-13-45", "no TOML"),
-        ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "no TOML"),
+        ("a = 1979-13-45", "expected TOML"),
+        ("# " + "x" * 10**5 + "\n" + "a = " + "1, " * 10**5, "expected TOML"),
     ],
 )
 def test_bad_toml(text, says):
@@ -163,9 +163,9 @@ def test_json():
     """Lists and numbers; no nan, no endless nesting, no endless numbers."""
     assert read_json_text("[1, {}]", "a.json") == [1, {}]
     for text, says in [
-        ("[1, ", "line 1, column 5: this is no JSON"),
+        ("[1, ", "line 1, column 5: expected JSON, got an error"),
         ("[NaN]", "NaN is not a number in JSON"),
-        ("[" * 10**5, "nested too deeply|no JSON"),
+        ("[" * 10**5, "nested too deeply|expected JSON"),
         ("1" * 5000, "more digits"),
     ]:
         with pytest.raises(GeomtorsionError, match=f"a.json: .*({says})"):

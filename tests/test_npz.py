@@ -62,10 +62,10 @@ def test_byte_orders(tmp_path, dtype):
     ("arrays", "says"),
     [
         ({}, "times is not a file in the archive"),
-        ({"times": np.zeros((2, 2))}, r"times has the shape \(2, 2\), but \(any\) is needed|times"),
+        ({"times": np.zeros((2, 2))}, r"times: expected shape \(any\), got \(2, 2\)|times"),
         ({"times": np.array(["a"])}, "times holds <U1"),
         ({"times": np.array([{}], dtype=object)}, "times has a header|times holds"),
-        ({"times": np.zeros(3), "states": np.zeros((4, 2))}, r"states .*\(3, .*\) is needed"),
+        ({"times": np.zeros(3), "states": np.zeros((4, 2))}, r"states: expected shape \(3, "),
         ({"times": np.zeros(3, dtype=[("a", "f8")])}, "times has a header that is not known"),
     ],
 )
@@ -109,9 +109,7 @@ def test_any_further_axes(tmp_path):
     assert read_npz(tmp_path / "a.npz", forms)["value a"].shape == (3, 2, 5)
     for wrong in (np.zeros((2, 3)), np.zeros(())):
         np.savez(tmp_path / "b.npz", **{"times": np.zeros(3), "value a": wrong})
-        with pytest.raises(
-            FileFormatError, match=r"value a has the shape .* \(3, \.\.\.\) is needed"
-        ):
+        with pytest.raises(FileFormatError, match=r"value a: expected shape \(3, \.\.\.\), got"):
             read_npz(tmp_path / "b.npz", forms)
 
 
@@ -122,7 +120,7 @@ def test_json_inside_an_array():
     good = {"steps": 3, "how": "a"}
     assert json_in({"about": np.array(json.dumps(good))}, "about", form, **known) == good
     for text, says in [
-        ("{", "about: line 1, column 2: this is no JSON: .*"),
+        ("{", "about: line 1, column 2: expected JSON, got an error: .*"),
         ("[" * 10**5, "about: lists are nested too deeply to be read"),
         ('{"steps": 10}', "about: steps: expected a whole number from 0 to 9, got 10"),
         ('{"steps": true}', "about: steps: expected a whole number from 0 to 9, got True"),

@@ -119,8 +119,12 @@ REFUSED: list[tuple[Callable[[], Any], type[GeomtorsionError], str]] = [
     ),
     (lambda: SOLVED.event_times("theta", 2), ArgumentError, r"direction: expected 1 .upwards"),
     (lambda: SOLVED.event_times("theta", (1, 2)), ArgumentError, r"got \(1, 2\)"),  # type: ignore[arg-type]  # on purpose
-    (lambda: SOLVED[["theta"]], UnknownNameError, r"\['theta'\] is not known"),  # type: ignore[index]  # on purpose
-    (lambda: SOLVED.in_chart({}), UnknownNameError, r"\{\} is no chart"),  # type: ignore[arg-type]  # on purpose
+    (
+        lambda: SOLVED[["theta"]],
+        UnknownNameError,
+        r"expected a quantity of this motion, got \['theta'\]",
+    ),  # type: ignore[index]  # on purpose
+    (lambda: SOLVED.in_chart({}), UnknownNameError, r"expected a chart of this space, got \{\}"),  # type: ignore[arg-type]  # on purpose
     (
         lambda: turning(
             body=gt.Body(moments=(1e308,) * 3), start=gt.State(omega=(1, 3, 2), euler=(0, 1, 0))

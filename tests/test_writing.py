@@ -95,7 +95,9 @@ def test_places_where_no_file_can_be(tmp_path: Path, what: str):
         tmp_path / "file" / "a.npz": "Not a directory",
         "a" * 5000 + ".npz": "File name too long",
     }.items():
-        with pytest.raises(FileFormatError, match=f"it cannot be written: {reason}. Name a file"):
+        with pytest.raises(
+            FileFormatError, match=f"the file cannot be written: {reason}. Name a file"
+        ):
             FILES[what](place)
     for place in ("", ".", "a\0.npz"):
         with pytest.raises(FileFormatError, match="this is not the name of a file"):

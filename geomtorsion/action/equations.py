@@ -78,8 +78,8 @@ def reduced(
         met = sorted(symbol.name for symbol in rate.free_symbols & set(coordinates))
         if met:
             raise LagrangianError(
-                f"the rate of {name} depends on {', '.join(met)}, so the velocities do not stand "
-                "alone. Use the equations with their coordinates."
+                f"expected velocities that evolve without the coordinates, got a rate of {name} "
+                f"that depends on {', '.join(met)}. Use the equations with their coordinates."
             )
     still = {k: v for k, v in invariants.items() if not v.free_symbols & set(coordinates)}
     return Reduced(remaining, still)

@@ -424,9 +424,9 @@ def _coefficients(bundle: TangentBundle, where: str, value: Element) -> tuple[Ro
     bound = [a for a in row.values() if a.symbols & {*velocities, bundle.symbols.time}]
     if rest.symbols & velocities or bound or not row:
         raise ConstraintError(
-            f"{where}: {value} = 0 is no constraint linear in the velocities. Give a sum of "
-            "coefficients of q times u^i, plus a function of q and t if need be, as in 'u2' or "
-            "'sin(theta)*u1 - cos(theta)*u2'."
+            f"{where}: expected a constraint linear in the velocities, got {value} = 0. Give a sum "
+            "of coefficients of q times u^i, plus a function of q and t if required, as in 'u2' "
+            "or 'sin(theta)*u1 - cos(theta)*u2'."
         )
     return row, rest
 
@@ -448,8 +448,8 @@ def _pivots(bundle: TangentBundle, rows: Sequence[Row], names: Sequence[str]) ->
         reduced = {i: value for i, value in reduced.items() if not value.is_zero}
         if not reduced:
             raise ConstraintError(
-                f"{name} follows from the constraints before it, or contradicts them. Leave it "
-                "out: each constraint must take away one velocity."
+                f"{name}: expected an independent constraint, got one that follows from the "
+                "constraints before it, or contradicts them. Omit it."
             )
         # A pivot that may vanish would end the adapted frame where the given frame continues.
         place = min(reduced, key=lambda i: (_rank(bundle, reduced[i]), -i))

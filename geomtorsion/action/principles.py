@@ -74,5 +74,5 @@ def principle_named(name: str) -> Principle:
     near = near_names(cut(str(name)), names)
     hint = f" Did you mean {near}?" if near else ""
     raise UnknownNameError(
-        f"no principle is called {shown(name)}.{hint} Choose {', '.join(names)}."
+        f"principle: expected one of {', '.join(names)}, got {shown(name)}.{hint}"
     )

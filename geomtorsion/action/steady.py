@@ -276,8 +276,9 @@ class Point:
         ]
         if moving:
             raise StartError(
-                f"expected a steady motion, got {', '.join(moving)} moving and occurring in the "
-                "equations. Use a frame that moves along, in which the velocities stand alone."
+                f"expected a steady motion, got {', '.join(moving)}, which change and occur in the "
+                "equations. Use a co-moving frame, in which the equations depend only on the "
+                "velocities."
             )
         # R_k = (p_k)' - A_kj^i u^j p_i - E_k^mu L_mu - F_k: its value, and its slopes in q and u.
         twist, twist_slopes = self.sloped(state.coefficients, (n, n, n))

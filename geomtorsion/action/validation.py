@@ -44,8 +44,8 @@ def force_entries(forces: object, n: int) -> Named:
     wrong = [key for key in table if key not in range(n)]
     if wrong:
         raise ShapeError(
-            f"forces: there is no component {checks.shown(wrong[0])}. "
-            f"Count the forms of the frame from 0 to {n - 1}."
+            f"forces: expected components from 0 to {n - 1}, one for each form of the frame, got "
+            f"{checks.shown(wrong[0])}."
         )
     return [(f"forces[{k}]", table.get(k, 0)) for k in range(n)]
 
@@ -61,7 +61,8 @@ def constraint_entries(constraints: object, n: int) -> Named:
     values = [] if constraints is None else _listed(constraints, "constraints")
     if len(values) >= n:
         raise ConstraintError(
-            f"{len(values)} constraints came for {n} velocities: nothing could move. Give fewer."
+            f"constraints: expected fewer than the {n} velocities, got {len(values)}, so that "
+            "nothing could move. Omit some."
         )
     return [(f"constraints[{r}]", value) for r, value in enumerate(values)]
 
@@ -78,10 +79,14 @@ def check_frame(frame: Frame, connection: Connection | None, *, complex_too: boo
     if connection is not None:
         checks.instance(connection, Connection, "connection")
         if connection.frame is not frame:
-            raise ShapeError("the connection belongs to another frame. Build it over this one.")
+            raise ShapeError(
+                "connection: expected one over this frame, got one over another frame. Build it "
+                "over this frame."
+            )
     if frame.complex and not complex_too:
         raise LagrangianError(
-            f"{frame.name or 'the frame'} is complex (a null tetrad); mechanics needs a real frame."
+            f"expected a real frame for mechanics, got {frame.name or 'one'}, which is complex (a "
+            "null tetrad). Use a real frame of the same metric."
         )
 
 
@@ -143,8 +148,8 @@ def _check_functions(where: str, expression: sp.Expr, table: Mapping[str, sp.Sym
         name = type(function).__name__
         if name in table:
             raise LagrangianError(
-                f"{where}: {function} is a function, but {name} is a symbol here. Write {name}, "
-                "and velocities as u^i = e^i_mu q'^mu in place of derivatives."
+                f"{where}: expected the symbol {name}, got the function {function}. Write {name}, "
+                "and instead of derivatives the velocities u^i = e^i_mu q'^mu."
             )
 
 
@@ -165,6 +170,6 @@ def _check_parameter(
     if listed and not (velocity or rate):
         remedy = f"List {name} among the parameters, if it is one."
     raise LagrangianError(
-        f"{where}: {name} is neither a coordinate, a velocity, the time nor a parameter."
-        f"{hint} {remedy}"
+        f"{where}: expected a coordinate, a velocity, the time or a parameter, got {name}.{hint} "
+        f"{remedy}"
     )

@@ -28,7 +28,7 @@ def crystal_page(report: Json, title: str) -> str:
         tip = f"({', '.join(line['burgers_lattice'])})"
         curves.append(Curve(line["path"], stroke, label, tip))
     count = len(report["lines"])
-    note = f"{count} line{'s' * (count != 1)}; the tip of each says b in lattice constants."
+    note = f"{count} line{'s' * (count != 1)}; point at a line to see its b in lattice constants."
     return turnable(Film("crystal", title, ("x", "y", "z"), tuple(curves), equal=True, note=note))
 
 

@@ -105,8 +105,8 @@ def clean_exits() -> Iterator[None]:
             raise typer.Exit(ExitCode.wrong_input) from None
         if isinstance(error, MemoryError):
             typer.echo(
-                "geomtorsion: this needs more memory than there is. Ask for less, or check that "
-                "the file is what it should be.",
+                "geomtorsion: the machine has too little memory for this. Request less, or check "
+                "that the file is the intended one.",
                 err=True,
             )
             raise typer.Exit(ExitCode.wrong_input) from None
@@ -120,7 +120,8 @@ def clean_exits() -> Iterator[None]:
 
 def wrong_usage(error: typer.BadParameter) -> str:
     """The error in the arguments of a command, and where its options are listed."""
-    message = _INVALID.sub(r"\1: ", error.format_message()).replace("Value error, ", "")
+    message = error.format_message().removeprefix("Invalid value: ")
+    message = _INVALID.sub(r"\1: ", message).replace("Value error, ", "")
     path = error.ctx.command_path if error.ctx else "geomtorsion"
     message = message if message.endswith((".", "?", ")")) else f"{message}."
     return f"{message}\n(Arguments and options: {path} --help)"

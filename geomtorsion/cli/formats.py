@@ -244,7 +244,7 @@ class _PythonPrinter(SciPyPrinter):
             names = sorted(str(part.func) for part in expr.atoms(sympy.Function))
             raise ExpressionError(
                 f"--format python: expected functions that NumPy or SciPy have, got one of "
-                f"{', '.join(dict.fromkeys(names))}. Take --format json or mathematica."
+                f"{', '.join(dict.fromkeys(names))}. Use --format json or mathematica."
             ) from None
 
 

@@ -98,7 +98,7 @@ def _limits(
     megabytes: Annotated[
         float | None,
         typer.Option(
-            metavar="MB", show_default=False, help="End with an error when so much memory is taken."
+            metavar="MB", show_default=False, help="End with an error above MB megabytes of memory."
         ),
     ] = None,
 ) -> AbstractContextManager[object]:

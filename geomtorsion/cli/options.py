@@ -135,7 +135,7 @@ MeasuredSigma = Annotated[
     option(
         "--sigma",
         metavar="X",
-        text="Measured: noise of each value (grids) or of an orientation in degrees; or estimate.",
+        text="Measured: noise of each value (grids) or orientation (degrees), or `estimate`.",
     ),
 ]
 MeasuredThreshold = Annotated[
@@ -143,7 +143,7 @@ MeasuredThreshold = Annotated[
     option(
         "--threshold",
         metavar="DEG",
-        text="Orientation maps: neighbours that differ by less are one grain; default: 5.",
+        text="Orientation maps: pixels that differ by less are in one grain; default: 5.",
     ),
 ]
 MeasuredLaue = Annotated[
@@ -172,7 +172,7 @@ MeasuredSpots = Annotated[
     option(
         "--spots",
         metavar="G;G",
-        text="Images: two Bragg spots in cycles per unit, '4,0;0,4'; default: found.",
+        text="Images: two Bragg spots in cycles per unit, '4,0;0,4'; default: detected.",
     ),
 ]
 MeasuredResolution = Annotated[
@@ -190,12 +190,10 @@ Workers = Annotated[
 
 # -- start of a curve -----------------------------------------------------------------------------
 
-Start = Annotated[
-    str | None, option(metavar="Q,...", text="Coordinates at t = 0; pi/2 is a number too.")
-]
+Start = Annotated[str | None, option(metavar="Q,...", text="Coordinates at t = 0, as 0.3 or pi/2.")]
 Velocity = Annotated[str | None, option(metavar="V,...", text="Coordinate velocities at t = 0.")]
 FrameVelocity = Annotated[
-    str | None, option(metavar="U,...", text="Instead: velocities along the legs of the frame.")
+    str | None, option(metavar="U,...", text="Instead of --velocity: velocities along the legs.")
 ]
 LastTime = Annotated[
     str | None, option("--t", metavar="T", text="Last value of the curve parameter.")
@@ -206,7 +204,7 @@ Parameters = Annotated[
         "--set",
         "--parameters",
         metavar="NAME=X,...",
-        text="Values of the parameters of the frame; may be given several times.",
+        text="Values of the parameters of the frame; may be repeated.",
     ),
 ]
 Moments = Annotated[
@@ -223,22 +221,25 @@ Watch = Annotated[
     list[str] | None,
     option(
         metavar="NAME,...",
-        text="Watch these quantities instead; may be given several times.",
+        text="Watch these quantities instead of those in the scene; may be repeated.",
     ),
 ]
 SceneAccuracy = Annotated[
     float | None,
-    option("--accuracy", metavar="X", text="Largest error, relative, instead."),
+    option(
+        "--accuracy", metavar="X", text="Largest relative error, instead of the one in the scene."
+    ),
 ]
 SceneTime = Annotated[
-    str | None, option("--t", metavar="T", text='Last time instead: 20 or "3 min".')
+    str | None,
+    option("--t", metavar="T", text='Last time, instead of the one in the scene: 20 or "3 min".'),
 ]
 Settings = Annotated[
     list[str] | None,
     option(
         "--set",
         metavar="PATH=X",
-        text="Another value: body.moments[2]=3.1, gravity.g=1.62; may be given several times.",
+        text="Change a value: body.moments[2]=3.1, gravity.g=1.62; may be repeated.",
     ),
 ]
 
@@ -249,17 +250,19 @@ Pictures = Annotated[PictureFormat, typer.Option("--format", help="Format of the
 
 Proved = Annotated[
     bool,
-    typer.Option("--proved", help="Prove the result: print its certain digits; takes longer."),
+    typer.Option("--proved", help="Prove the result and print its certain digits; takes longer."),
 ]
 
 # -- exercises ------------------------------------------------------------------------------------
 
-Number = Annotated[str, argument("NUMBER", "Such as 3.2.", _exercises)]
-Seed = Annotated[int, typer.Option(metavar="N", help="Which variant; 0 is that of the paper.")]
+Number = Annotated[str, argument("NUMBER", "An exercise, such as 3.2.", _exercises)]
+Seed = Annotated[
+    int, typer.Option(metavar="N", help="Number of the variant; 0 has the values of the paper.")
+]
 
 # -- files ----------------------------------------------------------------------------------------
 
-NO_PICTURES = "matplotlib is not installed. `pip install 'geomtorsion[plots]'`."
+NO_PICTURES = "matplotlib is not installed. Run `pip install 'geomtorsion[plots]'`."
 
 
 def say_written(paths: Iterable[Path]) -> None:

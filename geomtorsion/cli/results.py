@@ -9,6 +9,7 @@ from pathlib import Path
 import typer
 
 from geomtorsion.cli.exits import ExitCode
+from geomtorsion.cli.options import NO_PICTURES
 from geomtorsion.cli.terminal import working, wrapped
 from geomtorsion.errors import GeomtorsionError
 from geomtorsion.files import write_text
@@ -21,12 +22,12 @@ from geomtorsion.progress import bar
 
 
 def burgers_of(
-    source: Source, loops: Sequence[Loop], *, alone: bool = True
+    source: Source, loops: Sequence[Loop], *, raises: bool = True
 ) -> tuple[list[Json], list[Burgers], bool]:
     """Burgers vectors of circuits as plain data, the circuits that did not fail, and whether all
     circuits were computed.
 
-    alone: the failure of a single circuit raises an error instead of becoming a result.
+    raises: whether the failure of a single circuit raises an error instead of being a result.
     """
     results: list[Json] = []
     vectors: list[Burgers] = []
@@ -40,7 +41,7 @@ def burgers_of(
                 try:
                     b = source.burgers(loop)
                 except GeomtorsionError as error:
-                    if alone and len(loops) == 1:
+                    if raises and len(loops) == 1:
                         raise
                     kind = type(error).__name__
                     results.append({"loop": loop.name, "failed": str(error), "kind": kind})
@@ -92,7 +93,7 @@ def say_on_error(written: Sequence[Path]) -> None:
     """Report the written files, apart from the results, and missing pictures."""
     typer.echo(f"wrote {', '.join(map(str, written))}", err=True)
     if not can_draw():
-        typer.echo("no pictures: matplotlib is missing: pip install 'geomtorsion[plots]'", err=True)
+        typer.echo(f"No pictures: {NO_PICTURES}", err=True)
 
 
 def explain(result: Json) -> None:
@@ -104,8 +105,8 @@ def explain(result: Json) -> None:
     unit = f" {result['vector_unit']}" if result["vector_unit"] else ""
     if "whole" in result:
         typer.echo(
-            f"  b = ({_row(result['whole'])}) lattice vectors; the chance that noise has changed "
-            f"it is {result['chance']:.1g}"
+            f"  b = ({_row(result['whole'])}) lattice vectors; the probability that noise "
+            f"changed it is {result['chance']:.1g}"
         )
     where = " in crystal axes" if "specimen" in result else ""
     typer.echo(f"  b = ({_row(result['vector'])}){unit}{where}, |b| = {result['magnitude']:.6g}")
@@ -121,12 +122,12 @@ def explain(result: Json) -> None:
     if "grain" in result:
         typer.echo(f"  in grain {result['grain']}, {result['phase']}, {result['steps']} steps")
     if "whole" in result:
-        typer.echo(f"  its length is known to {result['grid_error']:.2g}{unit}")
+        typer.echo(f"  error of its length: {result['grid_error']:.2g}{unit}")
         return
     typer.echo(f"  noise {result['noise']:.2g}, error of the grid {result['grid_error']:.2g}")
     significance = result["significance"]
     much = "without noise" if significance is None else f"{significance:.3g} times its errors"
-    verdict = "more than noise explains" if result["significant"] else "noise alone may give it"
+    verdict = "more than noise explains" if result["significant"] else "it may be noise"
     typer.echo(f"  significance: {much}: {verdict}")
 
 
@@ -159,7 +160,7 @@ def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
     if missing:
         lines[0] += f"; {missing:,} more {survey.missing}"
     if not found["known"]:
-        return [*lines, "no circuit of this size is left: give a smaller --size"]
+        return [*lines, "no circuit of this size fits: give a smaller --size"]
     unit = f" {found['density_unit']}" if found["density_unit"] else ""
     at = ", ".join(f"{n} = {x:.6g}" for n, x in zip(survey.axes, found["place"], strict=True))
     layer = f", {found['layer']}" if found["layer"] else ""
@@ -170,9 +171,9 @@ def survey_lines(survey: Survey, found: Json | None = None) -> list[str]:
             f"|b| per area: median {found['median']:.3g}{unit}, largest "
             f"{found['largest']:.3g}{unit} at {at}{layer}"
         ),
-        f"noise floor: {found['floor']:.3g}{unit} (root mean square that noise alone gives)",
+        f"noise floor: {found['floor']:.3g}{unit} (root mean square of noise only)",
         (
             f"{found['significant']:,} circuits ({share:.1%}) are more than "
-            f"{found['level']:.2f} times their errors; noise alone gives that in 0.1 %"
+            f"{found['level']:.2f} times their errors; noise exceeds this in 0.1 %"
         ),
     ]

@@ -62,7 +62,7 @@ def open_scene(
     pairs = [_setting(text) for text in settings or ()]
     for place, (path, _) in enumerate(pairs):
         if path in (other for other, _ in pairs[:place]):
-            raise StartError(f"--set: {cut(path)} is given twice. Give it once.")
+            raise StartError(f"--set: expected {cut(path)} once, got it twice. Give one value.")
     changes |= dict(pairs)
     return scene.with_values(changes) if changes else scene
 
@@ -72,7 +72,7 @@ def _setting(text: str) -> tuple[str, float]:
     path, sign, value = text.partition("=")
     if not sign or not path.strip():
         raise StartError(
-            f"--set: expected path=number, got {shown(text)}. Write body.moments[2]=3.1."
+            f"--set: expected PATH=NUMBER, got {shown(text)}. Write --set body.moments[2]=3.1."
         )
     return path.strip(), number(value, path.strip())
 

@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from geomtorsion import spaces
-from geomtorsion.checks import cut, shown
+from geomtorsion.checks import shown
 from geomtorsion.errors import (
     GeomtorsionError,
     GridError,
@@ -103,7 +103,8 @@ def _pixel(text: str) -> tuple[float, str]:
     size = _SIZE.fullmatch(text.strip())
     if size is None or not 0 < float(size[1]) < np.inf:
         raise ImageError(
-            f"--pixel {cut(text)}: expected a size with its unit. Write it like --pixel 0.03nm."
+            f"--pixel: expected a positive size with its unit, got {shown(text)}. Write "
+            "--pixel 0.03nm."
         )
     return float(size[1]), (size[2] or "").strip() or "px"
 
@@ -114,7 +115,7 @@ def _spots(text: str) -> list[list[float]]:
         return [[float(x) for x in part.split(",")] for part in text.split(";")]
     except ValueError:
         raise ImageError(
-            f"--spots {cut(text)}: expected two spots in cycles per unit. Write them like --spots "
+            f"--spots: expected two spots in cycles per unit, got {shown(text)}. Write --spots "
             "'4,0;0,4'."
         ) from None
 
@@ -126,7 +127,7 @@ def _symmetries(texts: Sequence[str]) -> dict[int, str]:
         number, equals, group = text.partition("=")
         if not equals or not number.strip().isdecimal() or len(number) > 9:
             raise OrientationError(
-                f"--laue {cut(text)}: expected PHASE=GROUP. Write it like --laue 1=m-3m."
+                f"--laue: expected PHASE=GROUP, got {shown(text)}. Write --laue 1=m-3m."
             )
         groups[int(number)] = group.strip()
     return groups
@@ -141,7 +142,7 @@ def sigma_of(text: str) -> float | str:
     except ValueError:
         raise GridError(
             f"--sigma: expected a number of 0 or more, or estimate, got {shown(text)}. Write "
-            "--sigma 0.001, or leave it out."
+            "--sigma 0.001, or omit it."
         ) from None
 
 

@@ -32,7 +32,7 @@ LagrangianOption = Annotated[
         "--lagrangian",
         metavar="TEXT",
         show_default=False,
-        help="In T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
+        help="Formula in T, T1, T2, T3, R, Q, P1 ... and parameters, or the name of a theory: "
         f"{', '.join(THEORIES)}.",
     ),
 ]
@@ -41,8 +41,8 @@ ConnectionOption = Annotated[
     typer.Option(
         "--connection",
         "-c",
-        help="own: of the space, else Cartan. Repeat it for several; names of the Levi-Civita "
-        "connection beside another one end in bar.",
+        help="own: of the space, or Cartan if it has none. May be repeated; with several, names of "
+        "the Levi-Civita connection end in bar.",
         show_default=False,
     ),
 ]

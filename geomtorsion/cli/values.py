@@ -56,7 +56,7 @@ def number(text: str, what: str) -> float:
     except ValueError:
         value = _expression(text, what)
     if not math.isfinite(value):
-        raise StartError(f"{what}: {cut(text)} is not finite. Give finite numbers.")
+        raise StartError(f"{what}: expected a finite number, got {cut(text)}.")
     return value
 
 
@@ -97,10 +97,12 @@ def named_numbers(texts: Iterable[str]) -> dict[str, float]:
         name = name.strip()
         if not sign or not name:
             raise StartError(
-                f"parameters: expected name=number, got {shown(part)}. Write M=1,a=0.5."
+                f"parameters: expected NAME=NUMBER, got {shown(part)}. Write M=1,a=0.5."
             )
         if name in values:
-            raise StartError(f"parameters: {cut(name)} is given twice. Give it once.")
+            raise StartError(
+                f"parameters: expected {cut(name)} once, got it twice. Give one value."
+            )
         values[name] = number(value, f"parameter {name}")
     return values
 

@@ -363,8 +363,7 @@ class TransitionMap:
         if len(places) != len(self.coordinates):
             names = ", ".join(symbol.name for symbol in self.coordinates)
             raise ShapeError(
-                f"coordinates: {len(self.coordinates)} ({names}) were needed, but {len(places)} "
-                "came."
+                f"coordinates: expected {len(self.coordinates)} ({names}), got {len(places)}."
             )
         return places
 
@@ -374,7 +373,8 @@ class TransitionMap:
         missing = [p.name for p in self.parameters if p.name not in by_name]
         if missing:
             raise ArgumentError(
-                f"{', '.join(missing)} has no value. Give parameters={{{missing[0]!r}: ...}}."
+                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
+                f"parameters={{{missing[0]!r}: ...}}."
             )
         names = [p.name for p in self.parameters]
         return {
@@ -467,7 +467,7 @@ class Atlas:
         """
         if not isinstance(name, str) or name not in self.makers:
             raise UnknownNameError(
-                f"{checks.shown(name)} is no chart of this space. There are "
+                f"expected a chart of this space, got {checks.shown(name)}. There are "
                 f"{', '.join(self.makers)}."
             )
         if name not in self._charts:
@@ -501,7 +501,10 @@ class Atlas:
                         return [*path, change]
                     seen.add(end)
                     paths.append([*path, change])
-        raise UnknownNameError(f"no map leads from chart {source!r} to chart {target!r}.")
+        raise UnknownNameError(
+            f"expected a map from chart {source!r} to chart {target!r}, got none. Add one to the "
+            "atlas."
+        )
 
     def same_frame(self, source: str, target: str) -> bool:
         """Whether two charts have the same frame vectors."""

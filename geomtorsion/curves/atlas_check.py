@@ -50,8 +50,9 @@ def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
     home = atlas.chart(atlas.home)
     if home.coordinates != frame.coordinates:
         raise CoordinateError(
-            f"the atlas was needed for the coordinates {shown(frame.coordinates)}, but its home "
-            f"chart {home.name!r} has {shown(home.coordinates)}. Make that chart of this frame."
+            f"expected an atlas over {shown(frame.coordinates)}, got one whose home chart "
+            f"{home.name!r} has {shown(home.coordinates)}. Give that chart the coordinates of the "
+            "frame."
         )
     changes = atlas.changes()
     for change in changes:
@@ -69,8 +70,8 @@ def check_atlas(frame: Frame, atlas: Atlas, points: int = 3) -> int:
     for change, count in zip(changes, counts, strict=True):
         if not count:
             raise CoordinateError(
-                f"{_name(change)} was needed at points of the domain of the frame, but has no "
-                "value at any that was tried. State the domain of the frame where it holds."
+                f"{_name(change)}: expected a value at points of the domain of the frame, got none "
+                "at any point tried. Restrict the domain of the frame."
             )
     return sum(counts)
 
@@ -86,9 +87,9 @@ def _check_shape(atlas: Atlas, change: TransitionMap) -> None:
         target.coordinates
     ):
         raise ShapeError(
-            f"{_name(change)}: {len(target.coordinates)} expressions over {source.names} were "
-            f"needed, but {len(change.expressions)} over {shown(change.coordinates)} came. "
-            "Give one for each coordinate of the target."
+            f"{_name(change)}: expected {len(target.coordinates)} expressions over {source.names}, "
+            f"one for each coordinate of the target, got {len(change.expressions)} over "
+            f"{shown(change.coordinates)}."
         )
 
 
@@ -170,9 +171,9 @@ def _compare_frames(
         for name, one, two in zip(target.names, leg, own, strict=True):
             if _differ(one, two, [*leg, *own]):
                 raise CoordinateError(
-                    f"{_name(change)} was needed to keep the frame, but along {name} leg {i} is "
-                    f"carried over to {_short(one)} where the chart has {_short(two)}. Mend the "
-                    "map, or say keeps_frame=False if only the metric is meant to be the same."
+                    f"{_name(change)}: expected a map that keeps the frame, got {name}-component "
+                    f"{_short(one)} of leg {i}, where the chart has {_short(two)}. Correct the "
+                    "map, or give keeps_frame=False if only the metric is the same."
                 )
 
 
@@ -187,8 +188,8 @@ def _compare_metrics(
     """The products of the legs of the source are the same in the metric of the target."""
     if source.frame is None or target.frame is None:
         raise CoordinateError(
-            f"{_name(change)} was needed between charts that keep the frame: a redundant chart has "
-            "no metric of its own. Say keeps_frame=True, or give the chart a frame."
+            f"{_name(change)}: expected charts with a metric, got a redundant chart, which has "
+            "none. Give keeps_frame=True, or give the chart a frame."
         )
     place = dict(zip(target.names, there, strict=True)) | numbers
     turned = [target.coframe.precisely(place, leg, EXACT_BITS) for leg in pushed]
@@ -203,9 +204,9 @@ def _compare_metrics(
                 got = mpmath.fsum(terms)
                 if _differ(got, own[i][j], [*terms, own[i][j]]):
                     raise CoordinateError(
-                        f"{_name(change)} was needed to pull the metric back, but the product of "
-                        f"legs {j} and {i} comes as {_short(got)}, where it is "
-                        f"{_short(own[i][j])}. Mend the expressions of the map, or the chart."
+                        f"{_name(change)}: expected a map that preserves the metric, got "
+                        f"{_short(got)} for the product of legs {j} and {i}, which is "
+                        f"{_short(own[i][j])}. Correct the expressions of the map, or the chart."
                     )
 
 
@@ -232,9 +233,9 @@ def _compare_points(
     k = _first_gap(back, point, trip) or 0
     name = atlas.chart(change.source).names[k]
     raise CoordinateError(
-        f"{_name(change)} and {_name(back)} were needed to be inverse to each other, but "
-        f"{name} = {_short(point[k])} comes back as {_short(trip[k])}. Mend one of them, or count "
-        f"{name} among the angles of the second."
+        f"{_name(change)} and {_name(back)}: expected maps that are inverse to each other, got "
+        f"{name} = {_short(trip[k])} after both from {name} = {_short(point[k])}. Correct one of "
+        f"them, or list {name} among the angles of the second."
     )
 
 

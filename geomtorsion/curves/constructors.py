@@ -194,16 +194,22 @@ def parallel_transport(
     if connection is not None:
         checks.instance(connection, Connection, "connection")
     if problem.start is None:
-        raise StartError("parallel transport needs a curve with coordinates; give it a start.")
+        raise StartError(
+            "parallel transport: expected a curve with coordinates, got one without. Give it a "
+            "start."
+        )
     n = problem.frame.dimension
     rows = vectors.tolist() if isinstance(vectors, np.ndarray) else vectors
     if not isinstance(rows, list | tuple):
-        raise ShapeError(f"vector: a list of numbers was needed, {checks.shown(vectors)} came.")
+        raise ShapeError(f"vector: expected a list of numbers, got {checks.shown(vectors)}.")
     nested = bool(rows) and isinstance(rows[0], list | tuple | np.ndarray)
     carried = tuple(checked_numbers(row, n, "vector") for row in (rows if nested else [rows]))
     carrier = connection or levi_civita(problem.frame)
     if carrier.frame is not problem.frame:
-        raise ShapeError("the connection belongs to another frame. Build it over this one.")
+        raise ShapeError(
+            "connection: expected one over the frame of the curve, got one over another frame. "
+            "Build it over this frame."
+        )
     return problem.carry(TransportedVectors(carrier, carried))
 
 
@@ -231,7 +237,9 @@ def geodesic_deviation(
     """
     n = checks.instance(problem, CurveProblem, "problem").frame.dimension
     if problem.start is None:
-        raise StartError("a deviation needs coordinates; give the problem a start.")
+        raise StartError(
+            "deviation: expected a problem with coordinates, got one without. Give it a start."
+        )
     deviation = Deviation(
         checked_numbers(offset, n, "offset"),
         checked_numbers([0] * n if rate is None else rate, n, "rate"),
@@ -244,18 +252,18 @@ def kinetic_metric(metric: Any, n: int) -> tuple[tuple[Fraction, ...], ...]:
     rows: Any = metric.tolist() if isinstance(metric, np.ndarray) else metric
     if not isinstance(rows, list | tuple):
         raise ShapeError(
-            f"metric: moments or a matrix of numbers were needed, {checks.shown(metric)} came."
+            f"metric: expected moments or a matrix of numbers, got {checks.shown(metric)}."
         )
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
         moments = checked_numbers(rows, n, "metric (moments)")
         rows = [[x if i == j else 0 for j in range(n)] for i, x in enumerate(moments)]
     if len(rows) != n:
-        raise ShapeError(f"metric: {n} rows were needed, {len(rows)} came.")
+        raise ShapeError(f"metric: expected {n} rows, got {len(rows)}.")
     table = []
     for i, row in enumerate(rows):
         numbers = [rational(x) for x in checked_numbers(row, n, f"metric[{i}]")]
         if None in numbers:
-            raise MetricError(f"metric[{i}] = {row}: give numbers, fractions or floats.")
+            raise MetricError(f"metric[{i}]: expected numbers, fractions or floats, got {row}.")
         table.append(tuple(Fraction(x) for x in numbers if x is not None))
     for i in range(n):
         for j in range(i):

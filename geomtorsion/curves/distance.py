@@ -42,9 +42,9 @@ def distance_apart(
     Array, shape (m,): the length of e^i_mu (q_two - q_one)^mu, with the coframe half way between;
     where angles wrap, the least of the lengths to all images of the second point, so that nothing
     jumps. With a positive definite metric this is the distance in the metric where the two are
-    close. With an indefinite one it is no distance, and no invariant: all signs of the metric
-    are taken as positive, so that it is the size that the difference has for observers who carry
-    the frame; points apart by a null vector are apart.
+    close. With an indefinite metric all signs are taken as positive. The result is then neither a
+    distance nor an invariant, but the size of the difference for observers who carry the frame;
+    it is not zero along a null vector.
 
     Raises
     ------
@@ -69,8 +69,8 @@ def distance_apart(
     last, end = float(one.times[-1]), float(two.times[-1])
     if abs(end) < abs(last) or last * end < 0:
         raise TimeError(
-            f"the second solution ends at t = {end:.6g}, the first at {last:.6g}. "
-            "Solve both to the same time."
+            f"expected solutions to the same time, got one to t = {end:.6g} and one to t = "
+            f"{last:.6g}. Solve both to the same time."
         )
     return _gaps(one, two, chart, angles)
 
@@ -120,7 +120,7 @@ def _places(names: Sequence[str], angles: Sequence[str]) -> list[int]:
     for name in checks.entries(angles, "angles"):
         if name not in names:
             raise UnknownNameError(
-                f"angles: {checks.shown(name)} is no coordinate of this chart. There are "
+                f"angles: expected coordinates of this chart, got {checks.shown(name)}. There are "
                 f"{', '.join(names)}."
             )
     return [names.index(name) for name in angles]

@@ -76,8 +76,8 @@ def _of_domain(frame: Frame) -> Iterator[Edge]:
             inside = frame.field.read(relation.gts - relation.lts, f"domain {relation}")
         except ExpressionError:
             raise StartError(
-                f"the relation {relation} of the domain cannot be watched along a motion. Write "
-                "it without absolute values and pieces, for instance as two relations."
+                f"domain: expected relations that can be evaluated along a motion, got {relation}. "
+                "Write it without absolute values and cases, for instance as two relations."
             ) from None
         yield Edge(inside, f"{relation} holds no longer", f"the domain is {relation}")
 

@@ -362,7 +362,10 @@ def velocity_names(frame: Frame) -> tuple[str, ...]:
         names = tuple(f"{letter}{k + 1}" for k in range(frame.dimension))
         if not taken & set(names):
             return names
-    raise StartError("the frame uses all names for velocities: u1, w1, Omega1, velocity1 ...")
+    raise StartError(
+        "expected a free name for the velocities, got a frame that uses u1, w1, Omega1, velocity1 "
+        "... Rename a coordinate."
+    )
 
 
 def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
@@ -372,8 +375,8 @@ def written(frame: Frame, law: Law, chart: Chart | None) -> Equations:
     home = base is frame
     if not home and law.needs_frame and chart is not None and not chart.keeps_frame:
         raise ChartEdgeError(
-            f"the law {law.text} is about the frame {frame.name!r}; chart {chart.name!r} has "
-            "another frame. Use a chart of the same frame field."
+            f"the equation {law.text} depends on the frame {frame.name!r}, and chart "
+            f"{chart.name!r} has another frame. Use a chart of the same frame field."
         )
     rates = law.rates(base, names)
     if rates is not None and not any(rates.products):
@@ -443,8 +446,8 @@ def _need_constant(rates: Sequence[Products], frame: Frame, chart: Chart | None)
     """Refuse to omit the coordinates where the velocities depend on them."""
     if all(_is_constant(products, frame) for products in rates):
         return
-    what = "start=None (velocities alone)" if chart is None else f"chart {chart.name!r}"
+    what = "start=None (only velocities)" if chart is None else f"chart {chart.name!r}"
     raise StartError(
-        f"{what} needs velocity equations that stand alone, as on a Lie group; here they depend "
-        "on the coordinates. Give a start."
+        f"{what}: expected velocity equations without coordinates, as on a Lie group, got "
+        "equations that depend on the coordinates. Give a start."
     )

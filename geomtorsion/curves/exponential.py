@@ -108,7 +108,7 @@ def holonomy(
     if isinstance(path, CurveProblem):
         carried = parallel_transport(path, unit, connection)
         return solve(carried, [end], accuracy, engine).transported[-1].reshape(n, n).T
-    needed = "{subject}: a curve or a list of expressions was needed, but {value} came."
+    needed = "{subject}: expected a curve or a list of expressions, got {value}."
     expressions = checks.entries(path, "path", ShapeError, message=needed)
     values = checks.table(parameters, "parameters")
     return transport_along(connection, expressions, end, values, accuracy, engine)
@@ -135,8 +135,8 @@ def transport_along(
             trajectory = stuck.solution.trajectory
             reached, reason = trajectory.reached, trajectory.reason
         raise ChartEdgeError(
-            f"the path leaves the chart at {problem.time_name} = {reached:.6g} ({reason}). "
-            "Lay it inside the domain of the frame."
+            f"the path leaves the chart at {problem.time_name} = {reached:.6g} ({reason}). Move "
+            "the path inside the domain of the frame."
         ) from None
 
 
@@ -147,15 +147,17 @@ def transport_equations(
     frame = connection.frame
     n = frame.dimension
     if len(path) != n:
-        raise ShapeError(f"path: {n} expressions were needed, {len(path)} came.")
+        raise ShapeError(
+            f"path: expected {n} expressions, one for each coordinate, got {len(path)}."
+        )
     curve = [
         _without_floats(checks.expression(x, f"path[{k}]", StartError)) for k, x in enumerate(path)
     ]
     free = {s for x in curve for s in x.free_symbols} - set(frame.parameters)
     if len(free) > 1:
         raise StartError(
-            f"path: one symbol was needed, {', '.join(sorted(map(str, free)))} came. "
-            "Give q^mu(s) in one symbol s."
+            f"path: expected one symbol, got {', '.join(sorted(map(str, free)))}. Give q^mu(s) in "
+            "one symbol s."
         )
     s = free.pop() if free else sp.Symbol("s")
     speeds = [x.diff(s) for x in curve]
@@ -171,7 +173,10 @@ def transport_equations(
     used = {x.name for rate in rates.values() for x in rate.free_symbols}
     missing = sorted(used - set(rates) - {s.name} - set(numbers))
     if missing:
-        raise StartError(f"{', '.join(missing)} has no value. Give parameters={{...}}.")
+        raise StartError(
+            f"expected a value for each symbol, got none for {', '.join(missing)}. Give "
+            f"parameters={{...}}."
+        )
     return ODE.of(
         rates,
         np.eye(n).ravel().tolist(),

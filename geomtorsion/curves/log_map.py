@@ -221,7 +221,7 @@ class _Choice:
                 raise EndpointError(
                     f"expected one shortest motion {self.where}, got no unique answer: at least "
                     f"two have length {length:.9g}, with initial frame velocities {one.tolist()} "
-                    f"and {two.tolist()}. The end lies on the cut locus. Give a guess to choose "
+                    f"and {two.tolist()}. The end is on the cut locus. Give a guess to choose "
                     "one."
                 )
 

@@ -168,7 +168,9 @@ class CurveProblem:
     def velocity(self) -> np.ndarray:
         """Coordinate velocities q'^mu at the start."""
         if self.start is None:
-            raise StartError("this problem has no coordinates; give it a start")
+            raise StartError(
+                "expected a problem with coordinates, got one without. Give it a start."
+            )
         chart = self.atlas.chart(self.atlas.home)
         column = np.array([[float(u)] for u in self.frame_velocity])
         return chart.frame_vectors.applied(self.floats(), column)[:, 0]
@@ -266,7 +268,8 @@ class CurveProblem:
         if missing:
             example = ", ".join(f"{name!r}: 1.0" for name in missing)
             raise StartError(
-                f"{', '.join(missing)} has no value. Give parameters={{{example}}}, for example."
+                f"expected a value for each parameter, got none for {', '.join(missing)}. Give "
+                f"parameters={{{example}}}, for example."
             )
 
     # -- for the solver --------------------------------------------------------------------------
@@ -282,9 +285,9 @@ class CurveProblem:
             if not value > 0:
                 place = ", ".join(f"{name} = {point[name]:.6g}" for name in self.coordinates)
                 raise StartError(
-                    f"the start {place} lies outside of where the frame holds: {edge.condition}. "
-                    "Start inside, or state a domain (and with it the branches of roots) around "
-                    "the start."
+                    f"expected a start inside the domain of the frame, {edge.condition}, got "
+                    f"{place}. Start inside, or state a domain (and with it the branches of roots) "
+                    "around the start."
                 )
         self._check_stops(point)
         self._beginning(53)
@@ -471,8 +474,8 @@ class CurveProblem:
         if edge is not None:
             return AccuracyError(
                 f"expected a motion to t = {trajectory.reached / self.time_unit:.6g} and beyond, "
-                f"got rounding errors larger than what is left of {edge.element.sympy}: "
-                f"{edge.condition}, and the motion comes closer without reaching the edge. Use "
+                f"got rounding errors larger than the remaining {edge.element.sympy}: "
+                f"{edge.condition}, and the motion approaches the edge without reaching it. Use "
                 "Taylor(precision=113) or more, a coordinate that is the logarithm of "
                 f"{edge.element.sympy}, or a shorter time. The computed part is in the error's "
                 "`solution`."
@@ -493,7 +496,9 @@ class CurveProblem:
                 "Stop earlier."
             )
         elif self.carried is not None and not self.carried.any_chart:
-            advice = "What is carried along is given in this frame, which ends here; stop earlier."
+            advice = (
+                "The transported vectors are given in this frame, which ends here; stop earlier."
+            )
         elif self.stops and len(self.atlas.makers) > 1:
             terms = ", ".join(stop.text for stop in self.stops)
             advice = (
@@ -621,7 +626,8 @@ def checked_parameters(frame: Frame, parameters: Mapping[Any, Any] | None) -> di
         if name not in symbols:
             listed = ", ".join(sorted(symbols)) or "none"
             raise StartError(
-                f"{checks.shown(name)} is no parameter of this frame. Known are {listed}."
+                f"parameters: expected a parameter of this frame, got {checks.shown(name)}. Known "
+                f"are {listed}."
             )
         checked_numbers([value], 1, f"parameter {name}")
         checks.check_declared(symbols[name], value)
@@ -644,7 +650,9 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
         if not _has_legs(frame, point):
             frame.legs.at(point)
     except MissingValueError as error:
-        raise StartError(f"{error} Give parameters={{...}}.") from None
+        # The error names the parameter, and how to add it to a point, which is the start here.
+        missing = str(error).partition(" Add ")[0]
+        raise StartError(f"{missing} Give parameters={{...}}.") from None
     except BranchError as error:
         # The frame may be regular there, but was read for the other side.
         raise StartError(f"start {where}: {error}") from None
@@ -652,8 +660,8 @@ def checked_start(frame: Frame, start: object, parameters: Mapping[str, Real]) -
         size = 0.0
     if size == 0.0 or not math.isfinite(size):
         raise StartError(
-            f"the frame {frame.name or 'of this problem'} is singular at the start {where}: "
-            f"its determinant vanishes or has no value. {_advice(frame, point)}"
+            f"expected a regular frame at the start {where}, got {frame.name or 'one'}, which is "
+            f"singular there: its determinant vanishes or has no value. {_advice(frame, point)}"
         )
     return place
 
@@ -665,7 +673,7 @@ def _advice(frame: Frame, point: Mapping[str, float]) -> str:
     outside = broken_relations(frame.domain, values)
     if not outside:
         around = _charts_around(frame, point)
-        return f"{around}Start {'there, or ' if around else ''}beside the edge of the chart."
+        return f"{around}Start {'there, or ' if around else ''}away from the edge of the chart."
     return f"The domain is {', '.join(map(str, outside))}. Start inside."
 
 
@@ -684,7 +692,7 @@ def _charts_around(frame: Frame, point: Mapping[str, float]) -> str:
         if np.isfinite(there).all() and not (chart.at_edges({**point, **values}) <= 0).any():
             listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
             hints.append(
-                f"Chart {name!r} holds there, at {listed}; its frame is "
+                f"Chart {name!r} covers this point, at {listed}; its frame is "
                 f"problem.atlas.chart({name!r}).frame of any curve of this space. "
             )
     return "".join(hints)
@@ -714,13 +722,16 @@ def frame_velocities(
     if (velocity is None) == (frame_velocity is None):
         came = "none" if velocity is None else "both"
         raise StartError(
-            f"exactly one of velocity (q'^mu) and frame_velocity (u^i) was needed, {came} came."
+            f"expected either velocity (q'^mu) or frame_velocity (u^i), got {came}. Give one of "
+            "them."
         )
     if velocity is None:
         return checked_numbers(frame_velocity, frame.dimension, "frame_velocity"), None
     rates = checked_numbers(velocity, frame.dimension, "velocity")
     if start is None:
-        raise StartError("velocity needs a start; without one, give frame_velocity (u^i).")
+        raise StartError(
+            "velocity: expected a start with it, got none. Give a start, or frame_velocity (u^i)."
+        )
     point = {s.name: float(x) for s, x in zip(frame.coordinates, start, strict=True)}
     point |= {name: float(value) for name, value in parameters.items()}
     coframe = frame.coframe.at(point)
@@ -733,11 +744,13 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     if causal is None:
         return
     if causal not in CAUSAL:
-        raise StartError(f"causal={causal!r}: one of {', '.join(CAUSAL)} was needed.")
+        raise StartError(f"causal: expected one of {', '.join(CAUSAL)}, got {causal!r}.")
     eta = np.real(frame.eta.at({}))
     squares = np.linalg.eigvalsh(eta)
     if squares.min() > 0:
-        raise StartError(f"causal={causal!r} needs a metric with time; this one is Euclidean.")
+        raise StartError(
+            f"causal={causal!r}: expected a metric with time, got a Euclidean one. Omit causal."
+        )
     u = np.array([float(x) for x in velocity])
     norm, size = float(u @ eta @ u), float(abs(eta).max() * (u @ u))
     # Null up to rounding: the norm is negligible against its terms.
@@ -747,6 +760,6 @@ def check_causal(frame: Frame, velocity: Sequence[Real], causal: str | None) -> 
     nature = "null" if is_null else ("timelike" if time * norm > 0 else "spacelike")
     if nature != causal:
         raise StartError(
-            f"the velocity is {nature}: eta_ij u^i u^j = {norm:.6g}, but {causal} was asked for. "
-            "Give another velocity, or causal=None."
+            f"expected a {causal} velocity, got a {nature} one: eta_ij u^i u^j = {norm:.6g}. Give "
+            "another velocity, or causal=None."
         )

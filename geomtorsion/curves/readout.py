@@ -133,8 +133,8 @@ def converted(
         bad = int(np.argmin(finite.all(axis=1)))
         place = ", ".join(f"{float(x):.6g}" for x in q[bad])
         raise ChartEdgeError(
-            f"the motion passes ({place}) of chart {source!r}, where chart {target!r} does not "
-            f"reach. Use solution.in_chart({source!r})."
+            f"the motion passes ({place}) in chart {source!r}, which chart {target!r} does not "
+            f"cover. Use solution.in_chart({source!r})."
         )
     return _turned(problem, source, target, there), turned
 
@@ -294,24 +294,32 @@ def start_lists(
     n = problem.frame.dimension
     lists = {"starts": starts, "velocities": velocities, "frame_velocities": frame_velocities}
     if velocities is not None and frame_velocities is not None:
-        raise StartError("velocities and frame_velocities were both given; give one of them.")
+        raise StartError("expected velocities or frame_velocities, got both. Give one of them.")
     arrays = {key: _rows(value, n, key) for key, value in lists.items() if value is not None}
     if not arrays:
-        raise StartError("give starts, velocities or frame_velocities: one row per motion.")
+        raise StartError(
+            "expected starts, velocities or frame_velocities, got none. Give one row per motion."
+        )
     counts = {key: len(value) for key, value in arrays.items()}
     if len(set(counts.values())) > 1:
-        raise ShapeError(f"lists of different length came: {counts}. Give one row per motion.")
+        raise ShapeError(f"expected lists of equal length, got {counts}. Give one row per motion.")
     number = next(iter(counts.values()))
     place = arrays.get("starts")
     if problem.start is None and place is not None:
-        raise StartError("the problem follows velocities alone; make it with a start.")
+        raise StartError(
+            "starts: expected a problem with coordinates, got one with velocities only. Make it "
+            "with a start."
+        )
     if place is None and problem.start is not None:
         place = np.tile([float(x) for x in problem.start], (number, 1))
     if "velocities" not in arrays:
         own = np.tile([float(x) for x in problem.frame_velocity], (number, 1))
         return place, arrays.get("frame_velocities", own)
     if place is None:
-        raise StartError("velocities need coordinates; give frame_velocities.")
+        raise StartError(
+            "velocities: expected a problem with coordinates, got one without. Give "
+            "frame_velocities."
+        )
     chart = problem.atlas.chart(problem.atlas.home)
     point = dict(zip(chart.names, place.T, strict=True))
     numbers = {key: float(value) for key, value in problem.parameters.items()}
@@ -326,22 +334,25 @@ def _rows(values: object, n: int, what: str) -> np.ndarray:
         StartError,
         shape=(None, n),
         shape_error=ShapeError,
-        message=f"{{subject}}: rows of {n} numbers were needed.",
-        shaped=f"{{subject}}: shape (number, {n}) was needed, {{came}} came.",
+        message=f"{{subject}}: expected rows of {n} numbers.",
+        shaped=f"{{subject}}: expected shape (number, {n}), got {{came}}.",
         infinite="{subject}{place} = {value} is not finite.",
     )
     if not len(array):
-        raise ShapeError(f"{what}: shape (number, {n}) was needed, {array.shape} came.")
+        raise ShapeError(f"{what}: expected shape (number, {n}), got {array.shape}.")
     return array
 
 
 def laid_out(problem: CurveProblem, place: np.ndarray | None, velocities: np.ndarray) -> Members:
     """Members in the chart of preference, each with a time unit of its own."""
     if problem.carried is not None:
-        raise StartError("ensembles carry no vectors along; solve such problems one by one.")
+        raise StartError(
+            "expected curves without vectors carried along, got curves with them. Solve such "
+            "problems one by one."
+        )
     if problem.stops:
         raise StartError(
-            "expected curves without stop=..., which end at times of their own, got "
+            "expected curves without stop=..., because each such curve ends at its own time, got "
             f"stop = {', '.join(stop.text for stop in problem.stops)}. Solve them one by one, or "
             "omit it and use event_times."
         )

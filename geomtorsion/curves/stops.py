@@ -178,6 +178,6 @@ def check_stops(stops: Sequence[Stop], point: Mapping[str, float]) -> None:
         if not room >= 0:
             raise StartError(
                 f"stop: expected {stop.text} above zero at the start, got {room:.6g}. A curve ends "
-                f"where the expression falls through zero; write -({stop.text}) to stop where it "
-                "rises."
+                f"where the expression decreases through zero; write -({stop.text}) to stop where "
+                "it increases."
             )

@@ -319,7 +319,9 @@ def _by_sympy(generator: Generator, given: Given) -> mpmath.mpf:
     table = {s: given(Generator("symbol", "", s, frozenset((s,)))) for s in generator.depends}
     number = generator.shown.evalf(digits, subs=table)
     if not number.is_number or number.free_symbols:
-        raise MissingValueError(f"{generator.shown} has no number here; give its symbols values")
+        raise MissingValueError(
+            f"expected a number for {generator.shown}, got none. Give values to its symbols."
+        )
     real, imaginary = number.as_real_imag()
     value = mpmath.mpf(str(real))
     return mpmath.mpc(value, mpmath.mpf(str(imaginary))) if imaginary else value
@@ -331,7 +333,8 @@ def _given(point: Mapping[Any, Any], generator: Generator) -> mpmath.mpf:
         if key in point:
             return _number(point[key])
     raise MissingValueError(
-        f"{generator.shown} has no value at this point; add it: {{..., {generator.shown}: number}}"
+        f"expected a value for {generator.shown}, got none. Add it to the point: "
+        f"{{..., {generator.shown}: number}}."
     )
 
 

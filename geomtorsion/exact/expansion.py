@@ -135,7 +135,7 @@ class Expansion:
             if coefficient.is_zero is None:
                 raise UndecidedError(
                     f"whether {coefficient} vanishes cannot be decided, so that the limit "
-                    f"{self.approach} cannot be had. Use functions with known relations."
+                    f"{self.approach} is not known. Use functions with known relations."
                 )
             if not coefficient.is_zero:
                 return order, coefficient, coefficients

@@ -22,7 +22,7 @@ def combined(first: Tensor, second: Tensor | Scalar, sign: int) -> Tensor:
     if not isinstance(second, type(first)):
         if first.slots or not _is_scalar(second):
             raise TensorIndexError(
-                f"{first.label} can be added to a tensor, not to {checks.shown(second)}."
+                f"{first.label}: expected a tensor to add, got {checks.shown(second)}."
             )
         second = first.frame.scalar(second, "t", "")
     if second.frame is not first.frame:
@@ -57,7 +57,8 @@ def multiple(tensor: Tensor, factor: Tensor | Scalar) -> Tensor:
             return multiple(factor, tensor)
         if factor.slots:
             raise TensorIndexError(
-                "Say which indices are summed: contract('ab,bc->ac', s, t), or s @ t."
+                "expected letters for the summed indices, got a product of two tensors with "
+                "indices. Write contract('ab,bc->ac', s, t), or s @ t."
             )
         factor = _own_element(tensor, factor)
     (scale,) = tensor.frame.read([("factor", factor)])
@@ -74,12 +75,15 @@ def quotient(tensor: Tensor, divisor: Tensor | Scalar) -> Tensor:
     if isinstance(divisor, type(tensor)):
         if divisor.slots:
             raise TensorIndexError(
-                f"{tensor.label} can be divided by a scalar, not by {divisor.label}."
+                f"{tensor.label} / {divisor.label}: expected a scalar divisor, got a tensor with "
+                "indices. Divide by one component."
             )
         divisor = _own_element(tensor, divisor)
     (read,) = tensor.frame.read([("divisor", divisor)])
     if read.is_zero:
-        raise ZeroDivisionError(f"{tensor.label} was divided by {divisor}, which is exactly zero.")
+        raise ZeroDivisionError(
+            f"{tensor.label} / {divisor}: expected a divisor that is not zero, got exactly zero."
+        )
     return multiple(tensor, read.inverse())
 
 
@@ -87,11 +91,15 @@ def power(tensor: Tensor, exponent: Scalar) -> Tensor:
     """Power of a tensor of rank 0."""
     if tensor.slots:
         raise TensorIndexError(
-            f"{tensor.label} has indices, so that it has no powers. Say which are summed: s @ t."
+            f"{tensor.label}: expected a scalar for a power, got a tensor with indices. Choose the "
+            "summed indices: s @ t."
         )
     raised = checks.expression(exponent, "exponent")
     if raised.is_negative and tensor.is_zero:
-        raise ZeroDivisionError(f"{tensor.label} is exactly zero: it has no negative powers.")
+        raise ZeroDivisionError(
+            f"{tensor.label}: expected a scalar that is not zero for a negative power, got exactly "
+            "zero."
+        )
     whole = raised.is_Integer
     value = tensor.element() ** int(raised) if whole else tensor[()] ** raised
     return tensor.frame.scalar(value, "t", "")
@@ -100,11 +108,16 @@ def power(tensor: Tensor, exponent: Scalar) -> Tensor:
 def number(tensor: Tensor) -> float:
     """A constant tensor of rank 0 as a float."""
     if tensor.slots:
-        raise ArgumentError(f"{tensor.label} has indices: one component is a number, all are not.")
+        raise ArgumentError(
+            f"{tensor.label}: expected a scalar, got a tensor with indices. Take one component."
+        )
     value = tensor[()]
     if value.free_symbols or not value.is_number:
         names = ", ".join(sorted(map(str, value.free_symbols)))
-        raise MissingValueError(f"{tensor.label} depends on {names}. Give values: .at({{...}}).")
+        raise MissingValueError(
+            f"{tensor.label}: expected a number, got an expression in {names}. Give values: "
+            f".at({{...}})."
+        )
     return float(value)
 
 
@@ -117,8 +130,8 @@ def equal(first: Tensor, second: Tensor) -> bool:
     verdict = combined(first, second, -1).is_zero
     if verdict is None:
         raise UndecidedError(
-            f"Whether {first.label} equals {second.label} cannot be decided exactly: functions "
-            "occur whose relations are not known. Compare numbers with .at(point)."
+            f"whether {first.label} equals {second.label} cannot be decided exactly, because "
+            "relations between their functions are unknown. Compare numbers with .at(point)."
         )
     return verdict
 
@@ -143,6 +156,7 @@ def _own_element(tensor: Tensor, scalar: Tensor) -> Element:
     """The value of a tensor of rank 0 that belongs to the same frame."""
     if scalar.frame is not tensor.frame:
         raise TensorIndexError(
-            f"{tensor.label} and {scalar.label} belong to different frames. Build both on one."
+            f"{tensor.label} and {scalar.label}: expected tensors of one frame, got tensors of "
+            "two. Build both on the same frame."
         )
     return scalar.element()

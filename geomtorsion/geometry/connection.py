@@ -233,10 +233,13 @@ class Connection:
         instance(tensor, Tensor, "tensor")
         if tensor.frame is not frame:
             raise ShapeError(
-                "The tensor belongs to another frame than the connection. Build it over this one."
+                "expected a tensor over the frame of the connection, got one over another frame. "
+                "Build it over this frame."
             )
         if tensor.anchored:
-            raise TensorIndexError(f"{tensor.label} is not a tensor in all its indices.")
+            raise TensorIndexError(
+                f"{tensor.label}: expected a tensor in all its indices, got other components."
+            )
         get, n, coordinates = tensor.components.get, frame.dimension, frame.coordinates
         tables = {"d": self.coefficients.components.get}
         if tensor.slots != tensor.slots.lower():

@@ -287,7 +287,10 @@ def blend(first: Connection, second: Connection, share: Scalar = HALF) -> Connec
     for connection, name in ((first, "first"), (second, "second")):
         checks.instance(connection, Connection, name)
     if first.frame is not second.frame:
-        raise ShapeError("Connections over different frames cannot be blended. Build both on one.")
+        raise ShapeError(
+            "expected connections over one frame, got different frames. Build both over the same "
+            "frame."
+        )
     (weight,) = first.frame.read([("share", share)])
     # One difference and one product a component; (1 - s) A + s B would take two products.
     mixed = first.coefficients + (second.coefficients - first.coefficients) * weight
@@ -315,7 +318,13 @@ def _with_slots(frame: Frame, values: object, what: str) -> Tensor:
 def _given(frame: Frame, tensor: Tensor, slots: str, what: str) -> Tensor:
     """A tensor handed in for an array: the same frame and the right slots."""
     if tensor.frame is not frame:
-        raise ShapeError(f"{what}: the tensor belongs to another frame. Build it over this one.")
+        raise ShapeError(
+            f"{what}: expected a tensor over this frame, got one over another frame. Build it over "
+            "this frame."
+        )
     if tensor.slots != slots:
-        raise TensorIndexError(f"{what}: slots {slots!r} were needed, {tensor.slots!r} came.")
+        raise TensorIndexError(
+            f"{what}: expected slots {slots!r}, got {tensor.slots!r}. Use raised, lowered, "
+            "in_frame or in_coordinates."
+        )
     return tensor

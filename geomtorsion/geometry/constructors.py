@@ -106,8 +106,8 @@ def substituted(frame: Frame, put: Substitution) -> Frame:
         replaced = put(relation)
         if replaced == sp.false:
             raise CoordinateError(
-                f"{put}: the frame is declared where {relation}, which does not hold then. Give "
-                "values inside of the domain."
+                f"{put}: expected values inside the domain of the frame, got values that violate "
+                f"{relation}. Give other values."
             )
         domain += [] if replaced == sp.true else [replaced]
     roots = {put(root): put(value) for root, value in frame.field.chosen.items()}

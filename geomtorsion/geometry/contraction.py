@@ -83,8 +83,8 @@ def _parse(letters: str, tensors: Sequence[Tensor]) -> tuple[list[str], str]:
     groups = left.split(",")
     if not tensors or len(groups) != len(tensors):
         raise TensorIndexError(
-            f"{shown(letters)} names {len(groups)} tensors, {len(tensors)} were given. "
-            "Write one group of letters for each tensor, separated by commas."
+            f"{shown(letters)}: expected {len(groups)} tensors, one for each group of letters, got "
+            f"{len(tensors)}. Write one group for each tensor, separated by commas."
         )
     if not arrow:
         counts = Counter("".join(groups))
@@ -97,22 +97,23 @@ def _check(
 ) -> dict[str, str]:
     """Slots of the remaining letters; an error if anything does not fit."""
     if any(tensor.frame is not tensors[0].frame for tensor in tensors):
-        raise ShapeError("Tensors of different frames were contracted. Build all over one frame.")
+        raise ShapeError(
+            "expected tensors over one frame, got different frames. Build all over the same frame."
+        )
     seen: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for group, tensor in zip(groups, tensors, strict=True):
         if len(group) != len(tensor.slots):
             raise TensorIndexError(
-                f"{shown(text)}: {shown(group)} has {len(group)} letters, but {tensor.label} has "
-                f"{len(tensor.slots)} indices. Write one letter for each index."
+                f"{shown(text)}: expected {len(tensor.slots)} letters for {tensor.label}, one for "
+                f"each index, got {shown(group)}."
             )
         for letter, slot in zip(group, tensor.slots, strict=True):
             seen[letter].append((slot, tensor.label))
     free = {letter: uses[0][0] for letter, uses in seen.items() if len(uses) == 1}
     if sorted(wanted) != sorted(free):
         raise TensorIndexError(
-            f"{shown(text)}: the letters that occur once are {', '.join(sorted(free)) or 'none'}, "
-            f"the result asks for {shown(wanted)}. Let each letter that occurs once, and no other, "
-            "stand in the result."
+            f"{shown(text)}: expected the letters that occur once after the arrow, "
+            f"{', '.join(sorted(free)) or 'none'}, got {shown(wanted)}."
         )
     for letter, uses in seen.items():
         _check_pair(text, letter, uses)
@@ -123,8 +124,8 @@ def _check_pair(text: str, letter: str, uses: Sequence[tuple[str, str]]) -> None
     """A summed letter joins one upper and one lower index of one kind."""
     if not letter.isalpha() or len(uses) > 2:
         raise TensorIndexError(
-            f"{shown(text)}: index {letter!r} occurs {len(uses)} times. "
-            "Use letters, each once (kept) or twice (summed)."
+            f"{shown(text)}: expected each letter once (kept) or twice (summed), got {letter!r} "
+            f"{len(uses)} times."
         )
     if len(uses) == 1:
         return
@@ -164,7 +165,9 @@ def _inherited(
 def product(one: Tensor, two: Tensor) -> Tensor:
     """The sum over the last index of one tensor and the first of another: one @ two."""
     if not one.slots or not two.slots:
-        raise TensorIndexError("@ sums over an index of both: neither may be a scalar.")
+        raise TensorIndexError(
+            "@: expected two tensors with indices, got a scalar. Use * to multiply by a scalar."
+        )
     names = "abcdefghijklmnopqrstuvwxyz"
     left = names[: len(one.slots)]
     right = left[-1] + names[len(left) : len(left) + len(two.slots) - 1]

@@ -56,8 +56,8 @@ def at_points(
     except ValueError:
         shapes = ", ".join(str(column.shape) for column in columns)
         raise ShapeError(
-            f"point: values of one shape were needed, but shapes {shapes} came. "
-            "Give lists of equal length, or single numbers."
+            f"point: expected values of one shape, got the shapes {shapes}. Give lists of equal "
+            "length, or single numbers."
         ) from None
     arrays = [
         at_point(tensor, {**point, **dict(zip(several, values, strict=True))}, digits)
@@ -186,8 +186,8 @@ def _named_values(tensor: Tensor, point: Point) -> dict[sp.Expr, Number]:
     for name, number in checks.by_name(named, "point", CoordinateError).items():
         if name not in symbols:
             raise CoordinateError(
-                f"{checks.cut(name)} is neither a coordinate nor a parameter of this frame. "
-                f"Known are {', '.join(symbols)}."
+                "point: expected coordinates and parameters of this frame, got "
+                f"{checks.cut(name)}. Known are {', '.join(symbols)}."
             )
         symbol = symbols[name]
         try:
@@ -238,6 +238,6 @@ def sample_point(frame: Frame) -> RationalPoint:
             if 1e-12 < size < 1e12:
                 return point
     raise CoordinateError(
-        f"no point inside the domain was found in {TRIES} tries. State the domain "
-        "more simply, as bounds of each coordinate by numbers: 0 < theta, theta < pi."
+        f"expected a point inside the domain, got none in {TRIES} tries. State the domain more "
+        "simply, as numerical bounds of each coordinate: 0 < theta, theta < pi."
     )

@@ -72,8 +72,8 @@ def _scales(frame: Frame) -> list[Element]:
             raise
         except LimitError as error:
             raise LimitError(
-                f"leg {i} of this metric has the root of a long sum in it: {error}. Torsion, "
-                "connections and curvature need no legs; or give a coframe"
+                f"leg {i} of this metric contains the root of a long sum: {error}. Torsion, "
+                "connections and curvature do not need the legs; otherwise give a coframe"
             ) from None
 
     return [scale(i) for i in range(frame.dimension)]

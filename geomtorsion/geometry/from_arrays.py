@@ -55,9 +55,9 @@ def _entries(
     size = None if listed is None else len(listed)
     if listed is None or size != n:
         raise ShapeError(
-            f"{name}{list(index) or ''}: {n} entries were needed, "
-            f"{'a single value' if size is None else size} came. "
-            f"Give nested lists, one level for each index, each with {n} entries."
+            f"{name}{list(index) or ''}: expected {n} entries, got "
+            f"{'a single value' if size is None else size}. Give nested lists, one level for each "
+            f"index, each with {n} entries."
         )
     for k in range(n):
         yield from _entries(listed[k], (*index, k), depth - 1, n, name)

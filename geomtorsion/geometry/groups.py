@@ -41,14 +41,14 @@ def invariant_coframe(
 
 def checked_constants(constants: object) -> list[list[list[sp.Expr]]]:
     """C_ij^k as nested lists; antisymmetric and satisfying the Jacobi identity, both exactly."""
-    needed = "{subject} must be C_ij^k with shape (n, n, n), axes (i, j, k), but {value} came."
+    needed = "{subject}: expected C_ij^k of shape (n, n, n), axes (i, j, k), got {value}."
     rows = checks.entries(constants, "structure constants", StructureConstantError, message=needed)
     n = len(rows)
     table = [[_listed(line) for line in _listed(b)] for b in rows]
     if n == 0 or any(len(b) != n or any(len(line) != n for line in b) for b in table):
         raise StructureConstantError(
-            "structure constants must be C_ij^k with shape (n, n, n), axes (i, j, k). "
-            f"{n} blocks came, not all of {n} lines with {n} entries."
+            f"structure constants: expected C_ij^k of shape (n, n, n), axes (i, j, k), got {n} "
+            f"blocks, not all of {n} lines with {n} entries. Give nested lists C[i][j][k]."
         )
     places = list(product(range(n), repeat=3))
     named = [(f"structure constants[{i}, {j}, {k}]", table[i][j][k]) for i, j, k in places]
@@ -85,7 +85,8 @@ def _symbols(coordinates: Sequence[sp.Symbol] | str | None, n: int) -> list[sp.S
     symbols = named_symbols(coordinates)
     if len(symbols) != n:
         raise ShapeError(
-            f"{len(symbols)} coordinates came with structure constants of dimension {n}. Give {n}."
+            f"coordinates: expected {n}, the dimension of the structure constants, got "
+            f"{len(symbols)}."
         )
     return symbols
 

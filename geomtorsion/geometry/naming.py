@@ -27,8 +27,8 @@ def meanings(
     for name, value in given.items():
         if not name.isidentifier() or name in taken | {s.name for s in quantities}:
             raise ArgumentError(
-                f"{name}: a name that has no meaning here was needed. Choose one that is no "
-                "coordinate, parameter or function, and that is given once."
+                f"{name}: expected a new name, got one that is a coordinate, parameter or "
+                "function, occurs twice, or is not a word. Choose another name."
             )
         symbols = {s.name: s for s in (*field.symbols, *quantities)}
         read = checks.expression(value, name, read=partial(_read, symbols, name))
@@ -36,8 +36,8 @@ def meanings(
         others = sorted(str(s) for s in read.free_symbols - set(symbols.values()))
         if others:
             raise UnknownNameError(
-                f"{name} = {read}: {', '.join(others)} is not known there. Known are coordinates, "
-                f"parameters and names given before: {', '.join(symbols)}."
+                f"{name} = {read}: expected coordinates, parameters and earlier names, got "
+                f"{', '.join(others)}. Known are {', '.join(symbols)}."
             )
         quantities[sp.Symbol(name)] = read.xreplace(quantities)
     return quantities
@@ -63,11 +63,15 @@ def names(field: Field, found: Meanings) -> Names:
     for symbol, element in zip(found, read, strict=True):
         whole = field.brief(element)
         if element.is_zero is None:
-            raise UndecidedError(f"whether {symbol} = {found[symbol]} vanishes cannot be decided.")
+            raise UndecidedError(
+                f"whether {symbol} = {found[symbol]} vanishes cannot be decided. Use functions "
+                "with known relations."
+            )
         if whole is None or element.is_zero or not whole.symbols:
             raise ArgumentError(
-                f"{symbol} = {checks.cut(str(found[symbol]))}: a short quantity that depends on a "
-                "coordinate or parameter was needed, not a number. Write numbers as they are."
+                f"{symbol} = {checks.cut(str(found[symbol]))}: expected a short expression that "
+                "depends on a coordinate or parameter, got a number or a long one. Write numbers "
+                "directly."
             )
         generator = Generator("symbol", symbol.name, symbol, frozenset(whole.symbols))
         written_names.append(Name(generator, whole))

@@ -432,8 +432,8 @@ def index_names(tensor: Tensor, names: Names | None) -> tuple[str, ...]:
     valid = [name for name in listed if isinstance(name, str) and name.strip()]
     if len(valid) != n or len(listed) != n or len(set(valid)) != n:
         raise TensorIndexError(
-            f"names {checks.shown(names)}: needed are {n} different names, one for each of "
-            f"{', '.join(coordinates)}. Give them as a text of {n} letters, or as a list of texts."
+            f"names: expected {n} different names, one for each of {', '.join(coordinates)}, got "
+            f"{checks.shown(names)}. Give them as a text of {n} letters, or as a list of texts."
         )
     return tuple(valid)
 
@@ -446,8 +446,8 @@ def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[
         rank, place = len(tensor.slots), checks.whole(key)
         if place is None or not 0 <= place < rank:
             raise TensorIndexError(
-                f"where: {tensor.label} has no index {checks.shown(key)}: it has {rank}, "
-                "counted from 0. Give {index: its value}, such as {0: 'r'}."
+                f"where: expected an index of {tensor.label} from 0 to {rank - 1}, got "
+                f"{checks.shown(key)}. Give {{index: its value}}, such as {{0: 'r'}}."
             )
         labels = next((list_ for list_ in (names, coordinates) if value in list_), None)
         number = checks.whole(value)
@@ -455,8 +455,8 @@ def _fixed(tensor: Tensor, names: tuple[str, ...], where: Where | None) -> dict[
             number = labels.index(value)
         if number is None or not 0 <= number < len(names):
             raise TensorIndexError(
-                f"where[{place}] = {checks.shown(value)}: needed is a whole number from 0 to "
-                f"{len(names) - 1}, or one of {', '.join(names)}."
+                f"where[{place}]: expected a whole number from 0 to {len(names) - 1}, or one of "
+                f"{', '.join(names)}, got {checks.shown(value)}."
             )
         fixed[place] = number
     return fixed

@@ -96,8 +96,8 @@ def _asked_signs(signature: Sequence[object] | None, n: int) -> tuple[int, ...] 
     signs = [fraction(sign) for sign in signature]
     if len(signs) != n or any(sign not in (1, -1) for sign in signs):
         raise SignatureError(
-            f"signature {shown(tuple(signature))} was asked for, but {n} signs (1 or -1) are "
-            "needed, one for each row of the frame."
+            f"signature: expected {n} signs (1 or -1), one for each row of the frame, got "
+            f"{shown(tuple(signature))}."
         )
     return tuple(1 if sign == 1 else -1 for sign in signs)
 
@@ -130,13 +130,13 @@ def _signs(
         if signs is not None:
             return signs
         raise MetricError(
-            "the signature of the metric cannot be found: it has no finite real value at any point "
-            "tried. State the domain, for instance domain=[r > 2*M]."
+            "the signature of the metric cannot be determined: the metric has no finite real "
+            "value at any point tried. State the domain, for instance domain=[r > 2*M]."
         )
     own_signs = tuple(usable[0][i] for i in range(n))
     raise MetricError(
-        f"metric has signature {own_signs} in its domain, {signature} was asked for. "
-        "Ask for as many minus signs as the metric has, or state the domain."
+        f"expected a metric of signature {signature}, got one of signature {own_signs} in its "
+        "domain. Give as many minus signs as the metric has, or state the domain."
     )
 
 

@@ -321,4 +321,4 @@ class DependencyGraph:
             f"{step.name:<20}{step.components:>11}{step.products:>18}  {step.meaning}"
             for step in self.steps
         ]
-        return "\n".join([heading, *lines, f"left out: {', '.join(self.left_out)}"])
+        return "\n".join([heading, *lines, f"omitted: {', '.join(self.left_out)}"])

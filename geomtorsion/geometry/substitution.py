@@ -59,7 +59,7 @@ class Substitution:
         if not isinstance(replaced, sp.Expr) or replaced.has(*INFINITE):
             raise SingularPointError(
                 f"{where} = {expression} has no finite value with {self}. Give other values, or "
-                "ask for a limit: tensor.limit(symbol, value)."
+                "compute a limit: tensor.limit(symbol, value)."
             )
         return replaced
 
@@ -90,7 +90,7 @@ def substitution(values: Values, coordinates: Sequence[sp.Symbol], exact: Field)
         put = _read(value, names, name)
         if put.has(*INFINITE):
             raise ArgumentError(
-                f"{name}: a finite value was needed, but {put} came. For infinity ask for a limit: "
+                f"{name}: expected a finite value, got {put}. For infinity compute a limit: "
                 f"tensor.limit({key}, {put})."
             )
         checked(name, put)
@@ -121,8 +121,8 @@ def _function_named(
     if len(unknown_functions) > 1:
         listed = ", ".join(sorted(map(str, unknown_functions)))
         raise ArgumentError(
-            f"values: expected one function of the name {name}, got {listed}. Write it with "
-            "its arguments."
+            f"values: expected one function with the name {name}, got {listed}. Write it with its "
+            "arguments."
         )
     return unknown_functions.pop() if unknown_functions else None
 
@@ -140,20 +140,20 @@ def _parameter(
     """The parameter that is meant."""
     if not isinstance(key, sp.Symbol):
         raise ArgumentError(
-            f"values: a parameter or an unknown function such as a(t) was needed as a key, but "
-            f"{checks.shown(given)} came."
+            "values: expected a parameter or an unknown function such as a(t) as a key, got "
+            f"{checks.shown(given)}."
         )
     symbol = counted_as([key], [*coordinates, *parameters]).get(key, key)
     if symbol in coordinates:
         raise CoordinateError(
-            f"{symbol} is a coordinate, and has no value but at a point: a tensor is evaluated by "
-            f"tensor.at(...), and goes to a point by tensor.limit({symbol}, ...)."
+            f"values: expected parameters and functions, got the coordinate {symbol}. For values "
+            f"at a point use tensor.at(...), for a limit tensor.limit({symbol}, ...)."
         )
     if symbol not in parameters:
         names = [one.name for one in parameters]
         raise UnknownNameError(
-            f"{symbol} is no parameter here. {checks.did_you_mean(symbol.name, names)}"
-            f"There are {', '.join(names) or 'none'}."
+            f"values: expected a parameter, got {symbol}. "
+            f"{checks.did_you_mean(symbol.name, names)}There are {', '.join(names) or 'none'}."
         )
     return symbol
 
@@ -167,8 +167,8 @@ def _constant(
     varying += sorted(str(one) for one in value.atoms(AppliedUndef))
     if varying:
         raise CoordinateError(
-            f"{symbol} is a parameter, constant in every derivative, but {value} depends on "
-            f"{', '.join(varying)}. Make a new frame of the changed entries."
+            f"{symbol}: expected a value without coordinates for this parameter, got {value}, "
+            f"which depends on {', '.join(varying)}. Make a new frame with the changed entries."
         )
     checks.check_declared(symbol, value)
     return value
@@ -185,18 +185,18 @@ def _function(
     if key.func not in known:
         names = sorted(str(one) for one in known)
         raise UnknownNameError(
-            f"there is no unknown function {key.func} here. "
+            f"values: expected an unknown function of this tensor, got {key.func}. "
             f"{checks.did_you_mean(str(key.func), names)}There are {', '.join(names) or 'none'}."
         )
     if len(set(arguments)) < len(arguments) or not all(isinstance(x, sp.Symbol) for x in arguments):
         raise ArgumentError(
-            f"values: the arguments of {key} have to be different symbols. Write it as a(t)."
+            f"values: expected different symbols as arguments, got {key}. Write it as a(t)."
         )
     others = [str(one) for one in coordinates if one in value.free_symbols - set(arguments)]
     if others:
         raise CoordinateError(
-            f"{key} does not depend on {', '.join(others)}, but {value} does. Give a function of "
-            "its own arguments."
+            f"{key}: expected a function of its own arguments, got {value}, which also depends on "
+            f"{', '.join(others)}."
         )
     return sp.Lambda(arguments, value)
 
@@ -216,25 +216,24 @@ def approaches(
     key = _read(symbol, names, "symbol")
     if not isinstance(key, sp.Symbol):
         raise ArgumentError(
-            f"symbol: a coordinate or a parameter was needed, but {checks.shown(symbol)} came."
+            f"symbol: expected a coordinate or a parameter, got {checks.shown(symbol)}."
         )
     moving = counted_as([key], exact.symbols).get(key, key)
     if moving not in exact.symbols:
         raise UnknownNameError(
-            f"{moving} is neither a coordinate nor a parameter here. "
+            f"symbol: expected a coordinate or a parameter, got {moving}. "
             f"{checks.did_you_mean(moving.name, list(names))}There are {', '.join(names)}."
         )
     if not isinstance(side, str | None) or side not in _SIDES:
         raise ArgumentError(
-            f"side: '+' (from above), '-' (from below) or None was needed, but "
-            f"{checks.shown(side)} came."
+            f"side: expected '+' (from above), '-' (from below) or None, got {checks.shown(side)}."
         )
     target = _target(point, names)
     target = target.xreplace(counted_as(target.free_symbols, exact.symbols))
     if moving in target.free_symbols or target.has(sp.nan, sp.zoo):
         raise ArgumentError(
-            f"point: where {moving} goes was needed, a number, an expression without {moving}, oo "
-            f"or -oo, but {target} came."
+            f"point: expected a limit of {moving} (a number, an expression without {moving}, oo or "
+            f"-oo), got {target}."
         )
     if target in (sp.oo, -sp.oo):
         ways = [Approach(moving, target, 1 if target == sp.oo else -1)]
@@ -244,7 +243,7 @@ def approaches(
     inside = tuple(way for way in ways if _is_inside(way, domain))
     if not inside:
         raise CoordinateError(
-            f"{ways[0]} leads out of the domain, or against what was declared of {moving}. Give "
+            f"{ways[0]} leads out of the domain, or contradicts the assumptions on {moving}. Give "
             "another point or side."
         )
     return inside

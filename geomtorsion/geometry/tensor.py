@@ -117,7 +117,7 @@ class Tensor:
         if not len(place) == len(numbers) == len(self.slots):
             came = ", ".join(map(checks.shown, index))
             raise TensorIndexError(
-                f"{self.label}[{came}]: needed are {len(self.slots)} whole numbers from 0 to "
+                f"{self.label}[{came}]: expected {len(self.slots)} whole numbers from 0 to "
                 f"{n - 1}, one for each index."
             )
         return place
@@ -361,7 +361,7 @@ class Tensor:
     def _sympy_(self) -> Callable[[], sp.Expr]:
         """Hook by which sympy reads a tensor of rank 0 as an expression."""
         if self.slots:
-            raise AttributeError("a tensor with indices is no expression")
+            raise AttributeError("a tensor with indices is not an expression")
         return lambda: self[()]
 
     @property

@@ -83,8 +83,9 @@ def opened(
     sample = next(points, None) if relations else None
     if sample is None and relations:
         raise CoordinateError(
-            f"no point satisfies the domain {', '.join(map(str, relations))}, as far as was tried. "
-            "Give relations that hold together, for instance bounds of each coordinate by numbers."
+            f"expected a point inside the domain {', '.join(map(str, relations))}, got none among "
+            "those tried. Give consistent relations, for instance numerical bounds of each "
+            "coordinate."
         )
     field = Field((*symbols, *constants), complex=complex_, sample=sample, branches=chosen)
     return Opened(symbols, constants, relations, complex_, field)
@@ -96,7 +97,7 @@ REFUSALS = {"metric": MetricError, "signature": SignatureError}
 def matrix_entries(values: object, name: str) -> tuple[int, Matrix]:
     """Size and non-zero entries of a square matrix given as nested lists or a sympy matrix."""
     refusal = REFUSALS.get(name, CoframeError)
-    needed = "{subject}: rows of entries were needed, but {value} came. Give nested lists."
+    needed = "{subject}: expected rows of entries, got {value}. Give nested lists."
     rows = [
         checks.entries(row, f"{name}[{i}]", refusal, message=needed)
         if isinstance(row, Iterable) and not isinstance(row, str | sp.Basic)
@@ -132,8 +133,7 @@ def coordinate_symbols(
     symbols = named_symbols(coordinates, free)
     if len(symbols) != n:
         raise ShapeError(
-            f"{len(symbols)} coordinates came with a matrix of {n} columns. "
-            "Give exactly one coordinate for each column."
+            f"coordinates: expected {n}, one for each column of the matrix, got {len(symbols)}."
         )
     names = [symbol.name for symbol in symbols]
     repeated = sorted({name for name in names if names.count(name) > 1})
@@ -152,7 +152,7 @@ def named_symbols(
     for symbol in known:
         by_name.setdefault(symbol.name, set()).add(symbol)
     listed = names.replace(",", " ").split() if isinstance(names, str) else names
-    needed = "{subject}: symbols or names were needed, but {value} came."
+    needed = "{subject}: expected symbols or names, got {value}."
     symbols = []
     for item in checks.entries(listed, f"{what}s", CoordinateError, message=needed):
         symbol: Any = item
@@ -162,7 +162,7 @@ def named_symbols(
             (symbol,) = candidates
         if not isinstance(symbol, sp.Symbol):
             raise CoordinateError(
-                f"{what} {checks.shown(item)} is no symbol. Give sympy symbols or names."
+                f"{what}: expected a symbol, got {checks.shown(item)}. Give sympy symbols or names."
             )
         symbols.append(symbol)
     return symbols
@@ -208,8 +208,8 @@ def free_symbols(values: Iterable[Any]) -> set[sp.Symbol]:
 def signs_or_rows(signature: object) -> list[Any]:
     """A signature as a list, of signs or of rows of a matrix."""
     message = (
-        "{subject}: signs or a matrix were needed, but {value} came. "
-        "Write (-1, 1, 1, 1), or a constant symmetric matrix."
+        "{subject}: expected signs or a matrix, got {value}. Write (-1, 1, 1, 1), or a constant "
+        "symmetric matrix."
     )
     return checks.entries(signature, "signature", SignatureError, message=message)
 
@@ -224,12 +224,14 @@ def signature_entries(signature: object, n: int) -> Matrix:
     else:
         if any(checks.fraction(x) not in (1, -1) for x in rows):
             raise SignatureError(
-                f"signature {checks.shown(tuple(rows))} has an entry that is neither 1 nor -1. "
-                "Give signs, or a constant symmetric matrix."
+                f"signature: expected entries 1 and -1, got {checks.shown(tuple(rows))}. Give "
+                "signs, or a constant symmetric matrix."
             )
         size, entries = len(rows), {(i, i): checks.expression(x) for i, x in enumerate(rows)}
     if size != n:
-        raise SignatureError(f"signature has {size} entries, the frame has {n} rows. Give {n}.")
+        raise SignatureError(
+            f"signature: expected {n} entries, one for each row of the frame, got {size}."
+        )
     for i, j in combinations(range(n), 2):
         if entries.get((i, j), 0) != entries.get((j, i), 0):
             raise SignatureError(
@@ -239,8 +241,8 @@ def signature_entries(signature: object, n: int) -> Matrix:
     varying = free_symbols(entries.values())
     if varying:
         raise SignatureError(
-            f"signature depends on {', '.join(sorted(map(str, varying)))}. eta must be constant: "
-            "put what varies into the coframe."
+            "signature: expected a constant matrix, got one that depends on "
+            f"{', '.join(sorted(map(str, varying)))}. Write the variable factors in the coframe."
         )
     return entries
 
@@ -258,8 +260,8 @@ def check_regular(field: Field, entries: dict[tuple[int, int], Element], n: int,
     det = determinant(field, entries, n)
     if det.is_zero is None:
         raise UndecidedError(
-            f"whether the determinant of the {name} vanishes cannot be decided: it is "
-            f"{det}, which is zero or too small to tell. Use functions with known relations."
+            f"whether the determinant of the {name} vanishes cannot be decided: it is {det}, which "
+            "is zero or too small to distinguish from zero. Use functions with known relations."
         )
     if not det.is_zero:
         return
@@ -316,8 +318,8 @@ def read_more(field: Field, entries: Sequence[tuple[str, object]]) -> list[Eleme
     for entry in checks.entries(entries, "entries"):
         if not isinstance(entry, tuple) or len(entry) != 2:
             raise ArgumentError(
-                f"entries: pairs (what it is called, expression) were needed, but "
-                f"{checks.shown(entry)} came."
+                "entries: expected pairs (name in messages, expression), got "
+                f"{checks.shown(entry)}."
             )
     plain = [value for _, value in entries if not isinstance(value, Element)]
     free = free_symbols(plain)
@@ -331,7 +333,7 @@ def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
     """A domain as relations that all hold: from one relation, And(...), a sequence or None."""
     if domain is None:
         return ()
-    relations = "{subject}: relations were needed, but {value} came. Give r > 2*M, 0 < theta."
+    relations = "{subject}: expected relations, got {value}. Give r > 2*M, 0 < theta."
     items = (
         [domain]
         if isinstance(domain, sp.Basic | bool)
@@ -346,8 +348,8 @@ def domain_relations(domain: object) -> tuple[sp.Basic, ...]:
                 continue
             if not isinstance(part, sp.core.relational.Relational):
                 raise CoordinateError(
-                    f"domain: {checks.shown(part)} is no relation. "
-                    "Give relations such as r > 2*M, 0 < theta."
+                    f"domain: expected a relation, got {checks.shown(part)}. Give relations such "
+                    "as r > 2*M, 0 < theta."
                 )
             conditions.append(part)
     return tuple(conditions)

@@ -328,8 +328,8 @@ class FieldEquations:
         """
         if self._fluids:
             raise GravityError(
-                "identities: expected a Lagrangian alone, got a fluid, whose equations of motion "
-                "are not derived from it. Leave out the fluid."
+                "identities: expected a Lagrangian without a fluid, got a fluid, whose equations "
+                "of motion are not derived from it. Omit the fluid."
             )
         n = range(self.frame.dimension)
         return [
@@ -490,7 +490,7 @@ def _fault(geometry: str, connections: Sequence[Connection]) -> str:
     """Mismatch between a connection and the assumption of its theory."""
     others = [one for one in connections if one.kind != "levi-civita"]
     if geometry == "riemannian":
-        return "is not that of the metric"
+        return "is not the Levi-Civita connection of the metric"
     if geometry != "metric" and not others:
         return "is not flat by its construction"
     if geometry != "metric" and not all(one.is_flat for one in others):

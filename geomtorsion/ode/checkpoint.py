@@ -76,15 +76,15 @@ class Checkpoint:
         header = json_in(arrays, "metadata", {"format?": int}, **options)
         if header.get("format") != FORMAT:
             raise CheckpointError(
-                f"{self.path}: this is not a checkpoint of this version. Remove it, or name "
-                "another file."
+                f"{self.path}: expected a checkpoint of this version, got another file. Remove it, "
+                "or name another file."
             )
         metadata = json_in(arrays, "metadata", _METADATA, **options)
         del arrays["metadata"]
         if metadata["key"] != self.key:
             raise CheckpointError(
-                f"{self.path}: this is the checkpoint of another run: equations, numbers, times, "
-                "accuracy or engine differ. Name another file, or give overwrite=True."
+                f"{self.path}: expected a checkpoint of this run, got one with other equations, "
+                "numbers, times, accuracy or engine. Name another file, or give overwrite=True."
             )
         self.metadata, self.arrays = metadata, arrays
 

@@ -62,7 +62,10 @@ def read(
     read_outputs = _read_terms(outputs, "output", symbols)
     for key in read_outputs:
         if key in symbols:
-            raise ExpressionError(f"output {key} has the name of a state, parameter or the time.")
+            raise ExpressionError(
+                f"outputs: expected new names, got {key}, the name of a state, a parameter or the "
+                "time. Rename the output."
+            )
     groups = _group_list(states, norm_groups, normalized)
     stops = [event.falls for event in listed if isinstance(event, When)]
     read_invariants = _read_terms(invariants, "invariant", symbols)
@@ -93,18 +96,18 @@ def named(name: str | sp.Symbol) -> str:
 
 
 def _check_names(states: Sequence[str], parameters: Sequence[str], time: str) -> None:
-    """Refuse a name of two things, and say how to part them."""
+    """Refuse a name with two meanings, and suggest how to rename one of them."""
     for name in parameters:
         if name in states:
             raise ExpressionError(
-                f"{name} is named twice, for a state and for a parameter. Rename one of them, or "
-                "omit it from parameters if the state is meant."
+                f"{name}: expected one meaning, got a state and a parameter. Rename one of them, "
+                "or omit it from parameters if the state is meant."
             )
     if time in states or time in parameters:
         what = "state" if time in states else "parameter"
         proposal = next(x for x in ("tau", "s", "time") if x not in (*states, *parameters))
         raise ExpressionError(
-            f"{time} is named twice, for a {what} and for the time. Give the time another name: "
+            f"{time}: expected one meaning, got a {what} and the time. Give the time another name: "
             f"time={proposal!r}."
         )
 
@@ -170,7 +173,8 @@ def term(outputs: Mapping[str, Terms], names: Sequence[str], entry: object) -> s
         output = outputs[entry]
         if isinstance(output, tuple):
             raise UnknownNameError(
-                f"{entry} has {len(output)} components; give an expression of one number."
+                f"{entry}: expected one number, got {len(output)} components. Give an expression "
+                "of one number."
             )
         return output
     return expression(entry, "event_times", symbol_table(names), smooth=False)
@@ -201,12 +205,16 @@ def start_numbers(
         start = checks.by_name(start, "start", StartError)
         for name in start:
             if name not in states:
-                raise UnknownNameError(f"start: {name} is not a state. {_hint(name, states)}")
+                raise UnknownNameError(
+                    f"start: expected a state, got {name}. {_hint(name, states)}"
+                )
         table = dict(zip(states, known, strict=True)) if known is not None else {}
         table |= {name: number(value, f"start of {name}") for name, value in start.items()}
         missing = [name for name in states if name not in table]
         if missing:
-            raise StartError(f"start: {', '.join(missing)} has no number; give one for each state.")
+            raise StartError(
+                f"start: expected a number for each state, got none for {', '.join(missing)}."
+            )
         return tuple(table[name] for name in states)
     try:
         # Other values are refused below.
@@ -228,7 +236,9 @@ def parameter_numbers(names: Sequence[str], parameters: Mapping[str, object]) ->
     parameters = checks.by_name(parameters, "parameters", StartError)
     for name in parameters:
         if name not in names:
-            raise UnknownNameError(f"{name} is not a parameter. {_hint(name, names)}")
+            raise UnknownNameError(
+                f"parameters: expected a parameter, got {name}. {_hint(name, names)}"
+            )
     return {name: number(value, name) for name, value in parameters.items()}
 
 
@@ -238,14 +248,16 @@ def timed_events(names: Sequence[str], events: Iterable[object]) -> tuple[At, ..
     for entry in events:
         if not isinstance(entry, At) or not isinstance(entry.changes, Mapping):
             raise TimeError(
-                f"event {checks.shown(entry)}: At(time, {{name: value}}) or When(expression) was "
-                "needed."
+                f"event: expected At(time, {{name: value}}) or When(expression), got "
+                f"{checks.shown(entry)}."
             )
         at = checks.real(entry.time)
         if at is None:
-            raise TimeError(f"event {checks.shown(entry)}: expected At(time, {{name: value}}).")
+            raise TimeError(
+                f"event: expected At(time, {{name: value}}), got {checks.shown(entry)}."
+            )
         if not (math.isfinite(at) and at >= 0):
-            raise TimeError(f"event at t = {at}: expected a time from the start at 0 on.")
+            raise TimeError(f"event: expected a time of 0 or later, got t = {at}.")
         changes = checks.by_name(entry.changes, f"event at t = {at:.6g}", StartError)
         for name in changes:
             if name not in names:
@@ -270,10 +282,14 @@ def _group_list(
     for group in groups:
         for name in group:
             if name not in states:
-                raise UnknownNameError(f"norm group: {name} is not a state. {_hint(name, states)}")
+                raise UnknownNameError(
+                    f"norm group: expected states, got {name}. {_hint(name, states)}"
+                )
         fresh = tuple(name for name in group if name not in seen)
         if len(set(group)) != len(group):
-            raise StartError(f"norm group {group}: a state is named twice.")
+            raise StartError(
+                f"norm group {group}: expected different states, got one of them twice."
+            )
         seen |= set(fresh)
         disjoint += [fresh] if fresh else []
     rest = [name for name in states if name not in seen]
@@ -288,8 +304,8 @@ def check_lengths(
         length = math.hypot(*(float(start[states.index(name)]) for name in names))
         if abs(length - 1) > PRINTED:
             raise StartError(
-                f"{', '.join(names)} should have length 1 together; the start has {length:.9g}. "
-                "Divide them by that."
+                f"start: expected {', '.join(names)} of length 1 together, got length "
+                f"{length:.9g}. Divide them by it."
             )
 
 
@@ -315,7 +331,7 @@ def start_columns(
         raise ShapeError(f"starts: expected lists of one common length, got {lengths}.")
     (number_of,) = next(iter(lengths.values()))
     if not number_of:
-        raise StartError("starts: the lists are empty; give one number for each motion.")
+        raise StartError("starts: expected one number for each motion, got empty lists.")
     rows = np.tile([float(x) for x in start], (number_of, 1))
     for name in arrays.keys() & set(states):
         rows[:, states.index(name)] = arrays[name]
@@ -332,8 +348,8 @@ def check_many_lengths(
         if (np.abs(lengths - 1) > PRINTED).any():
             k = int(np.argmax(np.abs(lengths - 1)))
             raise StartError(
-                f"starts[{k}]: {', '.join(names)} should have length 1 together, not "
-                f"{lengths[k]:.9g}. Divide them by that."
+                f"starts[{k}]: expected {', '.join(names)} of length 1 together, got length "
+                f"{lengths[k]:.9g}. Divide them by it."
             )
 
 

@@ -215,7 +215,7 @@ def solve_many(
     checked_engine(engine)
     accuracy = checked_accuracy(accuracy)
     if t is None:
-        raise TimeError("t was not given; give the last time, or a list of times.")
+        raise TimeError("t: expected the last time or a list of times, got none.")
     times, grid = one_time_only(t, *checked_times(t))
     members = problem.members(starts, velocities, frame_velocities)
     solver, reason = _engine(engine, problem.member(members, 0))
@@ -313,8 +313,8 @@ class _Job:
             self.interrupted = True
         if not (self.interrupted or self.lacking or self.finished.any()):
             raise StartError(
-                "the motions that were checked: expected one at least that reaches the last time, "
-                f"got none. {self.reason}"
+                "expected at least one of the checked motions to reach the last time, got none. "
+                f"{self.reason}"
             )
         if not self.lacking or self.interrupted:
             return ""

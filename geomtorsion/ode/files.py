@@ -118,8 +118,8 @@ class SavedSolution(Mapping[str, np.ndarray]):
         """
         if self.problem is None:
             raise StartError(
-                "a saved curve holds values only at its times. Solve the problem again for values "
-                "in between."
+                "expected one of the saved times, got another: a saved curve has values only "
+                "there. Solve the problem again for values in between."
             )
         origin, engine = self.metadata["made"], _engine(self.metadata)
         if engine is None:
@@ -160,8 +160,8 @@ class SavedSolution(Mapping[str, np.ndarray]):
         header = json_in(arrays, "metadata", {"format?": int}, path=path, message=_BAD)
         if header.get("format", FORMAT) != FORMAT:
             raise FileFormatError(
-                f"{path}: format {shown(header['format'])} was found, {FORMAT} is known. "
-                "Use the version of geomtorsion that wrote it."
+                f"{path}: expected format {FORMAT}, got {shown(header['format'])}. Use the version "
+                "of geomtorsion that wrote it."
             )
         form = _METADATA | ({"problem": _PROBLEM} if header.get("kind") == "ode" else {})
         metadata = json_in(arrays, "metadata", form, path=path, message=_BAD)

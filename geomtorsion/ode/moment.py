@@ -35,7 +35,8 @@ class Moment(Mapping[str, np.ndarray]):
         near = near_names(name, names)
         hint = f"Did you mean {near}? " if near else ""
         raise UnknownNameError(
-            f"{shown(name)} is not known of this motion. {hint}There are {', '.join(names)}."
+            f"expected a quantity of this motion, got {shown(name)}. {hint}There are "
+            f"{', '.join(names)}."
         )
 
     def __iter__(self) -> Iterator[str]:

@@ -172,10 +172,10 @@ def checked_accuracy(accuracy: object) -> float:
     value = checks.real(accuracy)
     if value is None:
         raise AccuracyError(
-            f"accuracy = {checks.shown(accuracy)}: expected a number; 1e-10 is usual."
+            f"accuracy: expected a positive number, got {checks.shown(accuracy)}; 1e-10 is usual."
         )
     if not 0 < value < float("inf"):
-        raise AccuracyError(f"accuracy = {value} was given; a positive number is needed.")
+        raise AccuracyError(f"accuracy: expected a positive number, got {value}.")
     return value
 
 
@@ -195,7 +195,7 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     single = checks.real(t)
     if single is not None:
         if not np.isfinite(single):
-            raise TimeError(f"t contains {single}: all times must be finite.")
+            raise TimeError(f"t: expected finite times, got {single}.")
         if 0 < abs(single) < np.finfo(float).tiny:
             raise TimeError(
                 f"t = {single}: expected 0 or at least 2.2e-308 in size, below which floats lose "
@@ -208,21 +208,25 @@ def checked_times(t: object) -> tuple[np.ndarray, np.ndarray]:
     # A copy: what becomes of an array later is its owner's business.
     times = np.array(checks.array(t, "t", TimeError, message=TIMES, infinite=None))
     if times.size == 0 or times.ndim != 1:
-        raise TimeError(f"t has shape {times.shape}: expected a number or a list of times.")
+        raise TimeError(f"t: expected a number or a list of times, got shape {times.shape}.")
     if not np.isfinite(times).all():
         bad = times[~np.isfinite(times)][0]
-        raise TimeError(f"t contains {bad}: all times must be finite.")
+        raise TimeError(f"t: expected finite times, got {bad}.")
     steps = np.diff(times)
     if (steps == 0).any():
         k = int(np.flatnonzero(steps == 0)[0])
-        raise TimeError(f"time {times[k]:.6g} is repeated at [{k}] and [{k + 1}]. Give it once.")
+        raise TimeError(
+            f"t: expected different times, got {times[k]:.6g} at [{k}] and [{k + 1}]. Give it once."
+        )
     rising = times[-1] > 0
     if not ((steps > 0).all() if rising else (steps < 0).all()):
-        raise TimeError("times are not sorted. Sort them away from the start at t = 0.")
+        raise TimeError(
+            "t: expected sorted times, got others. Sort them away from the start at t = 0."
+        )
     if (times[0] < 0) if rising else (times[0] > 0):
         raise TimeError(
-            f"times run from {times[0]:.6g} to {times[-1]:.6g}, but the motion starts at t = 0. "
-            "Solve forwards and backwards apart."
+            f"t: expected times on one side of the start at t = 0, got {times[0]:.6g} to "
+            f"{times[-1]:.6g}. Solve forwards and backwards separately."
         )
     if times[0] != 0:
         return times, np.concatenate(([0.0], times))
@@ -233,7 +237,7 @@ def times_between(t: object) -> np.ndarray:
     """Times at which a solution is requested, of any shape, in any order."""
     times = checks.array(t, "t", TimeError, message=TIMES, infinite=None)
     if not times.size:
-        raise TimeError(f"t has shape {times.shape}: expected a number or a list of times.")
+        raise TimeError(f"t: expected a number or a list of times, got shape {times.shape}.")
     return times
 
 

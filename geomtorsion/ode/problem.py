@@ -257,8 +257,8 @@ class ODE:
         room = self._room(0.0, self.start, self.parameters)
         if not room >= 0:
             raise StartError(
-                f"stop = {self.rates.stop} is {room:.6g} at the start. Start where it is positive; "
-                "the motion ends where it falls through zero."
+                f"expected stop above zero at the start, got {self.rates.stop} = {room:.6g}. The "
+                "motion ends where it decreases through zero, so start where it is positive."
             )
 
     def _room(self, time: float, states: State, parameters: Mapping[str, Real]) -> float:
@@ -590,11 +590,14 @@ class ODE:
     ) -> Members:
         """Members of an ensemble, from lists of numbers; see `solve_many`."""
         if velocities is not None or frame_velocities is not None:
-            raise StartError("velocities: an ODE has states only; give all of them in starts.")
+            raise StartError(
+                "velocities: expected none for an ODE, which has only states. Give all states in "
+                "starts."
+            )
         if self.rates.stop is not None:
             raise StartError(
-                "equations with When(...) end at times of their own; solve them one by one, or "
-                "leave it out and use event_times."
+                "expected equations without When(...), because each such motion ends at its own "
+                "time. Solve them one by one, or omit it and use event_times."
             )
         states, varied = constructor.start_columns(
             self.states, self.start, self.rates.parameters, starts

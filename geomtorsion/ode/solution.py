@@ -327,8 +327,9 @@ class Solution:
         bad = ~(np.isfinite(flat) & (flat >= low - edge) & (flat <= high + edge))
         if bad.any():
             raise TimeError(
-                f"{self.problem.time_name} = {flat[bad][0]:.6g} is outside of the solution, "
-                f"which runs from 0 to {last:.6g}. Solve to a later time, or request a time within."
+                f"expected {self.problem.time_name} from 0 to {last:.6g}, the range of the "
+                f"solution, got {flat[bad][0]:.6g}. Solve to a later time, or request a time "
+                "within the range."
             )
         parts = self.trajectory.at(flat * unit)
         order = np.argsort(np.concatenate([index for _, _, index in parts]), kind="stable")
@@ -349,8 +350,8 @@ class Solution:
         ----------
         term
             the name of something that `at` gives, or an expression over such names, parameters
-            and the time. Coordinates of a curve are those of the chart of its problem, also where
-            it was followed in another chart, as far as they have a value there.
+            and the time. Coordinates of a curve refer to the chart of its problem, also on
+            parts that were computed in another chart, where they have a value there.
         direction
             1: only upwards; -1: only downwards; 0: both.
 
@@ -383,7 +384,7 @@ class Solution:
             if not np.isfinite(values).all():
                 raise ExpressionError(
                     f"{term!r} has no finite value at {self.problem.time_name} = "
-                    f"{times[~np.isfinite(values)][0]:.6g}."
+                    f"{times[~np.isfinite(values)][0]:.6g}. Request other times."
                 )
             if k == 0 and abs(values[0]) <= ROUNDINGS * EPS * np.abs(values).max():
                 # A zero at the start may be read as a rounding of either sign.

@@ -97,8 +97,9 @@ def solve(
     scaled = grid if unit == 1.0 and not grid.flags.writeable else grid * unit
     if unit != 1.0 and not (np.isfinite(scaled[-1]) and np.diff(scaled).all()):
         raise TimeError(
-            f"t up to {checks.shown(float(times[-1]))}: expected the way to fit into floats, got a "
-            f"motion {unit:.3g} times as fast. Use other units of time."
+            "t: expected a motion whose length fits into floats, got one to t = "
+            f"{checks.shown(float(times[-1]))} that is {unit:.3g} times as fast. Use other units "
+            "of time."
         )
     report = None if progress is None else Report(progress, float(scaled[-1]))
     store = None

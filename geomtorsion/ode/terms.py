@@ -33,9 +33,14 @@ def symbol_table(names: Iterable[str]) -> dict[str, sp.Symbol]:
     table: dict[str, sp.Symbol] = {}
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
-            raise ExpressionError(f"{checks.shown(name)} is not a name; use letters, digits and _.")
+            raise ExpressionError(
+                f"expected a name of letters, digits and _, got {checks.shown(name)}."
+            )
         if name in table:
-            raise ExpressionError(f"{name} is named twice: states, parameters and time differ.")
+            raise ExpressionError(
+                f"{name}: expected different names of states, parameters and time, got it twice. "
+                "Rename one of them."
+            )
         table[name] = sp.Symbol(name, real=True)
     return table
 
@@ -62,8 +67,8 @@ def expression(
     fraction = checks.fraction(entry)
     if fraction is None:
         raise ExpressionError(
-            f"{where}: {checks.shown(entry)} is neither an expression nor a finite number; give "
-            "text, sympy or a number."
+            f"{where}: expected text, a sympy expression or a finite number, got "
+            f"{checks.shown(entry)}."
         )
     return sp.Rational(fraction.numerator, fraction.denominator)
 
@@ -71,7 +76,7 @@ def expression(
 def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp.Expr:
     """The expression over our own symbols, by name."""
     if entry.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
-        raise ExpressionError(f"{where}: {entry} is not finite.")
+        raise ExpressionError(f"{where}: expected a finite value, got {entry}.")
     checks.check_constant(entry)
     table = {}
     for symbol in entry.free_symbols:
@@ -80,8 +85,8 @@ def _renamed(entry: sp.Expr, where: str, symbols: Mapping[str, sp.Symbol]) -> sp
             near = checks.near_names(name, symbols)
             hint = f"Did you mean {near}? " if near else ""
             raise ExpressionError(
-                f"{where}: {name} is neither a state, a parameter nor the time. {hint}"
-                f"Known are {', '.join(symbols)}; give parameters={{{name!r}: ...}} for a number."
+                f"{where}: expected a state, a parameter or the time, got {name}. {hint}Known are "
+                f"{', '.join(symbols)}; give parameters={{{name!r}: ...}} for a number."
             )
         if symbols[name] != symbol:
             table[symbol] = symbols[name]

@@ -57,7 +57,7 @@ def _action(frames: PaperFrames, body: Mechanics) -> Iterator[Statement]:
             and variation(body.frame, "naive").proved is False
         ),
         f"naive: 0 = {written(naive.residuals)}",
-        "the naive variation is that of no path: it differs from (15)",
+        "no path has the naive variation: it differs from (15)",
     )
     rectangle = Loop.polygon([[0, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0]])
     vector = exact_burgers_vector(frames.rotations, rectangle).vector
@@ -99,7 +99,7 @@ def _variations(frames: PaperFrames, body: Mechanics) -> Iterator[Statement]:
         "delta-bar Phi^i = d/dt dPhi^i + 2 S_kj^i Phi'^j dPhi^k",
         verdict(holds and equal(bar.images, doubled), lost("the dot of Phi on the left", holds)),
         "delta-bar Phi'^i = d/dt dPhi^i + 2 S_kj^i Phi'^j dPhi^k",
-        "a velocity stands on the right",
+        "the right-hand side contains a velocity",
     )
 
 

@@ -115,7 +115,7 @@ def work_precision_picture(table: Table) -> Figure:
         figure,
         [
             f"{table.problem}; to t = {table.t:g}.",
-            "Bars lead to the accuracy asked for; lower and further right is better.",
+            "Bars extend to the requested accuracy; lower and further right is better.",
         ],
     )
     return figure

@@ -118,8 +118,8 @@ def paths_picture(pair: Pair) -> Figure:
         views.append((continued(pair), names, f"in the chart {pair.chart}", False))
     if not views:
         raise LimitError(
-            f"paths in {len(names)} coordinates cannot be seen at once, and {pair.space.name} is "
-            "not known to lie in ordinary space. Use `coordinates_picture`."
+            f"expected a path in ordinary space, got one in {len(names)} coordinates of "
+            f"{pair.space.name}, which cannot be drawn in one figure. Use `coordinates_picture`."
         )
     figure = new_figure(10.0 if len(views) > 1 else 6.6, 5.2)
     shown: Axes | None = None

@@ -166,7 +166,10 @@ def draw_map(survey: BurgersMap, *, relative: bool = False) -> Figure:
     """
     checks.instance(survey, BurgersMap, "survey")
     if survey.areas.ndim != 2:
-        raise LoopError("only a survey over a grid (burgers_map) can be drawn as a map.")
+        raise LoopError(
+            "expected a survey over a grid (burgers_map), got other loops. Use burgers_map to "
+            "draw a map."
+        )
     density = np.real(survey.density)
     if relative:
         density = density - np.real(survey.expected) / survey.areas

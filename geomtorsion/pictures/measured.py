@@ -124,10 +124,10 @@ def draw_circuits(
         one, two = section.plane
         names = (source.names[one], source.names[two])
         _place(axes, names, source.unit, edges[k], down=backdrops[k].down)
-    note = "Arrows show the part of b in the plane of the map, to one scale"
-    lines = [f"{note}; grey ones are not more than noise explains."] if vectors else []
+    note = "Arrows show the part of b in the plane of the map, all at one scale"
+    lines = [f"{note}; grey arrows may be noise."] if vectors else []
     if refused:
-        lines.append("Dashed: circuits that have no Burgers vector; the text says why.")
+        lines.append("Dashed: circuits without a Burgers vector; the text gives the reason.")
     captioned(figure, lines)
     return figure
 
@@ -326,7 +326,8 @@ def _said(survey: Survey, layer: int) -> list[str]:
     lines = [
         (
             f"Circuits of {survey.extent}{where}: {significant:,} of {count:,} are more than noise "
-            f"explains (white: {number(round(survey.level, 2))}, noise passes it 1 in 1000 times)."
+            f"explains (white: above {number(round(survey.level, 2))}, "
+            "which noise exceeds in 0.1 %)."
         )
     ]
     if count < mask.size:
@@ -335,6 +336,6 @@ def _said(survey: Survey, layer: int) -> list[str]:
         floor = float(np.median(survey.laid(survey.floor)[..., layer][mask]))
         unit = f" {survey.density_unit}" if survey.density_unit else ""
         lines.append(
-            f"Noise alone makes {floor:.2g}{unit}; arrows: the sense of b in the plane of the map."
+            f"Noise only: {floor:.2g}{unit}; arrows: the direction of b in the plane of the map."
         )
     return lines

@@ -60,7 +60,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     plane = _checked_plane(plane, net.edges.positions.shape[1])
     if len(net.edges.pairs) > STYLE.edges:
         raise LimitError(
-            f"a picture of {len(net.edges.pairs)} edges shows nothing; the limit is {STYLE.edges}."
+            f"expected at most {STYLE.edges} edges for a picture, got {len(net.edges.pairs)}. Draw "
+            "a part of the network."
         )
     vectors = net.basis_burgers(basis)
     sizes = [float(np.linalg.norm(vector.vector)) for vector in vectors]
@@ -187,7 +188,10 @@ def _places(
         return {node: (float(x), float(y)) for node, (x, y) in layout.items()}
     missing = [node for node in net.graph if places.get(node) is None]
     if missing:
-        raise NetworkError(f"node {missing[0]!r} has no position. Give all of them, or none.")
+        raise NetworkError(
+            f"node {missing[0]!r}: expected a position, got none. Give all nodes positions, or "
+            "none."
+        )
     one, two = _checked_plane(plane, min(len(place) for place in places.values()))
     return {node: (float(place[one]), float(place[two])) for node, place in places.items()}
 
@@ -261,7 +265,7 @@ def draw_lines(
     """
     lines = checks.instance(net, DislocationNetwork, "net").arrays
     if not len(lines.pairs):
-        raise NetworkError("a picture needs a line, but the network has none.")
+        raise NetworkError("expected a network with lines, got none to draw.")
     figure = new_figure(10.5, 6.0)
     names = net.names
     if names is None:

@@ -54,7 +54,7 @@ def plan_html(plan: DependencyGraph) -> str:
     table = notation.html_table(
         ("step", "components", "products at most", "what it is"),
         [(step.name, step.components, step.products, step.meaning) for step in plan.steps],
-        f"left out: {', '.join(plan.left_out)}",
+        f"omitted: {', '.join(plan.left_out)}",
     )
     drawn = pictured(f"plan of {plan.name}", lambda: draw_plan(plan))
     return f"{drawn}<details open=''><summary>{len(plan.steps)} steps</summary>{table}</details>"

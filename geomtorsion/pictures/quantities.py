@@ -173,7 +173,7 @@ def entry(name: str) -> Entry:
     'Ricci tensor'
     >>> entry("rici")
     Traceback (most recent call last):
-    geomtorsion.errors.UnknownNameError: no quantity is called 'rici'. Did you mean ricci ...
+    geomtorsion.errors.UnknownNameError: expected the name of a quantity, got 'rici'. Did ...
     """
     for item in CATALOGUE:
         if item.name == name:
@@ -181,7 +181,9 @@ def entry(name: str) -> Entry:
     names = [item.name for item in CATALOGUE]
     near = close_names(name.lower().replace("-", "_"), names, 3, 0.5)
     hint = f"Did you mean {' or '.join(near)}? " if near else ""
-    raise UnknownNameError(f"no quantity is called {name!r}. {hint}There are: {', '.join(names)}.")
+    raise UnknownNameError(
+        f"expected the name of a quantity, got {name!r}. {hint}There are: {', '.join(names)}."
+    )
 
 
 def entries(names: Iterable[str] = ()) -> tuple[Entry, ...]:
@@ -269,7 +271,7 @@ def chosen_quantities(
     ('R̄_{ab}', 2)
     """
     if basis not in BASES:
-        raise UnknownNameError(f"no basis is called {basis!r}. There are: {', '.join(BASES)}.")
+        raise UnknownNameError(f"basis: expected one of {', '.join(BASES)}, got {basis!r}.")
     names = tuple(names)
     quantities = []
     for entry in entries(names):
@@ -277,8 +279,9 @@ def chosen_quantities(
         if own and space.connection is None:
             if names:
                 raise UnknownNameError(
-                    f"{entry.name} belongs to a connection of the space's own, but {space.name} "
-                    "has none beside those of its frame. Ask for cartan_connection or christoffel."
+                    f"{entry.name}: expected a space with its own connection, got {space.name}, "
+                    "which only has the connections of its frame. Use cartan_connection or "
+                    "christoffel."
                 )
             continue
         progress(entry.title)

@@ -204,10 +204,11 @@ def _prose(text: str) -> str:
 def _footer() -> str:
     conventions = "; ".join(mathml(equation_latex(text)) for text in _CONVENTIONS)
     return (
-        f"<footer><p>Conventions: {conventions}. A bar marks what belongs to the metric alone; "
+        f"<footer><p>Conventions: {conventions}. A bar marks quantities of the metric; "
         "numbers with a hat are frame vectors, counted from 1 (in the data from 0). Components "
-        "that are not shown vanish: that is decided, not guessed.</p>"
-        '<p>The same as data: <a href="geometry.json">geometry.json</a>. Made by geomtorsion.</p>'
+        "that are not shown vanish exactly.</p>"
+        '<p>The components as data: <a href="geometry.json">geometry.json</a>. '
+        "Made by geomtorsion.</p>"
         "</footer>"
     )
 

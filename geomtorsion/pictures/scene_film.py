@@ -43,7 +43,7 @@ def block_sides(moments: ArrayLike) -> np.ndarray:
 
 
 def polygons(sides: ArrayLike) -> tuple[list[np.ndarray], list[str]]:
-    """Faces of a body about its centre, with their colours: a block, or round if two sides agree.
+    """Faces of a body about its centre and their colours: a block, or a cylinder for equal sides.
 
     Examples
     --------
@@ -153,19 +153,24 @@ def _writer(path: Path) -> FFMpegWriter | PillowWriter:
     """The writer for a suffix."""
     kind = path.suffix.lower()
     if kind not in FORMS:
-        raise FileFormatError(f"{path.name}: a film is a .gif or an .mp4. Name it like that.")
+        raise FileFormatError(
+            f"{path.name}: expected the name of a .gif or .mp4 file for an animation. Change the "
+            "suffix."
+        )
     try:
         # An extra: its absence is an error that names it.
         from matplotlib.animation import FFMpegWriter, PillowWriter
     except ImportError:
         raise MissingExtraError(
-            "films need matplotlib, which is not installed. Run `pip install 'geomtorsion[plots]'`."
+            "animations need matplotlib, which is not installed. Run `pip install "
+            "'geomtorsion[plots]'`."
         ) from None
     if kind == ".gif":
         return PillowWriter(fps=STYLE.rate)
     if not FFMpegWriter.isAvailable():
         raise MissingExtraError(
-            ".mp4 needs the program ffmpeg, which is not there. Install it, or write a .gif."
+            f"{path.name}: a .mp4 file needs the program ffmpeg, which was not found. Install it, "
+            "or write a .gif."
         )
     return FFMpegWriter(fps=STYLE.rate, bitrate=1800)
 

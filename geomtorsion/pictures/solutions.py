@@ -65,8 +65,8 @@ def draw_solution(found: Solution | Ensemble) -> Figure:
     times, lines = _finely(found) if isinstance(found, Solution) else _members(found)
     if len(times) < 2:
         raise ShapeError(
-            f"expected a solution at two times or more, got {len(times)}. Solve for a "
-            "list of times."
+            f"expected a solution at two or more times, got {len(times)}. Solve for a list of "
+            "times."
         )
     path = _path(found, lines)
     count = len(lines)

@@ -169,7 +169,8 @@ def save(figure: Figure, path: str | PathLike[str], dpi: int = STYLE.resolution)
             raise
         except ValueError as error:
             raise FileFormatError(
-                f"{path.name}: {error}. A picture is a .png, .svg or .pdf: name it like that."
+                f"{path.name}: expected the name of a .png, .svg or .pdf file, got another "
+                f"({error}). Change the suffix."
             ) from None
 
 

@@ -211,8 +211,9 @@ class CurveCourse:
             if _are_near(image, there):
                 return image
         raise ProofError(
-            f"the change from chart {change.source!r} to {change.target!r} is written with cases, "
-            "of which none is proved here. Follow the motion in other charts, with_charts(...)."
+            f"the change from chart {change.source!r} to {change.target!r} is defined by cases, "
+            "and none of them is proved here. Follow the motion in other charts, "
+            "with_charts(...)."
         )
 
 

@@ -84,8 +84,8 @@ def proved_development(
                 development, missing = None, bits
                 if error.width is None or bits >= MOST_BITS:
                     raise ProofError(
-                        f"the development is not proved: {error.reason} along an arc. Lead the "
-                        "loop past poles and edges at a larger distance."
+                        f"the development is not proved: {error.reason} along an arc. Move the "
+                        "loop further away from poles and edges."
                     ) from None
         if development is not None and (not missing or bits >= MOST_BITS or not is_exact):
             return development

@@ -204,9 +204,9 @@ def _integrals(
                 if not value.is_finite():
                     point = shown(float(x.mid()) for x in arc.places(arb(0.5)))
                     raise ProofError(
-                        f"b[{i}] has no enclosure on the arc through {point}: it comes too near to "
-                        f"a pole or to the edge of a function for {MOST_EVALUATIONS:,} "
-                        "evaluations. Lead the loop past it at a larger distance."
+                        f"b[{i}] has no enclosure on the arc through {point}: it is too close to a "
+                        f"pole or to the edge of a function for {MOST_EVALUATIONS:,} evaluations. "
+                        "Move the loop further away from that point."
                     )
                 total[i] += part.times * value.real
     return Integrals(tuple(total), bits, arcs)
@@ -251,12 +251,12 @@ def check_path(coframe: Coframe, arc: BallArc, values: Sequence[arb], bits: int)
             point = shown(float(x.mid()) for x in places)
             if finite and broken:
                 raise ProofError(
-                    f"the loop leaves a branch near {point}: {broken[0].branch}. Lead it where the "
-                    "branch holds, or state a domain around it."
+                    f"the loop leaves a branch near {point}: {broken[0].branch}. Move the loop to "
+                    "where the branch holds, or state a domain around the loop."
                 )
             raise ProofError(
-                f"the coframe has no finite value near {point}: a pole or an edge lies on the "
-                f"loop, or nearer to it than {bits} bits tell. Lead the loop past it."
+                f"the coframe has no finite value near {point}: a pole or an edge is on the loop, "
+                f"or closer to it than {bits} bits resolve. Move the loop away from that point."
             )
         middle = ((low + high) / 2).mid()
         waiting += [(middle, high, depth + 1), (low, middle, depth + 1)]

@@ -107,7 +107,10 @@ def follow(
             raise RefusalError(
                 "steps become ever shorter",
                 time,
-                "It ends there, or reaches the edge of a function. Prove a shorter motion.",
+                (
+                    "The motion ends there, or reaches the edge of a function. Prove a shorter "
+                    "motion."
+                ),
             )
         stop = None if leg.fall is None else _stop(leg.fall, step, time)
         last = arb(step.length) if stop is None else stop
@@ -130,7 +133,7 @@ def follow(
             _check_width(step, whole, time)
     if waiting:
         # Otherwise boxes would be assigned to the wrong samples.
-        raise RefusalError("a sample lies outside of the stretch that it belongs to", time)
+        raise RefusalError("a sample is outside its part of the motion", time)
     return Followed(boxes, whole, None, steps)
 
 
@@ -152,7 +155,9 @@ def _check_width(step: Step, whole: LohnerSet, time: fmpq) -> None:
     widest = max(log2(r) - size for r, size in zip(whole.radii, step.sizes, strict=True))
     if widest > TOO_WIDE:
         words = "the set of motions has grown to the size of the motion"
-        raise RefusalError(words, time, "All digits are lost there.", widest)
+        raise RefusalError(
+            words, time, "All digits are lost there. Prove a shorter motion.", widest
+        )
 
 
 def _stop(fall: Fall, step: Step, time: fmpq) -> arb | None:
@@ -181,7 +186,7 @@ def _check_inside(leg: Leg, step: Step, time: fmpq) -> None:
             continue
         if depth > 20:
             words = next(x for x, good in zip(leg.words, verdicts, strict=True) if not good)
-            words = f"it comes to the edge of its chart ({words})"
+            words = f"it reaches the edge of its chart ({words})"
             raise RefusalError(words, time, "Prove a shorter motion, or use another chart.")
         middle = ((low + high) / 2).mid()
         waiting += [(middle, high, depth + 1), (low, middle, depth + 1)]

@@ -229,12 +229,12 @@ def prove(
         else:
             raise ArgumentError(
                 "result: expected a BurgersVector, a Development or a Solution, got "
-                f"{type(result).__name__}. Of a scene prove result.solution."
+                f"{type(result).__name__}. For a scene prove result.solution."
             )
     seconds = time.perf_counter() - began
     assumes = ALWAYS
     if start is not None or changed:
-        assumes = (*assumes, "start or parameters lie in the balls that were given")
+        assumes = (*assumes, "start or parameters are in the given balls")
     return proof(seconds, assumes)
 
 
@@ -291,7 +291,10 @@ def _verdict(gap: arb, error: arb) -> bool | None:
 def _burgers(result: BurgersVector, digits: int, changed: Mapping[str, Any]) -> Made:
     frame = result.frame
     if frame.complex or np.iscomplexobj(result.reduced):
-        raise ProofError("expected a real frame, got a complex one: its integrals are not proved.")
+        raise ProofError(
+            "expected a real frame, got a complex one, for which integrals are not proved. Use a "
+            "real frame."
+        )
     _refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):
@@ -322,7 +325,10 @@ def _largest(balls: Sequence[arb], values: Sequence[arb]) -> arb:
 def _development(result: Development, digits: int, changed: Mapping[str, Any]) -> Made:
     connection = result.connection
     if connection.frame.complex or np.iscomplexobj(result.motion.increment):
-        raise ProofError("expected a real frame, got a complex one: it is not proved.")
+        raise ProofError(
+            "expected a real frame, got a complex one, for which developments are not proved. Use "
+            "a real frame."
+        )
     _refuse_unknown(changed, result.parameters)
     parameters = {**result.parameters, **changed}
     with ball_precision(EXACT_BITS):

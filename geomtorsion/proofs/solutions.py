@@ -160,8 +160,8 @@ class SolutionTask:
                 return motion
             if bits >= MOST_BITS or missing >= before:
                 raise ProofError(
-                    f"{bits} bits give no more digits than fewer bits did, or are not enough. Ask "
-                    "for fewer digits."
+                    f"expected more digits with {bits} bits, got no more than with fewer. Request "
+                    "fewer digits."
                 )
             before = missing
             bits = min(MOST_BITS, bits + math.ceil(missing) + 6)

@@ -52,8 +52,9 @@ def checked_convention(name: object) -> str:
     near = checks.close_names(str(name), CONVENTIONS, cutoff=0.3)
     hint = f"Did you mean {near[0]!r}? " if near else ""
     raise UnknownNameError(
-        f"there are no Euler angles called {name!r}. {hint}Three letters name the axes: small for "
-        'space axes in the order of the angles ("zyz", the paper\'s), capitals for body axes.'
+        f"Euler angles: expected the name of a convention, got {name!r}. {hint}Three letters name "
+        'the axes: small for space axes in the order of the angles ("zyz", as in the paper), '
+        "capitals for body axes."
     )
 
 
@@ -214,8 +215,8 @@ def rotation_vector_from_quaternion(quaternion: ArrayLike) -> Array:
     largest = np.abs(q).max(axis=-1, keepdims=True)
     if not (np.isfinite(largest) & (largest > 0)).all():
         raise StartError(
-            "quaternion: expected finite numbers, not all 0, got a quaternion without a direction. "
-            "(1, 0, 0, 0) turns nothing."
+            "quaternion: expected finite numbers, not all 0, got a quaternion without a "
+            "direction. Use (1, 0, 0, 0) for no rotation."
         )
     # Division by a power of two is exact, and squares do not overflow.
     q = np.ldexp(q, -np.frexp(largest)[1])
@@ -265,13 +266,13 @@ def checked_rotations(matrix: ArrayLike) -> Array:
         excess = np.abs(np.swapaxes(r, -1, -2) @ r - np.eye(3)).max(initial=0.0)
     if not excess <= PRINTED:
         raise StartError(
-            f"the attitude matrix is no rotation: R^T R differs from 1 by {excess:.3g}. "
-            "Its columns are the body axes in space: orthogonal, of length 1."
+            "attitude matrix: expected a rotation, got a matrix with R^T R - 1 of size "
+            f"{excess:.3g}. Give orthogonal columns of length 1, the body axes in space."
         )
     if (np.linalg.det(r) < 0).any():
         raise StartError(
-            "the attitude matrix is a reflection (its determinant is -1). Change the sign of a "
-            "column so that the body axes are right-handed."
+            "attitude matrix: expected a rotation, got a reflection (determinant -1). Change the "
+            "sign of a column so that the body axes are right-handed."
         )
     return r
 
@@ -365,12 +366,11 @@ def checked_quaternion(quaternion: object) -> Array:
     q = _numbers(quaternion, (4,), "quaternion", "four numbers, scalar first")
     length = float(np.linalg.norm(q))
     if length == 0:
-        raise StartError("the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns nothing.")
+        raise StartError("quaternion: expected length 1, got 0. Use (1, 0, 0, 0) for no rotation.")
     if abs(length - 1) > PRINTED:
         shown = ", ".join(f"{x:.9g}" for x in q / length)
         raise StartError(
-            f"the quaternion has length {length:.9g}; an attitude has length 1. "
-            f"Divide by it: ({shown})."
+            f"quaternion: expected length 1, got {length:.9g}. Divide by it: ({shown})."
         )
     return q / length
 
@@ -404,7 +404,7 @@ def _array(values: ArrayLike, shape: tuple[int, ...], name: str) -> Array:
     array = np.asarray(values, dtype=float)
     if array.shape[-len(shape) :] != shape:
         shape_text = ", ".join(["...", *map(str, shape)])
-        raise ShapeError(f"{name} has shape {array.shape}; expected ({shape_text}).")
+        raise ShapeError(f"{name}: expected shape ({shape_text}), got {array.shape}.")
     return array
 
 
@@ -415,5 +415,5 @@ def _numbers(values: object, shape: tuple[int, ...], name: str, wanted: str) -> 
         values, name, StartError, shape=shape, message=needed, shaped=needed, infinite=None
     )
     if not np.isfinite(array).all():
-        raise StartError(f"{name} = {checks.shown(values)} contains a number that is not finite.")
+        raise StartError(f"{name}: expected finite numbers, got {checks.shown(values)}.")
     return array

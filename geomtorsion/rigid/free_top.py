@@ -293,14 +293,17 @@ def free_top(moments: object, omega: object, quaternion: object = (1.0, 0.0, 0.0
     start = floats(checked_numbers(quaternion, 4, "quaternion"))
     for k, size in enumerate(sizes):
         if size <= 0:
-            raise StartError(f"moments[{k}] = {size} is not positive. Give positive moments.")
+            raise StartError(f"moments[{k}]: expected a positive moment of inertia, got {size}.")
     if not all(1 / WIDE <= x <= WIDE for x in (*sizes, max(map(abs, rates)) or 1.0)):
-        raise StartError(f"moments or rates are beyond {WIDE:g} or its inverse. Use other units.")
+        raise StartError(
+            f"moments and rates: expected sizes between {1 / WIDE:g} and {WIDE:g}, got others. Use "
+            "other units."
+        )
     length = math.hypot(*start)
     if not abs(length - 1) <= PRINTED:
         raise StartError(
-            f"the quaternion {start} has length {length:.9g}; an attitude has length 1. "
-            "Divide it by its length."
+            f"quaternion: expected length 1, got {start} of length {length:.9g}. Divide it by its "
+            "length."
         )
     (a, b, c), (u, v, w) = sizes, rates
     q, x, y, z = (part / length for part in start)

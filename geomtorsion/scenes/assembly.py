@@ -309,7 +309,8 @@ def assemble(body: Body, effects: Mapping[str, Effect]) -> Assembly:
     holding = [key for key, part in parts.items() if part.constraint is not None]
     if len(holding) > 1:
         raise SceneError(
-            f"{' and '.join(holding)} both tie the velocities of the body. Keep one of them."
+            "expected one effect that constrains the velocities of the body, got "
+            f"{' and '.join(holding)}. Keep one of them."
         )
     constraint = parts[holding[0]].constraint if holding else None
     rates, start = _own_states(parts)
@@ -349,14 +350,20 @@ def _own_states(
     for key, part in parts.items():
         for name, rate in part.states.items():
             if name in start:
-                raise SceneError(f"{key} brings the state {name!r}, which another effect has.")
+                raise SceneError(
+                    f"{key}: expected a new state, got {name!r}, which another effect has. Rename "
+                    "it."
+                )
             if name not in part.start:
-                raise SceneError(f"{key} brings the state {name!r} without a start.")
+                raise SceneError(f"{key}: expected a start for the state {name!r}, got none.")
             rates[sp.Symbol(name)] = expression_of(rate)
             start[name] = part.start[name]
         for name in part.outputs:
             if any(name in other.outputs for k, other in parts.items() if k != key):
-                raise SceneError(f"{key} brings {name!r} to be watched, which another effect does.")
+                raise SceneError(
+                    f"{key}: expected a new name for a watched quantity, got {name!r}, which "
+                    "another effect has. Rename it."
+                )
     return rates, start
 
 

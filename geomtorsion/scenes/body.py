@@ -54,8 +54,10 @@ class Body:
         """Check, and keep tuples."""
         positive(self.mass, "mass", "kg")
         if (self.moments is None) == (self.inertia is None):
-            phrase = "neither was" if self.moments is None else "both were"
-            raise BodyError(f"a body has moments=(I1, I2, I3) or inertia=3 x 3; {phrase} given.")
+            phrase = "neither" if self.moments is None else "both"
+            raise BodyError(
+                f"body: expected either moments=(I1, I2, I3) or inertia=3 x 3, got {phrase}."
+            )
         if self.moments is not None:
             object.__setattr__(self, "moments", checked_moments(self.moments))
         else:
@@ -177,18 +179,18 @@ def checked_tensor(inertia: Any) -> tuple[tuple[Number, ...], ...]:
         inertia, "inertia", BodyError, shape=(3, 3), message=nine, shaped=nine, infinite=None
     )
     if not np.isfinite(matrix).all():
-        raise BodyError(f"inertia contains a number that is not finite: {matrix.tolist()}.")
+        raise BodyError(f"inertia: expected finite numbers, got {matrix.tolist()}.")
     if np.abs(matrix - matrix.T).max() > CALCULATED * np.abs(matrix).max():
         i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), (3, 3))
         raise BodyError(
-            f"inertia is not symmetric: [{i}][{j}] = {matrix[i, j]:.6g}, "
+            f"inertia: expected a symmetric matrix, got [{i}][{j}] = {matrix[i, j]:.6g} and "
             f"[{j}][{i}] = {matrix[j, i]:.6g}. Give the same value twice."
         )
     moments = np.linalg.eigvalsh(matrix)
     if moments[0] <= 0:
         raise BodyError(
-            f"inertia has the principal moments {_listed(moments)}: all must be positive. "
-            "Products of inertia enter with a minus sign: I12 = -sum m x y."
+            f"inertia: expected positive principal moments, got {_listed(moments)}. Products of "
+            "inertia enter with a minus sign: I12 = -sum m x y."
         )
     check_triangle(moments.tolist(), "inertia")
     rows = [list(row) for row in inertia]
@@ -280,9 +282,8 @@ def point_masses(
                 tensor[i][j] += m * ((square if i == j else 0) - d[i] * d[j])
     if _on_a_line(tensor):
         raise BodyError(
-            "points: the masses are on one line, whose moment of inertia is 0. All moments must be "
-            "positive. Give the line a thickness, or the body "
-            "moments=(I1, I2, I3)."
+            "points: expected masses with three positive moments of inertia, got all on one line, "
+            "whose moment is 0. Give the line a thickness, or the body moments=(I1, I2, I3)."
         )
     rows = tuple(_plain(*row) for row in tensor)
     return float(total), rows, _plain(*centre)

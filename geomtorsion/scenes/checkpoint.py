@@ -63,13 +63,16 @@ def partial_result(scene: Scene, path: str | Path, engine: Engine | None = None)
                 raise ValueError(name)
         except ValueError:
             raise CheckpointError(
-                f"{path}: {shown(part)} is not a part of a run. Remove the file, or name another."
+                f"{path}: expected a checkpoint of a run, got a file with the part {shown(part)}. "
+                "Remove the file, or name another."
             ) from None
         # Parts of runs that were cut at more times go by other numbers.
         if "/" not in number:
             counts[key] = counts.get(key, 0) + 1
     if not counts:
-        raise CheckpointError(f"{path}: nothing was computed yet. Run the scene again.")
+        raise CheckpointError(
+            f"{path}: expected computed samples, got none yet. Run the scene again."
+        )
     # Runs from a perturbed start only show how rounding grows.
     name, tolerance, perturbation = max(counts, key=lambda key: (key[2] == 0, counts[key]))
     solver = engine if engine is not None and own == name else engine_named(name)

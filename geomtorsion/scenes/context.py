@@ -114,7 +114,7 @@ class Context:
         """Three numbers as a column of symbols name1, name2, name3; zeros stay zeros."""
         values = tuple(values)
         if len(values) != 3:
-            raise SceneError(f"{name} has {len(values)} components; three are needed.")
+            raise SceneError(f"{name}: expected three components, got {len(values)}.")
         return sp.Matrix([self.parameter(f"{name}{k}", v) for k, v in enumerate(values, 1)])
 
     def state(self, name: str) -> sp.Symbol:
@@ -140,7 +140,9 @@ class Context:
     def _free(self, name: str) -> None:
         """Take a name, once."""
         if name in self._taken:
-            raise SceneError(f"the name {name!r} is taken already. Choose another.")
+            raise SceneError(
+                f"expected a new name, got {name!r}, which exists already. Choose another."
+            )
         self._taken.add(name)
 
     def _inertia(self) -> sp.Matrix:

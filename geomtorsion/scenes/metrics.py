@@ -40,7 +40,7 @@ class SweepRun:
             return self.values[name]
         hint = did_you_mean(name, self.values)
         raise UnknownNameError(
-            f"{name!r} is not watched. {hint}There are {', '.join(self.values)}."
+            f"expected a watched quantity, got {name!r}. {hint}There are {', '.join(self.values)}."
         )
 
     def part(self, name: str, part: int | None = None) -> np.ndarray:
@@ -49,7 +49,9 @@ class SweepRun:
         if part is None and column.shape[1] == 1:
             part = 0
         if part is None or not 0 <= part < column.shape[1]:
-            raise SceneError(f"{name} has {column.shape[1]} components: name one, as in {name}[0].")
+            raise SceneError(
+                f"{name}: expected one component, got {column.shape[1]}. Name one, as in {name}[0]."
+            )
         return column[:, part]
 
     def zeros(self, name: str, part: int | None = None) -> np.ndarray:
@@ -175,7 +177,7 @@ def measures(
         asked = {getattr(asked, "__name__", "measure"): asked}
     elif not asked or not isinstance(asked, list | tuple | Mapping):
         raise SceneError(
-            f'{asked!r} is not a measure. Give words such as "max nutation", or a function.'
+            f'measure: expected words such as "max nutation", or a function, got {asked!r}.'
         )
     elif not isinstance(asked, Mapping):
         asked = {str(item): item for item in asked}
@@ -189,8 +191,9 @@ def _spoken(text: str) -> Callable[[SweepRun], float]:
     if match is None or what not in WORDS:
         hint = did_you_mean(what, WORDS)
         raise SceneError(
-            f"{text!r} is not a measure. {hint}Write one of {', '.join(WORDS)} before a watched "
-            'quantity, as in "max nutation" or "between zeros omega[1]", or give a function.'
+            f"measure: expected words or a function, got {text!r}. {hint}Write one of "
+            f'{", ".join(WORDS)} before a watched quantity, as in "max nutation" or "between zeros '
+            'omega[1]".'
         )
     name, part = match["name"], match["part"]
     reader = WORDS[what]

@@ -147,7 +147,7 @@ class SceneResult:
             return self.values[name]
         hint = did_you_mean(name, self.values)
         raise UnknownNameError(
-            f"{name!r} was not watched. {hint}There are {', '.join(self.values)}; "
+            f"expected a watched quantity, got {name!r}. {hint}There are {', '.join(self.values)}; "
             f"add {name!r} to watch and run again."
         )
 
@@ -165,7 +165,10 @@ class SceneResult:
             a time is outside of the solution.
         """
         if self.scene is None:
-            raise SceneError("a result from a file has no values between its times; run the scene.")
+            raise SceneError(
+                "expected a result with its scene, got one from a file, which has no values "
+                "between its times. Run the scene."
+            )
         asked = times_between(time)
         flat = np.atleast_1d(asked)
         if self.form is not None:
@@ -212,7 +215,9 @@ class SceneResult:
         if self.solved is not None:
             return self.solved
         if self.scene is None:
-            raise SceneError("a result from a file has no solution; run the scene.")
+            raise SceneError(
+                "expected a result with its solution, got one from a file. Run the scene."
+            )
         return solve(self.scene.ode, self.times, self.accuracy)
 
     # -- showing ---------------------------------------------------------------------------------

@@ -61,7 +61,10 @@ def write_run(
     ['table.csv', 'result.npz', 'run.json', 'scene.toml']
     """
     if result.scene is None:
-        raise SceneError("a result from a file has no scene; run the scene and write that.")
+        raise SceneError(
+            "expected a result with its scene, got one from a file. Run the scene and write that "
+            "result."
+        )
     figures: dict[str, Any] = {}
     if pictures.can_draw():
         for name, (draw, _) in drawings(result).items():
@@ -115,7 +118,10 @@ def write_scene_film(result: SceneResult, path: Path) -> Path:
     """
     scene = result.scene
     if scene is None:
-        raise SceneError("a result from a file has no scene; run the scene and draw that.")
+        raise SceneError(
+            "expected a result with its scene, got one from a file. Run the scene and draw that "
+            "result."
+        )
     names = ["matrix", *(["position"] if "position" in result.values else [])]
     if "matrix" not in result.values:
         result = scene.with_values(watch=names).run()
@@ -255,10 +261,10 @@ def _written(value: Any, indent: int = 0) -> str:
         number = float(value)
     except (TypeError, ValueError):
         raise FileFormatError(
-            f"{value!r} cannot be written to a scene file. Give numbers, or expressions as text."
+            f"expected numbers or expressions as text for a scene file, got {value!r}."
         ) from None
     if not math.isfinite(number):
-        raise FileFormatError(f"{value!r} is not finite and has no place in a scene file.")
+        raise FileFormatError(f"expected a finite number for a scene file, got {value!r}.")
     return repr(number)
 
 

@@ -52,10 +52,16 @@ def with_values(scene: Scene, changes: Mapping[str, Any]) -> Scene:
         # Effects are called by their keys, as gravity.g; all else by fields of the scene.
         if name in keyed:
             if not rest:
-                raise UnknownNameError(f"{path!r} names a whole effect. {_inside(keyed[name])}")
+                raise UnknownNameError(
+                    f"{path!r}: expected a value of the effect, got the whole effect. "
+                    f"{_inside(keyed[name])}"
+                )
             if places:
                 again = " Effects of a kind are counted by their keys, as spring2.stiffness."
-                raise UnknownNameError(f"{path!r} does not exist: {name} is one effect.{again}")
+                raise UnknownNameError(
+                    f"{path!r}: expected the key of an effect, got an index: {name} is one "
+                    f"effect.{again}"
+                )
             keyed[name] = _set(keyed[name], rest, value, path)
         elif name in (item.name for item in fields(scene)) and name != "effects":
             now = table.get(name, getattr(scene, name))
@@ -73,7 +79,7 @@ def _steps(path: str) -> list[tuple[str, tuple[int, ...]]]:
         match = _STEP.fullmatch(part)
         if match is None:
             raise UnknownNameError(
-                f"{path!r} is not a path. Write names with dots and indices, as body.moments[2]."
+                f"expected a path with dots and indices, such as body.moments[2], got {path!r}."
             )
         pairs.append((match[1], tuple(int(k) for k in re.findall(r"\d+", match[2]))))
     return pairs
@@ -182,7 +188,7 @@ class Scene:
         object.__setattr__(self, "watch", _names(self.watch))
         if not isinstance(self.start, State):
             raise SceneError(
-                f"start = {self.start!r}: a scene starts from a State, as State(omega=(0, 0, 1))."
+                f"start: expected a State, such as State(omega=(0, 0, 1)), got {self.start!r}."
             )
         object.__setattr__(self, "accuracy", checked_accuracy(self.accuracy))
         checked_times(self.t)
@@ -198,8 +204,8 @@ class Scene:
             for name in part.outputs:
                 if name in OBSERVABLES:
                     raise SceneError(
-                        f"{key} brings {name!r} to be watched, which means something already. "
-                        "Choose another name."
+                        f"{key}: expected a new name for the watched quantity, got {name!r}, which "
+                        "exists already. Choose another name."
                     )
         _ = self.selection
 
@@ -353,10 +359,14 @@ def _names(watch: Any) -> tuple[str, ...]:
     """Names of what to report, each once."""
     names = tuple(watch) if isinstance(watch, list | tuple | set | dict) else (watch,)
     if not names:
-        raise SceneError('watch is empty: name what to report, for instance "omega".')
+        raise SceneError(
+            'watch: expected at least one quantity, got none. Give a name, for instance "omega".'
+        )
     for name in names:
         if not isinstance(name, str):
-            raise SceneError(f'watch: {name!r} is not a name. Give texts, for instance ["omega"].')
+            raise SceneError(
+                f'watch: expected names as text, got {name!r}. Give a list, for instance ["omega"].'
+            )
     # In their order, each once.
     return tuple(dict.fromkeys(names))
 
@@ -371,16 +381,18 @@ def _effect_list(effects: Any) -> tuple[Effect, ...]:
             name = getattr(effect, "__name__", repr(effect))
             hint = f" Write {name}(...)." if isinstance(effect, type) else ""
             names = ", ".join(kind.__name__ for kind in EFFECTS)
-            raise SceneError(f"effects: {name} is not an effect.{hint} There are {names}.")
+            raise SceneError(f"effects: expected an effect, got {name}.{hint} There are {names}.")
     keys = [effect.key for effect in listed]
     for effect in listed:
         if keys.count(effect.key) > 1 and not effect.several:
-            raise SceneError(f"the effect {effect.key} is there twice. Keep one of them.")
+            raise SceneError(
+                f"effects: expected each effect once, got {effect.key} twice. Keep one of them."
+            )
         for rival in listed:
             if rival.key in effect.excludes:
                 raise SceneError(
-                    f"{effect.key} and {rival.key} contradict each other: {effect.title}; "
-                    f"{rival.title}. Keep one of them."
+                    f"expected effects that agree, got {effect.key} ({effect.title}) and "
+                    f"{rival.key} ({rival.title}), which contradict each other. Keep one of them."
                 )
     return listed
 
@@ -478,5 +490,8 @@ def _with_first(scene: Scene, count: int) -> Scene:
             continue
         names.append(name)
     if not names:
-        raise SceneError("nothing that is watched exists without the effects that follow.")
+        raise SceneError(
+            "expected a watched quantity that exists without the effects that follow, got none. "
+            "Watch another one."
+        )
     return replace(scene, effects=tuple(keyed.values()), watch=tuple(names))

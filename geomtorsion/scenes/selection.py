@@ -228,7 +228,7 @@ class StateSelection:
         heading = f"{self.title or 'scene'}: {count} equation{'s' * (count != 1)} for {asked}"
         width = max(len(row.name) for row in self.rows)
         lines = [heading]
-        for inside, mark in ((True, "in"), (False, "left out")):
+        for inside, mark in ((True, "in"), (False, "omitted")):
             lines += [
                 f"{mark:<9} {row.kind:<7} {row.name:<{width}}  {row.reason}"
                 for row in self.rows

@@ -39,8 +39,8 @@ class State:
     [0.988771, 0.0, 0.149438, 0.0]
     >>> State(omega=(0, 0, 1), quaternion=(0, 0, 0, 0))
     Traceback (most recent call last):
-    geomtorsion.errors.StartError: the quaternion is 0, which is no attitude. (1, 0, 0, 0) turns \
-nothing.
+    geomtorsion.errors.StartError: quaternion: expected length 1, got 0. Use \
+(1, 0, 0, 0) for no rotation.
     """
 
     omega: Sequence[Number] | None = None
@@ -62,7 +62,9 @@ nothing.
                 object.__setattr__(self, key, _three(getattr(self, key), key, unit))
         keys = [k for k in ("euler", "quaternion", "matrix") if getattr(self, k) is not None]
         if len(keys) > 1:
-            raise StartError(f"the attitude is given as {' and as '.join(keys)}; give it once.")
+            raise StartError(
+                f"attitude: expected it once, got {' and '.join(keys)}. Give one of them."
+            )
         if self.quaternion is not None:
             attitude.checked_quaternion(self.quaternion)
             object.__setattr__(self, "quaternion", tuple(self.quaternion))

@@ -77,7 +77,7 @@ class SceneSweep:
             return every[name]
         hint = checks.did_you_mean(name, every)
         raise UnknownNameError(
-            f"{name!r} was neither varied nor measured. {hint}There are {', '.join(every)}."
+            f"expected a varied or measured name, got {name!r}. {hint}There are {', '.join(every)}."
         )
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -129,7 +129,7 @@ class SceneSweep:
         name = measure or next(iter(self.measured))
         if name not in self.measured:
             raise UnknownNameError(
-                f"{name!r} was not measured. There are {', '.join(self.measured)}."
+                f"expected a measured name, got {name!r}. There are {', '.join(self.measured)}."
             )
         values = self.measured[name]
         # Whole vectors have no axis of their own: they are counted.
@@ -139,7 +139,7 @@ class SceneSweep:
         ]
         if values.ndim > 2:
             raise SceneError(
-                f"{values.ndim} things were varied; a picture shows two. Take columns()."
+                f"expected two varied quantities for a picture, got {values.ndim}. Use columns()."
             )
         curve = None
         if known is not None and values.ndim == 1:
@@ -218,7 +218,9 @@ def sweep(
     """
     began = time.perf_counter()
     if not varied or not isinstance(varied, Mapping):
-        raise SceneError('nothing is varied. Give paths with values, as {"gravity.g": [1, 2]}.')
+        raise SceneError(
+            "varied: expected paths with values, got none. Give for instance {'gravity.g': [1, 2]}."
+        )
     readers = measures(measure)
     watch = quantities(measure)
     if not only_words(measure):
@@ -227,12 +229,12 @@ def sweep(
     values = {path: _column(path, column) for path, column in varied.items()}
     shape = tuple(len(column) for column in values.values())
     if together and len(set(shape)) != 1:
-        raise SceneError(f"what goes together has as many values each, not {shape}.")
+        raise SceneError(f"together: expected lists of equal length, got {shape}.")
     combinations = list(
         zip(*values.values(), strict=True) if together else product(*values.values())
     )
     if not combinations:
-        raise SceneError("nothing is varied: there are no values.")
+        raise SceneError("varied: expected at least one value, got none.")
     changes = [dict(zip(values, map(_plain, chosen), strict=True)) for chosen in combinations]
     tally = _Measured(readers, len(changes), progress)
     try:
@@ -245,7 +247,10 @@ def sweep(
         tally.stop()
     unfinished = [(changes[place], reason) for place, reason in sorted(tally.unfinished.items())]
     if len(unfinished) == len(changes):
-        raise StuckError(f"no motion reaches its end; with {unfinished[0][0]}: {unfinished[0][1]}.")
+        raise StuckError(
+            f"expected a motion that reaches its end, got none; with {unfinished[0][0]}: "
+            f"{unfinished[0][1]}."
+        )
     grid = (len(changes),) if together else shape
     return SceneSweep(
         scene.title or scene.name,
@@ -325,7 +330,7 @@ class _Measured:
         """Ctrl-C: motions that were not measured yet are named."""
         self.interrupted = True
         for place in set(range(self.count)) - self.measured - self.unfinished.keys():
-            self.unfinished[place] = "Ctrl-C came before it was solved"
+            self.unfinished[place] = "Ctrl-C stopped the sweep before this motion"
 
     def _went_on(self) -> None:
         self.done += 1

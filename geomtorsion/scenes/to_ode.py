@@ -79,7 +79,7 @@ def ode_of(selection: StateSelection, start: State, correct: Assembly, name: str
     parts = [part for key, part in assembly.parts.items() if key in selection.effects]
     stops = [part.stop for part in parts if part.stop is not None]
     if len(stops) > 1:
-        raise SceneError("two effects stop the motion. Keep one of them.")
+        raise SceneError("expected one effect that stops the motion, got two. Keep one of them.")
     events: list[At | When] = []
     for part in parts:
         # Times are numbers of any kind; `ODE.of` checks them.
@@ -118,8 +118,8 @@ def start_of(selection: StateSelection, start: State) -> dict[str, Number]:
     table: dict[sp.Symbol, Number] = {sp.Symbol(name): x for name, x in assembly.start.items()}
     if any(s in selection.symbols for s in OMEGA) and start.omega is None:
         raise StartError(
-            "the start has no angular velocity, which is needed. "
-            "Give State(omega=(0, 0, 1), ...), rad/s in body axes."
+            "start: expected an angular velocity, got none. Give State(omega=(0, 0, 1), ...), "
+            "rad/s in body axes."
         )
     table |= dict(zip(OMEGA, start.omega or (0, 0, 0), strict=True))
     q = start.attitude
@@ -165,8 +165,8 @@ def _check_constrained(
         if any(abs(a - float(b)) > PRINTED * size for a, b in zip(allowed, vector, strict=True)):
             shown = ", ".join(f"{x:.6g}" for x in allowed)
             raise SceneError(
-                f"the start has {name} = {tuple(vector)}, but the constraint makes it ({shown}). "
-                f"Leave {name} out of the start, or give it this value."
+                f"start: expected {name} = ({shown}) as the constraint requires, got "
+                f"{tuple(vector)}. Omit {name}, or give it this value."
             )
 
 

@@ -101,8 +101,9 @@ def computed(space: Space, answer: KnownAnswer) -> Tensor:
         tensor = space.frame.quantity(answer.quantity)
     elif space.connection is None:
         raise UnknownNameError(
-            f"{answer.quantity} needs a separate connection, but {space.name} has only "
-            "the connections of its frame. Name a quantity of the frame, or give the space one."
+            f"{answer.quantity}: expected a space with its own connection, got {space.name}, which "
+            "only has the connections of its frame. Name a quantity of the frame, or give the "
+            "space a connection."
         )
     else:
         tensor = maker(space.connection)

@@ -94,8 +94,8 @@ def _words(words: Vocabulary, table: Mapping[str, Any], place: str) -> Vocabular
     for name in names:
         if name in taken:
             raise FileFormatError(
-                f"{words.file}: {place}.coordinates: {shown(name)} is a name of the file already. "
-                "Give each coordinate of a chart a name of its own."
+                f"{words.file}: {place}.coordinates: expected new names, got {shown(name)}, which "
+                "is a name in the file already. Give each coordinate of a chart its own name."
             )
     own = vocabulary(words.file, {"coordinates": names}, len(names))
     return Vocabulary(words.file, own.coordinates, words.parameters, words.functions)
@@ -164,7 +164,7 @@ def _maps(
     for angle in angles:
         if angle not in every:
             raise FileFormatError(
-                f"{words.file}: {place}.angles: {shown(angle)} is not a coordinate. "
+                f"{words.file}: {place}.angles: expected coordinates, got {shown(angle)}. "
                 f"{did_you_mean(angle, every)}Known are {', '.join(every)}."
             )
 

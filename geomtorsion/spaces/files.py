@@ -204,7 +204,10 @@ def _without(file: str, data: Mapping[str, object], shape: str, *keys: str) -> N
     """Refuse keys that mean nothing beside this kind of frame."""
     for key in keys:
         if data.get(key):
-            raise FileFormatError(f"{file}: {key} means nothing beside {shape}. Remove it.")
+            raise FileFormatError(
+                f"{file}: {key}: expected no such key with {shape}, where it has no meaning. "
+                "Remove it."
+            )
 
 
 def _signature(words: Vocabulary, data: Mapping[str, object]) -> Any:

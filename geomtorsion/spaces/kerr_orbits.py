@@ -49,7 +49,7 @@ class KerrOrbit:
 
     a: spin; p: semilatus rectum; e: eccentricity; x: cosine of the inclination.
     energy, angular_momentum, carter: E = -p_t, L = p_phi and Q of a particle of unit mass.
-    radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit lies between r2 and r1.
+    radii: roots r1 >= r2 > r3 >= r4 of the radial equation; the orbit is between r2 and r1.
     reduced: L / x, which is finite for polar orbits also.
 
     Examples

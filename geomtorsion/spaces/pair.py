@@ -72,7 +72,7 @@ class Pair:
                 continue
             return name
         raise ChartEdgeError(
-            "no chart of this space reaches everywhere the motions go. Ask for a shorter time."
+            "expected a chart that covers both motions, got none. Request a shorter time."
         )
 
     @property
@@ -260,8 +260,8 @@ def refuse_unknown_functions(space: Space) -> None:
     names = sorted(map(str, functions))
     if names:
         raise StartError(
-            f"{space.name} contains the unknown function {names[0]}, so its motions have no "
-            "numbers. Write a tetrad file with a formula in its place."
+            f"expected a space with numbers, got {space.name}, which contains the unknown function "
+            f"{names[0]}. Write a tetrad file with a formula instead of it."
         )
 
 
@@ -270,7 +270,7 @@ def _times(t: float, samples: int) -> np.ndarray:
     message = "samples: expected a whole number from 2 on, got {value}."
     samples = checks.count(samples, "samples", StartError, 2, message=message)
     if t == 0:
-        raise StartError("t = 0 was given; a motion needs some time. Give t > 0 or t < 0.")
+        raise StartError("t: expected a time other than 0, got 0. Give t > 0 or t < 0.")
     check_memory(samples, 2)
     return np.linspace(0.0, float(t), samples)
 

@@ -68,8 +68,8 @@ class Vocabulary:
             first, *rest = _COMPARISON.split(text)
             if not rest:
                 raise FileFormatError(
-                    f"{self.file}: {place}[{number}]: {shown(text)} compares nothing. Write "
-                    '"r > 2*M" or "0 < theta < pi".'
+                    f"{self.file}: {place}[{number}]: expected a comparison, got {shown(text)}. "
+                    'Write "r > 2*M" or "0 < theta < pi".'
                 )
             left = self.expression(first, f"{place}[{number}]")
             for sign, text_right in zip(rest[::2], rest[1::2], strict=True):
@@ -109,8 +109,8 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
             if argument not in symbols:
                 near = did_you_mean(argument, symbols)
                 raise FileFormatError(
-                    f"{file}: functions.{name}: its argument {shown(argument)} is neither a "
-                    f"coordinate nor a declared parameter. {near}Declared are {', '.join(symbols)}."
+                    f"{file}: functions.{name}: expected a coordinate or a declared parameter as "
+                    f"argument, got {shown(argument)}. {near}Declared are {', '.join(symbols)}."
                 )
         function = sympy.Function(_name(file, name, "functions"))
         functions[name] = function(*(symbols[argument] for argument in arguments))
@@ -118,8 +118,8 @@ def vocabulary(file: str, data: Mapping[str, object], dimension: int) -> Vocabul
     for name in declared:
         if declared.count(name) > 1:
             raise FileFormatError(
-                f"{file}: {name} is declared {declared.count(name)} times among coordinates, "
-                "parameters and functions. Give each its own name."
+                f"{file}: {name}: expected one declaration among coordinates, parameters and "
+                f"functions, got {declared.count(name)}. Give each its own name."
             )
     return Vocabulary(file, coordinates, parameters, functions)
 
@@ -138,8 +138,8 @@ def texts(file: str, value: object, place: str) -> list[str]:
 def _name(file: str, name: str, place: str) -> str:
     if not _NAME.fullmatch(name):
         raise FileFormatError(
-            f"{file}: {place}: {shown(name)} is not a name. Use a letter followed by letters, "
-            "digits or underscores."
+            f"{file}: {place}: expected a name, got {shown(name)}. Use a letter followed by "
+            "letters, digits or underscores."
         )
     return name
 
@@ -150,7 +150,7 @@ def _assumptions(file: str, name: str, given: object) -> dict[str, bool]:
     for word in words:
         if word not in ASSUMPTIONS:
             raise FileFormatError(
-                f"{file}: parameters.{name}: {shown(word)} is not an assumption. "
+                f"{file}: parameters.{name}: expected an assumption, got {shown(word)}. "
                 f"{did_you_mean(word, ASSUMPTIONS)}Known are {', '.join(ASSUMPTIONS)}."
             )
     assumptions = dict.fromkeys(words, True)
@@ -255,7 +255,10 @@ def _sparse(
                 f"expected {rank} numbers from 0 to {dimension - 1}, separated by commas."
             )
         if index in entries:
-            raise FileFormatError(f'{words.file}: {key}: "{cut(text)}" occurs twice. Remove one.')
+            raise FileFormatError(
+                f'{words.file}: {key}: expected each index once, got "{cut(text)}" twice. Remove '
+                "one."
+            )
         entries[index] = words.expression(value, f"{key}[{', '.join(map(str, index))}]")
     return entries
 

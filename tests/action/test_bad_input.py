@@ -23,9 +23,9 @@ SPIN = (U1**2 + 2 * U2**2 + 3 * U3**2) / 2
 @pytest.mark.parametrize(
     ("lagrangian", "words"),
     [
-        (SPIN + U7, r"lagrangian: u7 is neither a coordinate.*Velocities are u1 \.\.\. u3"),
-        (SPIN + sp.Symbol("phi1dot"), "phi1dot is neither.*Did you mean phi1"),
-        (SPIN + sp.Symbol("u2dot"), "u2dot is neither"),
+        (SPIN + U7, r"lagrangian: expected a coordinate.*, got u7. Velocities are u1 \.\.\. u3"),
+        (SPIN + sp.Symbol("phi1dot"), "got phi1dot.*Did you mean phi1"),
+        (SPIN + sp.Symbol("u2dot"), "a parameter, got u2dot"),
         ([SPIN], "expected an expression, got list"),
         (sp.Eq(U1, U2), "expected an expression"),
     ],
@@ -40,18 +40,20 @@ def test_listed_parameters_bind():
     """Once parameters are listed, any other symbol is refused."""
     gravity = SPIN - sp.Symbol("mgl") * sp.cos(SO3.coordinates[1])
     assert gt.equations_of_motion(SO3, gravity, parameters=["mgl"]).agrees is True
-    with pytest.raises(LagrangianError, match=r"mgl is neither.*Did you mean mgL\?.*List mgl"):
+    with pytest.raises(LagrangianError, match=r"got mgl.*Did you mean mgL\?.*List mgl"):
         gt.equations_of_motion(SO3, gravity, parameters=["mgL"])
-    with pytest.raises(LagrangianError, match=r"forces\[1\]: k is neither"):
+    with pytest.raises(LagrangianError, match=r"forces\[1\]: expected .*, got k"):
         gt.equations_of_motion(SO3, SPIN, [0, -sp.Symbol("k") * U1, 0], parameters=[])
 
 
 def test_functions_of_time_are_no_coordinates():
     """phi1(t), as sympy.physics.mechanics writes coordinates, would silently be a given drive."""
     t = sp.Symbol("t")
-    with pytest.raises(LagrangianError, match=r"phi2\(t\) is a function, but phi2 is a symbol"):
+    with pytest.raises(
+        LagrangianError, match=r"expected the symbol phi2, got the function phi2\(t\)"
+    ):
         gt.equations_of_motion(SO3, SPIN - sp.cos(sp.Function("phi2")(t)))
-    with pytest.raises(LagrangianError, match=r"u1\(t\) is a function"):
+    with pytest.raises(LagrangianError, match=r"expected the symbol u1, got the function u1\(t\)"):
         gt.equations_of_motion(SO3, SPIN + sp.Function("u1")(t) ** 2)
     driven = gt.equations_of_motion(SO3, SPIN - sp.Function("f")(t) * sp.cos(SO3.coordinates[1]))
     assert driven.agrees is True
@@ -61,7 +63,7 @@ def test_parameters_may_be_one_text():
     """As coordinates of a frame may; names of changes are none."""
     found = gt.equations_of_motion(SO3, "I1*(u1**2 + u2**2) + I3*u3**2", parameters="I1, I3")
     assert {symbol.name for symbol in found.lagrangian.free_symbols} > {"I1", "I3"}
-    with pytest.raises(LagrangianError, match="parameters: phi1dot is neither"):
+    with pytest.raises(LagrangianError, match="parameters: expected .*, got phi1dot"):
         gt.equations_of_motion(SO3, SPIN, parameters=["phi1dot"])
 
 
@@ -119,8 +121,8 @@ def test_constrained_velocity_may_have_no_energy():
     ("forces", "words"),
     [
         ([1, 2], "expected 3 components F_k.*got 2"),
-        ({3: 1}, "no component 3.*from 0 to 2"),
-        ({"u1": 1}, "no component 'u1'"),
+        ({3: 1}, "expected components from 0 to 2, .* got 3"),
+        ({"u1": 1}, "expected components .* got 'u1'"),
         ("u1", "expected a list"),
         (7, "expected a list"),
     ],
@@ -139,7 +141,11 @@ def test_constraints_must_be_a_list():
 
 @pytest.mark.parametrize(
     ("principle", "near"),
-    [("closed-in-coordinates", "closed_in_coordinates"), ("Naive", "naive"), (3, "Choose closed")],
+    [
+        ("closed-in-coordinates", "closed_in_coordinates"),
+        ("Naive", "naive"),
+        (3, "expected one of closed"),
+    ],
 )
 def test_unknown_principle(principle, near):
     """The nearest name is said, and all of them."""

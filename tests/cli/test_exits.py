@@ -180,7 +180,7 @@ def test_too_little_memory_ends_in_words(tmp_path):
         env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
     )  # fmt: skip
     assert done.returncode == 2
-    assert done.stderr.startswith("geomtorsion: this needs more memory than there is.")
+    assert done.stderr.startswith("geomtorsion: the machine has too little memory for this.")
     assert done.stderr.count("\n") == 1
 
 

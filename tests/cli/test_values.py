@@ -20,7 +20,7 @@ def test_pairs():
     assert named_numbers(["M = 1,a=1/2"]) == {"M": 1.0, "a": 0.5}
     assert named_numbers([]) == {}
     assert named_numbers(["M=1", "a=2, b=3"]) == {"M": 1.0, "a": 2.0, "b": 3.0}
-    with pytest.raises(StartError, match="given twice"):
+    with pytest.raises(StartError, match="expected M once, got it twice"):
         named_numbers(["M=1", "M=2"])
 
 

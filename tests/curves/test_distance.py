@@ -40,7 +40,7 @@ def test_an_angle_that_the_space_does_not_know_of(engine):
     assert distance_apart(one, two) == pytest.approx([6.2], rel=1e-9)
     assert distance_apart(one, two, angles=["phi"]) == pytest.approx([gap], rel=1e-9)
     assert gap == pytest.approx(2 * np.sin(gap / 2), rel=1e-3)
-    with pytest.raises(UnknownNameError, match="no coordinate of this chart"):
+    with pytest.raises(UnknownNameError, match="expected coordinates of this chart"):
         distance_apart(one, two, angles=["theta"])
     with pytest.raises(GeomtorsionError):
         distance_apart(one, two, angles=3)  # type: ignore[arg-type]
@@ -83,4 +83,4 @@ def test_indefinite_metrics_have_no_distance():
     two = solve(geodesic(plane, [3, 3], [1, 0]), [1.0])
     assert distance_apart(one, two) == pytest.approx([np.sqrt(18)])
     words = " ".join((distance_apart.__doc__ or "").split())
-    assert "it is no distance, and no invariant" in words
+    assert "neither a distance nor an invariant" in words

@@ -99,7 +99,7 @@ def test_an_edge_to_which_a_motion_only_tends(engine, frame, start, velocity):
     if refused is None:
         assert found.complete
     elif found is not None:
-        assert "without reaching the edge" in str(refused)
+        assert "approaches the edge without reaching it" in str(refused)
         assert found.times[-1] < 40
 
 
@@ -232,7 +232,7 @@ def test_kinks_on_an_axis():
 def test_domains_that_cannot_be_watched():
     """An absolute value is refused in our words; bounds at infinity are none."""
     wide = Frame([x, y], [[1, 0], [0, 1]], domain=[sp.Abs(x) < 1])
-    with pytest.raises(StartError, match="cannot be watched"):
+    with pytest.raises(StartError, match="expected relations that can be evaluated along a motion"):
         solve(geodesic(wide, [0, 0], [1, 0]), 1.0)
     assert edges_of(Frame([x, y], [[1, 0], [0, 1]], domain=[x > -sp.oo])) == ()
 
@@ -266,14 +266,14 @@ def test_a_sign_that_was_declared_is_an_edge(sign: int, word: str) -> None:
     x, y = sp.Symbol("x", **{word: True}), sp.Symbol("y", real=True)
     frame = Frame([x, y], [[1, 0], [0, 1 + sp.Abs(x)]])
     assert [edge.words for edge in edges_of(frame)] == [f"x was declared {word}"]
-    with pytest.raises(CoordinateError, match=f"x was declared {word}"):
+    with pytest.raises(CoordinateError, match=f"x: expected a value that is .*{word}"):
         geodesic(frame, [-sign, 0], [sign, 0])
     with pytest.raises(ChartEdgeError, match=f"x = .*x was declared {word}") as stop:
         solve(geodesic(frame, [sign * 0.2, 0], [-sign, 0]), 1.0)
     assert stop.value.solution.times[-1] <= 0.2 + 1e-9
     assert frame.metric.at({"x": sign, "y": 0})[1, 1] == 4
     assert frame.metric.at({"x": 0, "y": 0})[1, 1] == 1
-    with pytest.raises(CoordinateError, match=f"x was declared {word}"):
+    with pytest.raises(CoordinateError, match=f"x: expected a value that is .*{word}"):
         frame.metric.at({"x": -sign, "y": 0})
 
 

@@ -117,7 +117,7 @@ def test_the_advice_fits():
     through = geodesic(load("flat_polar").frame, [1.0, 0.4], [-1.0, 0.0])
     with pytest.raises(ChartEdgeError, match="Allow another chart of cartesian"):
         solve(through.with_charts("flat_polar"), 2.0)
-    with pytest.raises(ChartEdgeError, match="What is carried along"):
+    with pytest.raises(ChartEdgeError, match="The transported vectors are given in this frame"):
         solve(geodesic_deviation(through, [0.0, 0.1], [0.0, 0.0]), 2.0)
 
 

@@ -29,20 +29,20 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
         (lambda: geodesic(SO3, START, "abc"), ShapeError, "list of 3 numbers"),
         (lambda: geodesic(SO3, [0.3, float("nan"), 0], TURN), StartError, r"start.*\[1\] = nan"),
         (lambda: geodesic(SO3, START, [0, 0, 1j]), StartError, "not a real number"),
-        (lambda: geodesic(SO3, [0.3, 0.0, 0.2], TURN), StartError, "singular at the start"),
-        (lambda: geodesic(SO3, START), StartError, "none came"),
-        (lambda: geodesic(SO3, START, TURN, frame_velocity=TURN), StartError, "both came"),
-        (lambda: geodesic(SO3, None, TURN), StartError, "needs a start"),
+        (lambda: geodesic(SO3, [0.3, 0.0, 0.2], TURN), StartError, "which is singular there"),
+        (lambda: geodesic(SO3, START), StartError, "got none. Give one"),
+        (lambda: geodesic(SO3, START, TURN, frame_velocity=TURN), StartError, "got both. Give one"),
+        (lambda: geodesic(SO3, None, TURN), StartError, "expected a start with it, got none"),
         (lambda: geodesic(S2, [1, 0], [0, 1]), StartError, r"R.*parameters=\{"),
         (
             lambda: geodesic(S2, [1, 0], [0, 1], parameters={"r": 1}),
             StartError,
-            "'r' is no parameter",
+            "expected a parameter of this frame, got 'r'",
         ),
         (
             lambda: geodesic(S2, None, frame_velocity=[0, 1], parameters={"R": 1}),
             StartError,
-            "stand alone",
+            "expected velocity equations without coordinates",
         ),
         (lambda: geodesic(SO3, START, TURN, metric=[1, 2]), ShapeError, "3 numbers"),
         (lambda: geodesic(SO3, START, TURN, metric=[1, 0, 2]), MetricError, "singular"),
@@ -58,24 +58,24 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
                 causal="timelike",
             ),
             StartError,
-            "the velocity is null",
+            "got a null one",
         ),
         (
             lambda: geodesic(MOSTLY_MINUS, [0] * 4, [0, 1, 0, 0], causal="timelike"),
             StartError,
-            "the velocity is spacelike",
+            "got a spacelike one",
         ),
         (
             lambda: geodesic(MOSTLY_MINUS, [0] * 4, [2, 1, 0, 0], causal="spacelike"),
             StartError,
-            "the velocity is timelike",
+            "got a timelike one",
         ),
         (
             lambda: geodesic(
                 HOLE, [0, 2, 1.5, 0], frame_velocity=[1, 0, 0, 0], parameters={"M": 1}
             ),
             StartError,
-            "singular at the start",
+            "which is singular there",
         ),
         (
             lambda: autoparallel(
@@ -97,7 +97,7 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
         (
             lambda: geodesic_deviation(geodesic(SO3, frame_velocity=TURN), [1, 0, 0]),
             StartError,
-            "needs coordinates",
+            "expected a problem with coordinates, got one without",
         ),
         (
             lambda: solve_many(geodesic(SO3, START, TURN), [[1, 2]], 1.0),
@@ -109,7 +109,7 @@ START, TURN = [0.3, 1.0, 0.2], [0.1, 0.5, -0.2]
                 geodesic(SO3, START, TURN), [START] * 2, 1.0, frame_velocities=[TURN] * 3
             ),
             ShapeError,
-            "different length",
+            "expected lists of equal length",
         ),
         (
             lambda: solve_many(geodesic(SO3, START, TURN), [[0.3, float("inf"), 0]], 1.0),
@@ -131,7 +131,7 @@ def test_legs_that_end_where_the_determinant_does_not(place):
     space = load("schwarzschild").frame
     start, speed = [0, place, 1.2, 0], [1, 0, 0, 0]
     if place == 2.0:
-        with pytest.raises(StartError, match="singular at the start"):
+        with pytest.raises(StartError, match="which is singular there"):
             geodesic(space, start, frame_velocity=speed, parameters={"M": 1})
     else:
         problem = geodesic(space, start, frame_velocity=speed, parameters={"M": 1})
@@ -143,5 +143,5 @@ def test_legs_that_doubles_do_not_give():
     r = sp.Symbol("r")
     frame = Frame([r], [[(r**2 - 1) / (r - 1) + sp.sin(r) / r]])
     assert geodesic(frame, [1.0], [1.0]).start == (1.0,)
-    with pytest.raises(StartError, match="singular at the start"):
+    with pytest.raises(StartError, match="which is singular there"):
         geodesic(frame, [0.0], [1.0])

@@ -119,7 +119,7 @@ def test_progress(capsys):
 def test_refused():
     """No time, no such accuracy in doubles, no engine of another precision."""
     problem, speeds = top(frame_velocity=[1, 0, 0]), RANDOM.normal(size=(3, 3))
-    with pytest.raises(TimeError, match="t was not given"):
+    with pytest.raises(TimeError, match="t: expected the last time or a list of times, got none"):
         solve_many(problem, frame_velocities=speeds)
     with pytest.raises(AccuracyError, match="gets to"):
         solve_many(problem, None, 50.0, 1e-17, RungeKutta(), frame_velocities=speeds)

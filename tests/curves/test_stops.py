@@ -133,7 +133,9 @@ def test_where_no_other_chart_states_the_condition():
 
 def test_a_start_on_the_axis_says_in_which_chart():
     """The chart that holds at the pole, with the coordinates there; a curve starts there."""
-    with pytest.raises(StartError, match=r"Chart 'axis' holds there, at .* y_ax = 0, z_ax = 1"):
+    with pytest.raises(
+        StartError, match=r"Chart 'axis' covers this point, at .* y_ax = 0, z_ax = 1"
+    ):
         gt.geodesic(KERR, [0, 10, 0, 0], [1.3, -0.3, 0, 0.03], parameters=HOLE)
     axis = plunge().atlas.chart("axis").frame
     started = gt.geodesic(axis, [0, 10, 0, 1], [1.3, -0.1, 0.01, 0], parameters=HOLE)

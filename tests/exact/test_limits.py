@@ -131,7 +131,7 @@ def test_a_leg_that_is_too_long_is_named():
     whole = sp.Matrix(4, 4, lambda i, j: metric[min(i, j)][max(i, j)])
     frame = Frame.from_metric([t, x, y, z], whole, signature=(-1, 1, 1, 1))
     assert levi_civita(frame).curvature.scalar.is_zero is False
-    with pytest.raises(LimitError, match="leg 3 of this metric has the root of a long sum"):
+    with pytest.raises(LimitError, match="leg 3 of this metric contains the root of a long sum"):
         _ = frame.coframe
 
 

@@ -102,10 +102,12 @@ def test_connections_loops_and_numbers():
 )
 def test_two_values_for_one_name_are_refused(call):
     """The message names both keys."""
-    with pytest.raises(GeomtorsionError, match=r"r came twice, as 'r' and Symbol\('r', positive"):
+    with pytest.raises(
+        GeomtorsionError, match=r"expected r once, got 'r' and Symbol\('r', positive"
+    ):
         call({"r": 2, twin: 2})
     with pytest.raises(
-        GeomtorsionError, match=r"r came twice, as Symbol\('r'\) and Symbol\('r', p"
+        GeomtorsionError, match=r"expected r once, got Symbol\('r'\) and Symbol\('r', p"
     ):
         call({r: 2, twin: 3})
 

@@ -65,9 +65,9 @@ def test_expressions_in_front_of_tensors():
         assert product == metric * factor
     ricci = gt.levi_civita(ball).curvature.ricci
     assert (ricci - sp.Integer(1) * metric).is_zero
-    with pytest.raises(TensorIndexError, match="can be added to a tensor, not to Lambda"):
+    with pytest.raises(TensorIndexError, match="expected a tensor to add, got Lambda"):
         _ = constant + metric
-    with pytest.raises(TensorIndexError, match="has no powers"):
+    with pytest.raises(TensorIndexError, match="expected a scalar for a power"):
         _ = constant / metric
 
 
@@ -85,27 +85,27 @@ def test_scalar_times_tensor():
     scaled = POLAR.scalar(R) * POLAR.metric
     assert scaled == POLAR.metric * POLAR.scalar(R) == POLAR.metric * R
     assert POLAR.metric / POLAR.scalar(R) == POLAR.metric / R
-    with pytest.raises(TensorIndexError, match="Say which indices are summed"):
+    with pytest.raises(TensorIndexError, match="expected letters for the summed indices"):
         _ = POLAR.metric * POLAR.metric
-    with pytest.raises(TensorIndexError, match="can be divided by a scalar"):
+    with pytest.raises(TensorIndexError, match="expected a scalar divisor"):
         _ = POLAR.metric / POLAR.metric
 
 
 def test_what_a_scalar_cannot_be(curvature):
     """Each refusal is in the words of the package."""
-    with pytest.raises(MissingValueError, match=r"depends on r\. Give values"):
+    with pytest.raises(MissingValueError, match=r"got an expression in r\. Give values"):
         float(POLAR.scalar(R))
-    with pytest.raises(TypeError, match="has indices"):
+    with pytest.raises(TypeError, match="got a tensor with indices"):
         float(POLAR.metric)
     with pytest.raises(ZeroDivisionError, match="exactly zero"):
         _ = 1 / POLAR.scalar(0)
-    with pytest.raises(TensorIndexError, match="no powers"):
+    with pytest.raises(TensorIndexError, match="expected a scalar for a power"):
         _ = POLAR.metric**2
-    with pytest.raises(TensorIndexError, match="can be added to a tensor"):
+    with pytest.raises(TensorIndexError, match="expected a tensor to add"):
         _ = POLAR.metric + 1
-    with pytest.raises(TensorIndexError, match="can be added to a tensor"):
+    with pytest.raises(TensorIndexError, match="expected a tensor to add"):
         _ = curvature + "1"
-    with pytest.raises(TensorIndexError, match="different frames"):
+    with pytest.raises(TensorIndexError, match="expected tensors of one frame"):
         _ = POLAR.metric * curvature
 
 
@@ -125,7 +125,7 @@ def test_indices_of_other_kinds():
     assert POLAR.metric.element(sp.Integer(1), np.int8(1)).sympy == R**2
     bads: list[Any] = [-1, 2, True, 1.0, "0", sp.Rational(1, 2), R]
     for bad in bads:
-        with pytest.raises(TensorIndexError, match="needed are 2 whole numbers from 0 to 1"):
+        with pytest.raises(TensorIndexError, match="expected 2 whole numbers from 0 to 1"):
             POLAR.legs[bad, 0]
         with pytest.raises(TensorIndexError, match="has no index"):
             POLAR.metric.raised(bad)

@@ -39,7 +39,7 @@ def test_torsion_that_is_none():
     """Not antisymmetric, of another shape, of another frame."""
     with pytest.raises(TensorIndexError, match="torsion: S_ab.c must be antisymmetric"):
         gt.from_torsion(POLAR, [[[1, 0], [0, 0]], [[0, 0], [0, 0]]])
-    with pytest.raises(ShapeError, match="torsion: 2 entries were needed"):
+    with pytest.raises(ShapeError, match="torsion: expected 2 entries"):
         gt.from_torsion(POLAR, [1])
     with pytest.raises(ShapeError, match="another frame"):
         gt.from_torsion(POLAR, gt.cartan(gt.spaces.load("flat_polar").frame).torsion)
@@ -110,7 +110,7 @@ def test_signatures_that_are_none(signature):
 
 def test_no_coframe():
     """None is no matrix."""
-    with pytest.raises(gt.errors.CoframeError, match="coframe: rows of entries were needed"):
+    with pytest.raises(gt.errors.CoframeError, match="coframe: expected rows of entries"):
         gt.Frame([X, Y], None)
 
 

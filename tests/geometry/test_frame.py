@@ -78,9 +78,9 @@ def test_wrong_shapes() -> None:
         Frame([x, y], [[1, 0], [1]])
     with pytest.raises(CoframeError, match="not square"):
         Frame([x, y], [1, 2])
-    with pytest.raises(ShapeError, match="1 coordinates"):
+    with pytest.raises(ShapeError, match="coordinates: expected 2, .* got 1"):
         Frame([x], [[1, 0], [0, 1]])
-    with pytest.raises(SignatureError, match="has 3 entries"):
+    with pytest.raises(SignatureError, match="signature: expected 2 entries, .* got 3"):
         Frame([x, y], [[1, 0], [0, 1]], signature=(1, 1, 1))
     with pytest.raises(SignatureError, match="degenerate"):
         Frame([x, y], [[1, 0], [0, 1]], signature=[[1, 1], [1, 1]])
@@ -120,9 +120,9 @@ def test_sample_point_lies_in_the_domain() -> None:
     assert point[r] > 2 * point[mass] > 0
     assert 0 < point[phi] < 6.3
     assert frame.domain == (r > 2 * mass, phi < 2 * sp.pi)
-    with pytest.raises(CoordinateError, match="no relation"):
+    with pytest.raises(CoordinateError, match="expected a relation"):
         Frame([x, y], [[1, 0], [0, 1]], domain=[x])
-    with pytest.raises(CoordinateError, match="no point satisfies"):
+    with pytest.raises(CoordinateError, match="expected a point inside the domain"):
         Frame([x, y], [[1, 0], [0, 1]], domain=[x + y > 1, x + y < 0])
 
 

@@ -85,13 +85,13 @@ def test_names_that_are_none(polar, names, message):
 @pytest.mark.parametrize(
     ("where", "message"),
     [
-        ({2: 0}, "g_{ab} has no index 2"),
-        ({-1: 0}, "has no index -1"),
-        ({True: 0}, "has no index True"),
-        ({"r": 0}, "has no index 'r'"),
+        ({2: 0}, "expected an index of g_{ab} from 0 to 1, got 2"),
+        ({-1: 0}, "from 0 to 1, got -1"),
+        ({True: 0}, "from 0 to 1, got True"),
+        ({"r": 0}, "from 0 to 1, got 'r'"),
         ({0: 2}, "a whole number from 0 to 1, or one of r, phi"),
-        ({0: "theta"}, "'theta': needed is a whole number"),
-        ({0: 1.5}, "needed is a whole number"),
+        ({0: "theta"}, "expected a whole number .* got 'theta'"),
+        ({0: 1.5}, "expected a whole number"),
         ([1], "where"),
     ],
 )

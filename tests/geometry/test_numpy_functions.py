@@ -40,7 +40,7 @@ def test_lists_names_digits_and_scalars():
 def test_refused_points():
     """Shapes that do not fit, entries that are no numbers, a singular point among others."""
     rest = {THETA: 1, M: 1, A: 0}
-    with pytest.raises(ShapeError, match=r"shapes \(2,\), \(3,\) came"):
+    with pytest.raises(ShapeError, match=r"got the shapes \(2,\), \(3,\)"):
         KERR.metric.at({R: [3, 4], THETA: [1, 1, 1], M: 1, A: 0})
     with pytest.raises(CoordinateError, match="point: r: expected a number, got "):
         KERR.metric.at({R: [3, "4"], **rest})

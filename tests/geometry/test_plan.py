@@ -86,7 +86,7 @@ def test_writing() -> None:
     plan = schwarzschild().plan("torsion")
     lines = str(plan).splitlines()
     assert lines[0].split()[:2] == ["step", "components"]
-    assert lines[-1].startswith("left out: ")
+    assert lines[-1].startswith("omitted: ")
     assert len(lines) == len(plan.steps) + 2
     assert "  torsion_T -> torsion;" in plan.to_dot()
     spent = plan.run()

@@ -83,5 +83,7 @@ def test_bad_metrics(metric: list, message: str) -> None:
 
 def test_wrong_signature_names_the_right_one() -> None:
     """Both the found and the wanted signs are in the message."""
-    with pytest.raises(MetricError, match=r"\(1, 1\) in its domain, \(-1, 1\) was asked for"):
+    with pytest.raises(
+        MetricError, match=r"signature \(-1, 1\), got one of signature \(1, 1\) in its domain"
+    ):
         Frame.from_metric([x, y], [[1 + x**2, 0], [0, 1]], signature=(-1, 1))

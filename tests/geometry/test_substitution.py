@@ -93,7 +93,10 @@ def test_names_mean_one_thing_in_functions_too():
     """A coordinate without its assumptions is the coordinate of its name: a(t) lacks phi."""
     a, twin = sp.Function("a"), sp.Symbol("phi")
     frame = gt.Frame([t, phi], [[1, 0], [0, a(t)]])
-    with pytest.raises(CoordinateError, match="a\\(t\\) does not depend on phi"):
+    with pytest.raises(
+        CoordinateError,
+        match="a\\(t\\): expected a function of its own arguments, .* also depends on phi",
+    ):
         frame.subs({a(t): twin * t})
     plain = sp.Symbol("t")
     for key, value in ((plain, t), (t, plain), (plain, plain)):
@@ -145,16 +148,16 @@ def test_a_root_that_becomes_a_square_is_told():
 @pytest.mark.parametrize(
     ("values", "error", "message"),
     [
-        ({"r": 1}, CoordinateError, "r is a coordinate, .* tensor.limit"),
-        ({sp.Symbol("q"): 1}, UnknownNameError, "q is no parameter here. There are k"),
+        ({"r": 1}, CoordinateError, "got the coordinate r. .* tensor.limit"),
+        ({sp.Symbol("q"): 1}, UnknownNameError, "expected a parameter, got q. There are k"),
         ({"q": 1}, GeomtorsionError, "q"),
-        ({"k": "r"}, CoordinateError, "constant in every derivative, but r depends on r"),
-        ({"k": -1}, CoordinateError, "k was declared positive, .*but -1"),
-        ({"k": sp.I}, CoordinateError, "k was declared positive"),
-        ({"k": math.inf}, ArgumentError, "a finite value was needed, but oo came"),
+        ({"k": "r"}, CoordinateError, "expected a value without coordinates .*, got r,"),
+        ({"k": -1}, CoordinateError, "k: expected a value that is positive, .*got -1"),
+        ({"k": sp.I}, CoordinateError, "k: expected a value that is positive"),
+        ({"k": math.inf}, ArgumentError, "expected a finite value, got oo"),
         ({"k": "__import__('os')"}, GeomtorsionError, "expressions are not code"),
         ({"k + 1": 2}, ArgumentError, "a parameter or an unknown function"),
-        ({"b(r)": 2}, UnknownNameError, "no unknown function b"),
+        ({"b(r)": 2}, UnknownNameError, "expected an unknown function of this tensor, got b"),
         ({"k": None}, ArgumentError, "None"),
         ({"k": 0.5}, ExpressionError, "^the value of 'k': 0.5.* exactly, for example 1/2$"),
         ([("k", 1)], GeomtorsionError, "values"),
@@ -170,13 +173,15 @@ def test_values_that_are_none(cone, values, error, message):
 def test_values_out_of_the_domain():
     """The domain of a frame holds for its parameters, too; singular entries say what to do."""
     frame = gt.Frame([r, phi], [[1, 0], [0, r / k]], domain=[k < 3, r > 0])
-    with pytest.raises(CoordinateError, match="declared where k < 3, which does not hold"):
+    with pytest.raises(CoordinateError, match="got values that violate k < 3"):
         frame.subs({k: 4})
     assert frame.subs({k: 2}).domain == ()
-    with pytest.raises(SingularPointError, match=r"coframe\[1, 1\] = r/k .* ask for a limit"):
+    with pytest.raises(SingularPointError, match=r"coframe\[1, 1\] = r/k .* compute a limit"):
         frame.subs({k: 0})
     universe = gt.spaces.load("frw_flat").frame
-    with pytest.raises(CoordinateError, match="does not depend on x"):
+    with pytest.raises(
+        CoordinateError, match="expected a function of its own arguments, .* also depends on x"
+    ):
         universe.subs({"a(t)": "x"})
 
 
@@ -225,7 +230,7 @@ def test_sides_follow_from_the_domain(kerr):
     ("arguments", "error", "message"),
     [
         (("q", 0), GeomtorsionError, "q"),
-        ((sp.Symbol("q"), 0), UnknownNameError, "neither a coordinate nor a parameter"),
+        ((sp.Symbol("q"), 0), UnknownNameError, "expected a coordinate or a parameter, got q"),
         (("r", "r"), ArgumentError, "an expression without r"),
         (("r", sp.nan), GeomtorsionError, "nan"),
         (("r", sp.zoo), ArgumentError, "zoo"),
@@ -233,7 +238,7 @@ def test_sides_follow_from_the_domain(kerr):
         (("r", 0.5), ExpressionError, "^point: 0.5.* write it exactly, for example 1/2$"),
         (("r", 1, "both"), ArgumentError, "from above"),
         (("r", 1, 1), ArgumentError, "from above"),
-        ((2, 1), ArgumentError, "a coordinate or a parameter was needed"),
+        ((2, 1), ArgumentError, "expected a coordinate or a parameter"),
         (("r", "__import__('os')"), GeomtorsionError, "expressions are not code"),
     ],
 )  # fmt: skip

@@ -40,7 +40,10 @@ REFUSED = {
     "of the metric": (lambda: g.equations(BAR, g.f_of("T")), "not flat by its construction"),
     "not metric": (lambda: g.equations(AFFINE, g.poincare()), "expected a metric connection"),
     "torsion": (lambda: g.equations(CARTAN, g.stegr), "which has torsion"),
-    "not Riemannian": (lambda: g.equations(CARTAN, g.gauss_bonnet), "is not that of the metric"),
+    "not Riemannian": (
+        lambda: g.equations(CARTAN, g.gauss_bonnet),
+        "is not the Levi-Civita connection of the metric",
+    ),
     "unlike frames": (
         lambda: g.equations([CARTAN, gt.cartan(OTHER)], "T"),
         "expected connections over one frame",
@@ -78,7 +81,7 @@ REFUSED = {
     "F2 alone": (lambda: g.equations(CARTAN, "T + F2").L, "expected the matter"),
     "fluid": (
         lambda: g.equations(CARTAN, "T", g.fluid(1, 0, [1, 0, 0])).identities(),
-        "Leave out the fluid",
+        "Omit the fluid",
     ),
     "function": (lambda: g.f_of("T", 3), "expected the name of a function"),
     "value": (lambda: g.f_of("T", lambda T: "T"), "expected a sympy expression"),

@@ -362,6 +362,9 @@ def test_values_of_a_loop_against_what_was_declared():
     """Symbols of a loop alone, too."""
     r = sp.Symbol("r", negative=True)
     loop = Loop.circle([1, 0], -r)
-    with pytest.raises(CoordinateError, match="r was declared negative, nonpositive, but 2 was"):
+    with pytest.raises(
+        CoordinateError,
+        match="r: expected a value that is negative, nonpositive, as declared, got 2",
+    ):
         loop.at({"r": 2})
     assert loop.at({"r": -2}).area[0, 1] == pytest.approx(4 * np.pi)

@@ -62,8 +62,8 @@ def test_json_from_a_file(tmp_path: Path) -> None:
 
 
 JSON = [
-    ('[{"circle": {"centre": [0, 0], "radius": 1}', "line 1, column .* Is the file complete"),
-    ("", "this is no JSON"),
+    ('[{"circle": {"centre": [0, 0], "radius": 1}', "line 1, column .* Check that the"),
+    ("", "expected JSON, got an error"),
     ("{}", "expected a list of loops"),
     ("[]", "at least one"),
     ("3", "a list of loops"),
@@ -87,7 +87,7 @@ JSON = [
     ('{"loops": [1], "q": 3}', "unknown key 'q'"),
     ('{"loops": [1], "parameters": 3}', "parameters: expected names and values"),
     ('{"loops": [1], "accuracy": "x"}', "accuracy: expected a number"),
-    ("[" * 100000, "nested too deeply|no JSON"),
+    ("[" * 100000, "nested too deeply|expected JSON"),
 ]
 
 
@@ -142,7 +142,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         read_loops(PLANE, tmp_path / "none.json")
     binary = tmp_path / "binary.json"
     binary.write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(FileFormatError, match="no UTF-8"):
+    with pytest.raises(FileFormatError, match="expected UTF-8"):
         read_loops(PLANE, binary)
 
 

@@ -110,7 +110,7 @@ def test_other_runs_are_refused(other, tmp_path):
     path = tmp_path / "run.npz"
     call = {"problem": top(), "t": 5.0, "accuracy": 1e-7, "engine": RungeKutta()}
     solve(**call, checkpoint=path)
-    with pytest.raises(CheckpointError, match="checkpoint of another run"):
+    with pytest.raises(CheckpointError, match="expected a checkpoint of this run"):
         solve(**(call | other), checkpoint=path)
     solve(**(call | other), checkpoint=path, overwrite=True)
     solve(**(call | other), checkpoint=path)

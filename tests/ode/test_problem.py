@@ -151,12 +151,12 @@ BAD_RATES = {
     "kk is neither": {"x": "-kk*x"},
     "Did you mean k": {"x": -sp.Symbol("kk") * sp.Symbol("x")},
     "Abs": {"x": "sqrt(x**2)"},
-    "nor a finite number": {"x": float("nan")},
-    "neither an expression": {"x": None},
+    "or a finite number, got": {"x": float("nan")},
+    "expected text, a sympy expression": {"x": None},
     "expressions are not code": {"x": "__import__('os').system('true')"},
-    "not a name": {"x y": 0},
+    "expected a name of letters": {"x y": 0},
     "at least one state": {},
-    "named twice": {"k": 0},
+    "expected one meaning, got": {"k": 0},
 }
 
 
@@ -172,27 +172,27 @@ def test_bad_numbers():
     """Starts, parameters, events and lengths that make no sense."""
     with pytest.raises(ShapeError, match="expected 2 numbers"):
         ODE.of({"x": 0, "y": 0}, [1])
-    with pytest.raises(StartError, match="y has no number"):
+    with pytest.raises(StartError, match="expected a number for each state, got none for y"):
         ODE.of({"x": 0, "y": 0}, {"x": 1})
-    with pytest.raises(UnknownNameError, match="z is not a state"):
+    with pytest.raises(UnknownNameError, match="expected a state, got z"):
         ODE.of({"x": 0}, {"x": 1, "z": 2})
     with pytest.raises(StartError, match="start of x = nan is not finite"):
         ODE.of({"x": 0}, [float("nan")])
     with pytest.raises(StartError, match=r"k = \[1\] is not a number"):
         swing(parameters={"k": [1]})
-    with pytest.raises(UnknownNameError, match="kk is not a parameter. Did you mean k"):
+    with pytest.raises(UnknownNameError, match="expected a parameter, got kk. Did you mean k"):
         swing().with_start(parameters={"kk": 1})
-    with pytest.raises(TimeError, match="event at t = -1"):
+    with pytest.raises(TimeError, match="expected a time of 0 or later, got t = -1"):
         swing(events=[At(-1, {"k": 2})])
     with pytest.raises(UnknownNameError, match="w is neither a parameter nor a state"):
         swing(events=[At(1, {"w": 2})])
-    with pytest.raises(TimeError, match="was needed"):
+    with pytest.raises(TimeError, match=r"event: expected At\(.*, got 1.0"):
         swing(events=[1.0])
-    with pytest.raises(StartError, match="should have length 1"):
+    with pytest.raises(StartError, match="of length 1 together"):
         ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["ab"])
-    with pytest.raises(UnknownNameError, match="z is not a state"):
+    with pytest.raises(UnknownNameError, match="expected states, got z"):
         ODE.of({"a": 0, "b": 0}, [1, 1], normalized=["az"])
-    with pytest.raises(ExpressionError, match="output x has the name of"):
+    with pytest.raises(ExpressionError, match="outputs: expected new names, got x"):
         swing(outputs={"x": "v"})
     with pytest.raises(ExpressionError, match="a mapping from states"):
         ODE.of(3, [1])
@@ -203,7 +203,7 @@ def test_bad_numbers():
 def test_values_against_what_was_declared():
     """Of symbols in rates, outputs and events; sympy has written k for sqrt(k**2)."""
     k, x = sp.Symbol("k", positive=True), sp.Symbol("x")
-    said = "k was declared positive, nonnegative, but {} was to be put in its place"
+    said = "k: expected a value that is positive, nonnegative, as declared, got {}"
     rate, other = {"x": -sp.sqrt(k**2) * x}, {"x": "-k*x"}
     element = Field([k, x]).read(-k * x)
     places: list[tuple[Any, dict[str, Any]]] = [
@@ -230,7 +230,9 @@ def test_values_against_what_was_declared():
         solve_many(decay, {"k": [1, -1.5, -2]}, 1.0)
     assert solve_many(decay, {"k": [0, 1]}, 1.0)["x"][:, -1] == pytest.approx([1, np.exp(-1)])
     n = sp.Symbol("n", integer=True)
-    with pytest.raises(CoordinateError, match="n was declared integer, but 1.5 was"):
+    with pytest.raises(
+        CoordinateError, match="n: expected a value that is integer, as declared, got 1.5"
+    ):
         solve_many(ODE.of({"x": n}, [0], parameters={"n": 1}), {"n": [1, 1.5, 2]}, 1.0)
 
 
@@ -267,9 +269,18 @@ def test_symbols_are_names():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (({"t": "v", "v": "-t"}, [1, 0]), "t is named twice, for a state .* time='tau'"),
-        (({"tau": "t"}, [1], {"t": 2}), "t is named twice, for a parameter .* time='s'"),
-        (({"x": "v", "v": "x"}, [1, 0], {"v": 2}), "v is named twice, .* omit it from parameters"),
+        (
+            ({"t": "v", "v": "-t"}, [1, 0]),
+            "t: expected one meaning, got a state and the time. .* time='tau'",
+        ),
+        (
+            ({"tau": "t"}, [1], {"t": 2}),
+            "t: expected one meaning, got a parameter and the time. .* time='s'",
+        ),
+        (
+            ({"x": "v", "v": "x"}, [1, 0], {"v": 2}),
+            "v: expected one meaning, got a state and a parameter. .* omit it from parameters",
+        ),
     ],
 )
 def test_a_name_of_two_things_says_what_to_do(given, words):

@@ -100,9 +100,9 @@ def test_outputs_and_moments(engine):
     assert float(sol.at(1.0)["x"]) == pytest.approx(np.cos(2), abs=1e-9)
     with pytest.raises(UnknownNameError, match="Did you mean place"):
         sol["plce"]
-    with pytest.raises(UnknownNameError, match="'y' is not known of this motion"):
+    with pytest.raises(UnknownNameError, match="expected a quantity of this motion, got 'y'"):
         moment["y"]
-    with pytest.raises(TimeError, match="runs from 0 to 4"):
+    with pytest.raises(TimeError, match="from 0 to 4, the range of the solution"):
         sol.at(4.5)
 
 
@@ -143,7 +143,7 @@ def test_moments_are_mappings(tmp_path):
         assert "x" in values
         assert "y" not in values
         assert values.get("y") is None
-        with pytest.raises(UnknownNameError, match="^'y' is not known of this motion"):
+        with pytest.raises(UnknownNameError, match="^expected a quantity of this motion, got 'y'"):
             values["y"]
 
 
@@ -264,7 +264,7 @@ def test_files_of_others(tmp_path):
     with pytest.raises(FileFormatError, match="not a solution saved"):
         SavedSolution.load(tmp_path / "text.npz")
     np.savez(tmp_path / "old.npz", metadata=np.array('{"format": 99}'))
-    with pytest.raises(FileFormatError, match="format 99 was found"):
+    with pytest.raises(FileFormatError, match="expected format .*, got 99"):
         SavedSolution.load(tmp_path / "old.npz")
 
 
@@ -334,7 +334,7 @@ def test_asking_too_much_says_so():
         solve(swing(), 50.0, 1e-17, RungeKutta())
     with pytest.raises(AccuracyError, match="positive"):
         solve(swing(), 1.0, 0)
-    with pytest.raises(TimeError, match="repeated"):
+    with pytest.raises(TimeError, match="expected different times"):
         solve(swing(), [1.0, 1.0])
 
 
@@ -424,10 +424,10 @@ def test_length_is_kept_at_every_cut(tmp_path):
 def test_times_between_are_numbers(time):
     """Text and truth values were taken for numbers, others ended in errors of Python."""
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
-    with pytest.raises(TimeError, match=r"expected|is outside"):
+    with pytest.raises(TimeError, match=r"expected"):
         solution.at(time)
     hidden = np.ma.array([0.5, 1], mask=[False, True])
-    with pytest.raises(TimeError, match="t = nan is outside"):
+    with pytest.raises(TimeError, match="expected t from 0 to 2, .* got nan"):
         solution.at(hidden)
     assert solution.at([[1, 0], [0, 1]])["x"].shape == (2, 2)
 
@@ -436,7 +436,9 @@ def test_times_between_are_numbers(time):
 def test_what_is_no_name_is_not_known(name):
     """In the words for a name that is not."""
     solution = solve(ODE.of({"x": "-x"}, [1]), [0, 2], 1e-6)
-    with pytest.raises(UnknownNameError, match="is not known of this motion. There are x"):
+    with pytest.raises(
+        UnknownNameError, match="expected a quantity of this motion, got .*There are x"
+    ):
         solution[name]
 
 
@@ -450,9 +452,15 @@ def test_what_was_declared_is_saved(tmp_path):
     assert set(read.rates.declared) >= {n}
     for problem in (made, read):
         for name, value in (("k", -2), ("n", 3), ("n", 1.5)):
-            with pytest.raises(CoordinateError, match=f"{name} was declared .* but {value}"):
+            with pytest.raises(
+                CoordinateError,
+                match=f"{name}: expected a value that is .*, as declared, got {value}",
+            ):
                 problem.with_start(parameters={name: value})
-            with pytest.raises(CoordinateError, match=f"{name} was declared .* but {value}"):
+            with pytest.raises(
+                CoordinateError,
+                match=f"{name}: expected a value that is .*, as declared, got {value}",
+            ):
                 solve_many(problem, {name: [2, value, 4]}, 1.0)
 
 
@@ -461,7 +469,7 @@ def test_what_was_declared_is_saved(tmp_path):
     [
         ({"k": ["evil"]}, r"declared\.k\[0\]: expected one of even, "),
         ({"k": ["positive", "negative"]}, "metadata: problem"),
-        ({"k": ["negative"]}, "k was declared .*negative"),
+        ({"k": ["negative"]}, "k: expected a value that is .*negative"),
     ],
 )
 def test_what_was_not_declared_is_not_read(tmp_path, declared, message):

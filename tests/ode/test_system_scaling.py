@@ -165,7 +165,7 @@ def test_the_time_is_called_as_it_is():
         solve(ending, 5.0)
     swing = solve(ODE.of({"x": "v", "v": "-x"}, [1, 0], time="s"), 2.0)
     assert "to s = 2" in str(swing)
-    with pytest.raises(TimeError, match="s = 3 is outside"):
+    with pytest.raises(TimeError, match="expected s from 0 to 2, .* got 3"):
         swing.at(3.0)
     s, x, y = sp.symbols("s x y")
     bar = levi_civita(Frame([x, y], [[1, 0], [0, 1 / sp.sqrt(1 - x)]]))

@@ -124,7 +124,7 @@ def test_stop_with_time_and_after_an_event(engine):
 
 def test_stop_at_the_start():
     """A motion that begins beyond its end is refused."""
-    with pytest.raises(StartError, match="stop = z is -1 at the start"):
+    with pytest.raises(StartError, match="expected stop above zero at the start, got z = -1"):
         solve(fall(events=[When("z")]).with_start(start={"z": -1}), 1.0)
 
 

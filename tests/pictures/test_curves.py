@@ -134,5 +134,7 @@ def test_pictures_go_where_their_names_say(tmp_path):
     save(figure, str(tmp_path / "a.PNG"))
     assert (tmp_path / "a.PNG").read_bytes().startswith(b"\x89PNG")
     for name in ("a.jpg", "a.xyz"):
-        with pytest.raises(FileFormatError, match=r"A picture is a \.png, \.svg or \.pdf"):
+        with pytest.raises(
+            FileFormatError, match=r"expected the name of a \.png, \.svg or \.pdf file"
+        ):
             save(figure, tmp_path / name)

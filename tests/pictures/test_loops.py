@@ -111,7 +111,7 @@ def test_more_components_than_panels_are_told() -> None:
 def test_only_grids_are_maps() -> None:
     """A list of circles has no picture of this kind."""
     found = burgers_vectors(load("so3").frame, [[0, 1, 0]], 0.1)
-    with pytest.raises(LoopError, match="only a survey over a grid"):
+    with pytest.raises(LoopError, match="expected a survey over a grid"):
         draw_map(found)
 
 

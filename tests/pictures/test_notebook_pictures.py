@@ -79,7 +79,7 @@ def test_ensembles_are_drawn():
     assert len(gt.pictures.draw_solution(many).axes[0].lines) == 2
     assert "2 of 2 motions" in parts(many)[0]
     ends = gt.solve_many(decay, {"k": np.array([1.0, 2.0])}, 1.0)
-    assert "at two times or more, got 1" in ends._repr_html_()
+    assert "at two or more times, got 1" in ends._repr_html_()
 
 
 def test_a_burgers_vector_is_its_loop_and_its_image():
@@ -114,7 +114,7 @@ def test_scenes_are_drawn():
     """What was watched, and what was computed for it."""
     scene = gt.scenes.load("lagrange_cusp")
     assert "error below" in parts(scene.run())[0]
-    assert "left out" in parts(scene.selection)[0]
+    assert "omitted" in parts(scene.selection)[0]
 
 
 def test_without_the_extra_there_is_text(monkeypatch):

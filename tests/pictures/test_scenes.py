@@ -156,7 +156,7 @@ def test_films(tmp_path, monkeypatch):
     assert count == frames == 5
     assert seen[-1] == 1.0
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
-    with pytest.raises(FileFormatError, match=r"\.gif or an \.mp4"):
+    with pytest.raises(FileFormatError, match=r"expected the name of a \.gif or \.mp4 file"):
         write_film(tmp_path / "film.avi", TIMES, TURN)
     from matplotlib.animation import FFMpegWriter
 

@@ -163,7 +163,7 @@ def test_periods_of_angles():
 def test_a_pole_between_points_is_seen():
     """A narrow pole on the loop is no matter of sampling."""
     narrow = gt.Frame([X, Y], [[1, 0], [1 / (X - sp.Rational(123457, 10**6)), 1]])
-    with pytest.raises(ProofError, match="a pole or an edge lies on the loop"):
+    with pytest.raises(ProofError, match="a pole or an edge is on the loop"):
         proved(narrow, gt.Loop.circle([0, 0], 1))
 
 

@@ -327,7 +327,7 @@ REFUSED = [
     (lambda: gt.prove(_solved({"x": "v", "v": "-x"}, [1, 0], 3.0, events=[gt.When("1-v**2")])),
      ProofError, "touches the stop"),
     (lambda: gt.prove(_through(SCREW, gt.Loop.circle([1, 0, 0], 1), parameters={"b": 1})),
-     ProofError, "a pole or an edge lies on the loop"),
+     ProofError, "a pole or an edge is on the loop"),
     (lambda: gt.prove(_through(LOG, gt.Loop.circle([0.5, 0], 1))), ProofError, "no finite value"),
     (lambda: gt.prove(_through(RADICAL, gt.Loop.circle([0.5, 0], 1))), ProofError, "finite value"),
     (lambda: gt.prove(B, 0), ArgumentError, "digits"),

@@ -107,19 +107,21 @@ class Odd(Effect):
 
 def test_what_is_refused():
     body = Body(moments=(1, 2, 3))
-    with pytest.raises(SceneError, match="gimbal and pivot both tie"):
+    with pytest.raises(
+        SceneError, match="expected one effect that constrains .*, got gimbal and pivot"
+    ):
         assemble(body, {"gimbal": Gimbal(), "pivot": effects.Pivot((0, 0, 1))})
     one = Odd(Contribution(states={"w": sp.S.One}, start={"w": 0}))
-    with pytest.raises(SceneError, match="brings the state 'w', which another effect has"):
+    with pytest.raises(SceneError, match="expected a new state, got 'w', which another effect has"):
         assemble(body, {"odd": one, "odd2": one})
-    with pytest.raises(SceneError, match="the state 'w' without a start"):
+    with pytest.raises(SceneError, match="expected a start for the state 'w', got none"):
         assemble(body, {"odd": Odd(Contribution(states={"w": sp.S.One}))})
     context = Context(body)
-    with pytest.raises(SceneError, match="'Omega1' is taken already"):
+    with pytest.raises(SceneError, match="expected a new name, got 'Omega1'"):
         context.state("Omega1")
     with pytest.raises(SceneError, match="k = nan: expected a finite number"):
         context.parameter("k", float("nan"))
-    with pytest.raises(SceneError, match="arm has 2 components"):
+    with pytest.raises(SceneError, match="arm: expected three components, got 2"):
         context.vector("arm", (1, 2))
 
 

@@ -59,10 +59,10 @@ def test_what_is_refused(tmp_path):
     """No file, another scene, something else."""
     scene = load("lagrange_cusp")
     path = tmp_path / "run.npz"
-    with pytest.raises(CheckpointError, match="no such checkpoint"):
+    with pytest.raises(CheckpointError, match="there is no such checkpoint"):
         partial_result(scene, path)
     stopped(scene, path, None, 0.2)
-    with pytest.raises(CheckpointError, match="another run"):
+    with pytest.raises(CheckpointError, match="expected a checkpoint of this run"):
         partial_result(scene.with_values({"gravity.g": 1.0}), path)
     path.write_bytes(b"something else")
     with pytest.raises(CheckpointError, match="not a checkpoint"):

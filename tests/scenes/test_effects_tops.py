@@ -192,7 +192,7 @@ def test_what_rolls_is_as_high_as_it_leans(shape, height):
     start = {"omega": (0.5, 1, 6), "euler": (0.1, 1.0, 0.2)}
     result = run(body, acting, ["position", "nutation"], 1, **start)
     assert abs(result["position"][:, 2] - height(result["nutation"])).max() < 1e-12
-    with pytest.raises(SceneError, match="start has position = .* Leave position out"):
+    with pytest.raises(SceneError, match="start: expected position = .* Omit position"):
         run(body, acting, ["nutation"], 1, position=(0, 0, 9), **start)
 
 

@@ -134,7 +134,7 @@ def test_points():
 REFUSED = [
     ("watch =", "wach =", "a.toml: line 4: unknown key 'wach'. Did you mean watch?"),
     ('"nutation"', '"nutatoin"', "line 4: nothing called 'nutatoin'.*Did you mean nutation"),
-    ('"2 s"', '"2 m"', "line 5: t: the unit m does not fit: this is measured in s"),
+    ('"2 s"', '"2 m"', "line 5: t: expected a value in s, got the unit m"),
     ("1e-9", "-1", "line 6:.*accuracy"),
     ("[body]\n", "[bodi]\n", "unknown key 'bodi'. Did you mean body"),
     ('"500 g"', '"500 gr"', "line 10: body.mass: 'gr' is not a unit"),
@@ -146,21 +146,25 @@ REFUSED = [
     ('kind = "gravity"', 'kind = "gravty"', "line 14: there is no effect 'gravty'. Did you mean"),
     ('kind = "gravity"', "", "line 13: effects\\[0\\]: kind"),
     ("g = ", "gg = ", "line 15: gravity: unknown key 'gg'. Did you mean g"),
-    ("981 cm/s^2", "981 cm/s", "line 15: effects\\[0\\].g: the unit cm/s does not fit"),
+    ("981 cm/s^2", "981 cm/s", "line 15: effects\\[0\\].g: expected a .*, got the unit cm/s"),
     ("981 cm/s^2", "os.system(1)", "line 15:"),
     ("arm = ", "# arm = ", "line 17: pivot: arm \\(m\\) is missing"),
     ("[0, 0, \"5 cm\"]", "[0, 0]", "line 19: pivot.arm = \\(0, 0\\): expected three components"),
     ('kind = "pivot"', 'kind = "gravity"', "unknown key 'arm'"),
     ("omega =", "omgea =", "line 22: start: unknown key 'omgea'. Did you mean omega"),
-    ("600 rpm", "600 m", "line 22: start.omega\\[2\\]: the unit m does not fit"),
+    ("600 rpm", "600 m", "line 22: start.omega\\[2\\]: expected a value in rad/s, got the unit m"),
     ("600 rpm", "600 Hz", "line 22: start.omega\\[2\\]: Hz leaves open"),
-    ('euler = [0, "30 deg", 0]', "quaternion = [0, 0, 0, 0]", "line 23: start: the quaternion"),
+    (
+        'euler = [0, "30 deg", 0]',
+        "quaternion = [0, 0, 0, 0]",
+        "line 23: start: quaternion: expected length 1, got 0",
+    ),
     ('euler = [0, "30 deg", 0]', "quaternion = [1, 1, 0, 0]", "line 23: start:.*length"),
     ('"a heavy top"', "7", "line 2: title: expected a text in quotes"),
     ("[start]", "[[start]]", "start: expected a table"),
-    ("[[effects]]\nkind", "[effects]\nkind", "line 13.*no TOML|effects"),
+    ("[[effects]]\nkind", "[effects]\nkind", "line 13.*expected TOML|effects"),
     ("samples = 51", "samples = 1", "line 7: samples = 1"),
-    ("t = ", "t = = ", "line 5, column 5: this is no TOML"),
+    ("t = ", "t = = ", "line 5, column 5: expected TOML, got an error"),
 ]  # fmt: skip
 
 
@@ -179,7 +183,7 @@ def test_what_is_refused(old, new, says):
     ("more", "says"),
     [
         ('[[effects]]\nkind = "drift"\n', "contradict each other"),
-        ('[[effects]]\nkind = "gravity"\n', "there twice"),
+        ('[[effects]]\nkind = "gravity"\n', "once, got"),
     ],
 )
 def test_contradictions(more, says):
@@ -225,13 +229,13 @@ quaternion = [1, 0, 0, 0]
         ('"Omega1"', '"Omga1"', "line 23: body_moment2.moment\\[2\\].*Did you mean Omega1"),
         ('"Omega1"', "\"__import__('os')\"", "line 23: body_moment2"),
         ('"t"', '"9**9**9*t"', "line 15: body_moment.moment\\[1\\]: the exponent is"),
-        ("inertia = 0.1", "inertia = 5", "line 11: rotor.inertia = 5"),
+        ("inertia = 0.1", "inertia = 5", "line 11: rotor.inertia: expected less than .* got 5"),
         (
             "momentum = 0.1",
             'momentum = "t"',
             "line 10: rotor.momentum = 't': .* number",
         ),
-        ("[0, 1]", "[1, 0.5]", "line 2: times are not sorted"),
+        ("[0, 1]", "[1, 0.5]", "line 2: t: expected sorted times"),
         ("quaternion = [1, 0, 0, 0]", "", None),
         ('["omega"]\nt = [0, 1]', '["nutation"]\nt = 1', None),
         ("quaternion = [1, 0, 0, 0]", "velocity = [1, 0, 0]", None),
@@ -256,7 +260,7 @@ def test_a_start_that_lacks_something():
         read(bare)
     alone = read(text.partition("[start]")[0])
     assert "n1" in alone.selection.states
-    with pytest.raises(StartError, match="no angular velocity"):
+    with pytest.raises(StartError, match="expected an angular velocity, got none"):
         alone.run()
 
 
@@ -273,7 +277,9 @@ def test_names_of_scenes():
 def test_what_cannot_be_written():
     """Numbers that are none, and things that are no data."""
     scene = read(TOP)
-    with pytest.raises(FileFormatError, match="cannot be written"):
+    with pytest.raises(
+        FileFormatError, match="expected numbers or expressions as text for a scene file"
+    ):
         to_toml(scene.with_values(title=object()))
 
 

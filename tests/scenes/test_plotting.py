@@ -100,7 +100,7 @@ def test_everything_about_a_run_in_one_place(tmp_path):
     loaded = SceneResult.load(tmp_path / "result.npz")
     assert list(drawings(loaded)) == ["watched", "axis"]
     assert plot(loaded, tmp_path / "again.png").axes
-    with pytest.raises(SceneError, match="has no scene"):
+    with pytest.raises(SceneError, match="expected a result with its scene"):
         write_run(loaded, tmp_path)
 
 

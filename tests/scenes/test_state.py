@@ -47,12 +47,15 @@ def test_arrays_are_kept_as_tuples():
         ({"omega": (1, "fast", 0)}, "omega\\[1\\] = 'fast'"),
         ({"omega": (1, True, 0)}, "omega\\[1\\] = True is not a number"),
         ({"position": (1, 2, None)}, "position\\[2\\] = None is not a number"),
-        ({"euler": (0, 0, 0), "quaternion": (1, 0, 0, 0)}, "given as euler and as quaternion"),
-        ({"quaternion": (0, 0, 0, 0)}, "the quaternion is 0"),
-        ({"quaternion": (1, 1, 0, 0)}, "length 1.41421356"),
+        (
+            {"euler": (0, 0, 0), "quaternion": (1, 0, 0, 0)},
+            "expected it once, got euler and quaternion",
+        ),
+        ({"quaternion": (0, 0, 0, 0)}, "quaternion: expected length 1, got 0"),
+        ({"quaternion": (1, 1, 0, 0)}, "expected length 1, got 1.41421356"),
         ({"quaternion": (1, 0, 0)}, "four numbers, scalar first"),
         ({"matrix": [[1, 0], [0, 1]]}, "3 x 3 numbers"),
-        ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "is a reflection"),
+        ({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, -1]]}, "got a reflection"),
     ],
 )
 def test_starts_that_are_none(given, says):
@@ -61,5 +64,7 @@ def test_starts_that_are_none(given, says):
 
 
 def test_unknown_convention():
-    with pytest.raises(UnknownNameError, match="no Euler angles called 'zzx'"):
+    with pytest.raises(
+        UnknownNameError, match="Euler angles: expected the name of a convention, got 'zzx'"
+    ):
         State(euler=(0, 0, 0), euler_convention="zzx")

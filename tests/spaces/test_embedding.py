@@ -83,5 +83,8 @@ def test_a_file_that_is_the_sphere_is_drawn_as_one(tmp_path):
 def test_values_against_what_was_declared():
     """Of the radius of a sphere."""
     embedding, point, values, _ = at_sample("s2")
-    with pytest.raises(CoordinateError, match="R was declared positive, nonnegative, but -1"):
+    with pytest.raises(
+        CoordinateError,
+        match="R: expected a value that is positive, nonnegative, as declared, got -1",
+    ):
         embedding.places(point[None, :], values | {"R": -1})

@@ -142,7 +142,7 @@ def test_copies(space):
         ("atan2(y, x)", "atan2(x, y)", "charts: the map from chart"),
         ("sqrt(x**2 + y**2)", "sqrt(x**2 + 2*y**2)", "charts: the map from chart"),
         ("[[1, 0], [0, 1]]", "[[1, 0], [0, 2]]", "charts: the map from chart"),
-        ('["x", "y"]\ncof', '["r", "y"]\ncof', "is a name of the file already"),
+        ('["x", "y"]\ncof', '["r", "y"]\ncof', "is a name in the file already"),
         ('["x", "y"]\ncof', '["x", "__import__"]\ncof', "charts"),
         ('name = "cartesian"', 'name = "plane"', "that no other chart has"),
         ('name = "cartesian"', "", "name is missing"),

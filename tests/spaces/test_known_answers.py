@@ -81,5 +81,7 @@ def test_wrong_scalar_is_detected() -> None:
 
 def test_a_connection_is_needed() -> None:
     """An answer about a connection that the space does not have is refused with a reason."""
-    with pytest.raises(UnknownNameError, match="so3 has only the connections of its frame"):
+    with pytest.raises(
+        UnknownNameError, match="got so3, which only has the connections of its frame"
+    ):
         disagreements(shared("so3"), KnownAnswer("connection_torsion", {}))

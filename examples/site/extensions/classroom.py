@@ -48,7 +48,7 @@ def picture() -> str:
         fields.append(f"<div>{field}<p><button>Check</button></p>{said}</div>")
     return (
         '<div class="classroom" role="img" inert aria-label="An exercise with two answers: the '
-        'first is wrong, and what is wrong with it is said; the second is right.">'
+        'first is wrong, and the page names the mistake; the second is right.">'
         f'<template shadowrootmode="open"><style>{style}</style><main class="lab">'
         f'<h1>Torsion lab</h1><div role="tablist">{tabs}</div>{views.exercise(stated)}'
         f"<form>{''.join(fields)}</form></main></template></div>"

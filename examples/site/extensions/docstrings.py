@@ -1,7 +1,7 @@
 """docstrings: the plain text of docstrings as reStructuredText, with equations as formulas.
 
-Docstrings are written to be read in a terminal: nothing in them is markup but `code`. Sections are
-underlined; those of names (Parameters, Raises, ...) become lists, Equation becomes formulas.
+Docstrings are written for a terminal: their only markup is `code`. Sections are underlined.
+Sections of names (Parameters, Raises, ...) become lists, the section Equation becomes formulas.
 """
 
 # pyright: reportMissingImports=false
@@ -26,7 +26,7 @@ _MARKUP = re.compile(r"([\\*|_<>:])")
 
 
 def escaped(text: str) -> str:
-    """Prose without markup: what looks like some is escaped, `code` is set as code."""
+    """Prose without markup: signs of markup are escaped, `code` is set as code."""
     parts, place = [], 0
     for code in _CODE.finditer(text):
         parts += [_MARKUP.sub(r"\\\1", text[place : code.start()]), _code(code[2])]
@@ -35,7 +35,7 @@ def escaped(text: str) -> str:
 
 
 def _code(text: str) -> str:
-    """Code, as a link where it is the name of something public."""
+    """Code, as a link if it is a public name."""
     name = text.removesuffix("()").removeprefix("gt.").removeprefix("geomtorsion.")
     if name in geomtorsion.__all__:
         return rf"\ :py:obj:`{text} <geomtorsion.{name}>`\ "
@@ -43,7 +43,7 @@ def _code(text: str) -> str:
 
 
 def with_formulas(line: str) -> str:
-    """A sentence in which what is mathematics is set as such."""
+    """A sentence with its mathematics set as formulas."""
     parts: list[str] = []
     for kind, text in pieces(line):
         if kind == "text":
@@ -65,7 +65,7 @@ def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
 
 
 def _prose(lines: list[str]) -> Iterator[str]:
-    """Paragraphs; fields of a class as a list, examples as they stand, the rest as text."""
+    """Paragraphs; fields of a class as a list, examples unchanged, all else as text."""
     for paragraph in _paragraphs(lines):
         if paragraph[0].lstrip().startswith(">>>"):
             yield from [*paragraph, ""]
@@ -88,7 +88,7 @@ def _items(lines: list[str]) -> Iterator[str]:
 
 
 def _fields(lines: list[str]) -> Iterator[str]:
-    """`name: what it is`, each with the lines that go on with it."""
+    """Fields `name: description`, each with its continuation lines."""
     for line in lines:
         start = _FIELD.match(line)
         if start:
@@ -104,7 +104,7 @@ def _names(text: str) -> str:
 
 
 def _list(title: str, lines: list[str]) -> Iterator[str]:
-    """Names, each with an indented text; what is no such list stays prose."""
+    """Names, each with an indented text; other text stays prose."""
     if not any(line.startswith("    ") for line in lines):
         yield from _prose(lines)
         return
@@ -121,7 +121,7 @@ def _list(title: str, lines: list[str]) -> Iterator[str]:
 
 
 def _equations(lines: list[str]) -> Iterator[str]:
-    """Lines that are mathematics alone stand alone; elsewhere formulas stand in the text."""
+    """Lines of mathematics as displayed formulas; other formulas within the text."""
     for paragraph in _paragraphs(lines):
         text: list[str] = []
         for line in paragraph:
@@ -171,6 +171,6 @@ def _convert(app, what, name, object_, options, lines: list[str]) -> None:
 
 
 def setup(app) -> dict[str, bool]:
-    """Convert what autodoc reads."""
+    """Convert the docstrings that autodoc reads."""
     app.connect("autodoc-process-docstring", _convert)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -10,9 +10,9 @@ from geomtorsion.pictures.latex import equation_latex
 from geomtorsion.pictures.text import GREEK, greek_words
 
 FUNCTIONS = "sin cos tan cot sinh cosh tanh exp log ln det arg tr atan2 grad sn cn dn".split()
-# Those that LaTeX has no command for.
+# Functions without a command in LaTeX.
 _OPERATORS = ("tr", "atan2", "grad", "sn", "cn", "dn")
-# What is set already stands as one letter of the private use area until the rest is set.
+# A part that is set already is one letter of the private use area until the rest is set.
 _FIRST_PRIVATE = 0xE000
 _REWRITTEN = (
     (re.compile(r"\bGamma_bar"), "Γ̄"),
@@ -110,7 +110,7 @@ def whole_line(line: str) -> tuple[str, str] | None:
 
 
 def pieces(line: str) -> list[tuple[str, str]]:
-    """A sentence as pairs: ("text", as it stands) or ("math", LaTeX), blanks between them."""
+    """A sentence as pairs: ("text", unchanged) or ("math", LaTeX), blanks between them."""
     found: list[tuple[str, str]] = []
     run: list[str] = []
     for token in [*line.split(), "end"]:

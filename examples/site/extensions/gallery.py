@@ -27,7 +27,7 @@ from sphinx.errors import SphinxError
 from sphinx.util.docutils import SphinxDirective
 
 EXAMPLES = ROOT / "examples"
-# Options of examples by which they draw, and the kind of what follows: a file or a folder.
+# Options by which examples draw, and the kind of their argument: a file or a folder.
 DRAWING = {"--picture": "file", "--map": "file", "--pictures": "folder"}
 # Draws a shipped scene; its example compares it with the known answer.
 _SCENE = """
@@ -42,13 +42,13 @@ LONGEST_RUN = 300
 
 @dataclass(frozen=True)
 class Example:
-    """One example: its file, and what its docstring says."""
+    """One example: its file and its docstring."""
 
     path: Path
 
     @property
     def name(self) -> str:
-        """Name of its page: scenes stand apart."""
+        """Name of its page; scenes have a prefix."""
         return ("scene_" if self.path.parent.name == "scenes" else "") + self.path.stem
 
     @property
@@ -59,22 +59,22 @@ class Example:
     @property
     def title(self) -> str:
         """The first line of the docstring, up to the first colon or stop."""
-        return re.split(r"[:.]", self._told[0], maxsplit=1)[0]
+        return re.split(r"[:.]", self._docstring[0], maxsplit=1)[0]
 
     @property
-    def _told(self) -> list[str]:
+    def _docstring(self) -> list[str]:
         return (ast.get_docstring(ast.parse(self.code)) or "").split("\n")
 
     @property
     def subtitle(self) -> str:
-        """What the first line goes on with."""
-        return self._told[0][len(self.title) :].lstrip(":. ")
+        """The rest of the first line, after the title."""
+        return self._docstring[0][len(self.title) :].lstrip(":. ")
 
     @property
     def text(self) -> str:
         """The docstring without its first line; commands as code."""
         shown: list[str] = []
-        for part in "\n".join(self._told[1:]).strip().split("\n\n"):
+        for part in "\n".join(self._docstring[1:]).strip().split("\n\n"):
             if "python examples" in part:
                 lines = "\n".join(line.strip() for line in part.split("\n"))
                 shown.append(f"```sh\n{lines}\n```")
@@ -123,7 +123,7 @@ def _scene(example: Example) -> str:
     """The shipped scene that an example builds and compares with, if it is one."""
     if example.path.parent.name != "scenes":
         return ""
-    from geomtorsion import scenes  # names alone, but not for examples without a scene
+    from geomtorsion import scenes  # slow to load, and only scenes need it
 
     known = scenes.names()
     stem = example.path.stem
@@ -201,7 +201,7 @@ def _kept(example: Example, package: str) -> None:
 
 
 def _copy_pictures(app, error) -> None:
-    """Those of the index, which no page holds."""
+    """Copy the pictures of the index, which no page refers to."""
     if error is None and app.builder.format == "html":
         target = Path(app.outdir) / "_images"
         target.mkdir(exist_ok=True)

@@ -1,8 +1,8 @@
-"""laws: what a built site must keep, or the build fails.
+"""laws: rules for the built site; the build fails if one is violated.
 
-Nothing is asked of other hosts, every link within leads somewhere, every public name has an entry.
-Links to other hosts are listed in links.txt of the built site; building asks no network, so none is
-followed.
+No page loads from other hosts, no internal link is broken, every public name has an entry.
+Links to other hosts are listed in links.txt of the built site; the build uses no network, so it
+follows none of them.
 """
 
 # pyright: reportMissingImports=false
@@ -67,13 +67,13 @@ def style_urls(text: str) -> Iterator[str]:
 
 
 def is_foreign(address: str) -> bool:
-    """Whether an address is that of another host."""
+    """Whether an address belongs to another host."""
     parts = urlsplit(address.strip())
     return bool(parts.netloc) or parts.scheme in ("http", "https", "ftp", "ws", "wss")
 
 
 def faults(folder: Path) -> tuple[list[str], list[str]]:
-    """What is wrong with the pages in a folder, and all links to other hosts."""
+    """Faults of the pages in a folder, and all links to other hosts."""
     pages = {path: _Page(path.read_text("utf-8")) for path in sorted(folder.rglob("*.html"))}
     wrong: list[str] = []
     outside: set[str] = set()

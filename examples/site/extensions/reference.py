@@ -33,7 +33,7 @@ _PLACED = re.compile(r"^\.\. public:: (\S+)(?:\n    :of: ([\w.]+))?", re.MULTILI
 
 
 def public_modules() -> Iterator[ModuleType]:
-    """Every module that says what it exports, and those of which all is public."""
+    """Every module with a list of exports, and the modules that are public as a whole."""
     yield geomtorsion
     for found in pkgutil.walk_packages(geomtorsion.__path__, "geomtorsion."):
         if not found.name.endswith("__main__"):
@@ -57,7 +57,7 @@ def public_names(module: ModuleType) -> list[str]:
 
 
 def package_of(name: str) -> str:
-    """The package below geomtorsion in which a name that it exports is at home."""
+    """The package below geomtorsion to which an exported name belongs."""
     value = getattr(geomtorsion, name)
     if ismodule(value):
         return "packages"
@@ -79,7 +79,7 @@ class Public(SphinxDirective):
     option_spec: ClassVar = {"of": str}
 
     def run(self) -> list[nodes.Node]:
-        """What the lines of `written` become."""
+        """The nodes made from the lines of `written`."""
         lines = StringList(self.written(), source="public names")
         node = nodes.section()
         node.document = self.state.document
@@ -133,7 +133,7 @@ class Public(SphinxDirective):
 
 
 class Rest(Public):
-    """`.. rest::`: what is public and has no page yet, so that nothing new goes missing."""
+    """`.. rest::`: public names without a page, so that no new name is missing."""
 
     required_arguments = 0
 
@@ -155,7 +155,7 @@ class Rest(Public):
 def _resolve(app, env, node, contnode):
     """A link for a type in a signature that names a public class without its package.
 
-    A type that is not public stays as it is, if there is one.
+    A type that is not public stays unchanged, if there is one.
     """
     if node.get("refdomain") != "py":
         return None

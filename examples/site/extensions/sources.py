@@ -1,8 +1,8 @@
-"""sources: one digest of all that the site is made from, so that nobody builds the same one twice.
+"""sources: one digest of all sources of the site, so that an unchanged site is not built twice.
 
     python examples/site/extensions/sources.py [--versions]
 
-With --versions those of the installed packages count, too, and that of Python.
+With --versions the digest also depends on the versions of Python and the installed packages.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def files() -> Iterator[Path]:
 
 
 def scripts() -> Iterator[Path]:
-    """What examples do depends on these alone."""
+    """The only files on which the examples depend."""
     return (path for path in files() if path.suffix == ".py" and SITE not in path.parents)
 
 

@@ -1,4 +1,4 @@
-"""tables: the conventions of the package, and the licences of what it stands on, as tables."""
+"""tables: the conventions of the package and the licences of its dependencies, as tables."""
 
 # pyright: reportMissingImports=false
 
@@ -23,11 +23,11 @@ from geomtorsion.conventions import BURGERS, CONVENTIONS
 
 
 class _Lines(SphinxDirective, ABC):
-    """Lines of reStructuredText in the place of the directive."""
+    """Lines of reStructuredText instead of the directive."""
 
     @abstractmethod
     def lines(self) -> list[str]:
-        """What it becomes."""
+        """The lines that replace it."""
 
     def run(self) -> list[nodes.Node]:
         """The lines, read."""
@@ -48,7 +48,7 @@ def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
 
 
 class Conventions(_Lines):
-    """`.. conventions::`: those of `geomtorsion.conventions`, formulas set."""
+    """`.. conventions::`: the entries of `geomtorsion.conventions`, formulas set."""
 
     def lines(self) -> list[str]:
         """One row for each."""
@@ -60,7 +60,7 @@ class Conventions(_Lines):
 
 
 def _formulas(text: str) -> list[str]:
-    """Mathematics set; what says how code indexes it stays code."""
+    """Mathematics set as formulas; the indices in code stay code."""
     lines: list[str] = []
     for part in re.split(r", (?=T = |\[E|L_abc|A_abc|R = |b\^i = |right)|: (?=\w+\[)", text):
         code = re.fullmatch(r"\w+\[[\w, ]+\]", part)
@@ -70,7 +70,7 @@ def _formulas(text: str) -> list[str]:
 
 
 class BurgersConventions(_Lines):
-    """`.. burgers-conventions::`: who has which sign of b."""
+    """`.. burgers-conventions::`: the sign of b in each convention."""
 
     def lines(self) -> list[str]:
         """One row for each."""
@@ -79,7 +79,7 @@ class BurgersConventions(_Lines):
 
 
 class Licences(_Lines):
-    """`.. licences::`: what each declared dependency says of itself where this was built."""
+    """`.. licences::`: the licence that each installed dependency declares."""
 
     def lines(self) -> list[str]:
         """One row for each dependency of the package and of its extras."""
@@ -102,19 +102,19 @@ def _name(requirement: str) -> str:
 
 def _licence(name: str) -> tuple[str, str]:
     try:
-        told = cast(Message, metadata(name))
+        stated = cast(Message, metadata(name))
     except PackageNotFoundError:
         return "not installed where this was built", "-"
-    text = told.get("License-Expression") or ""
+    text = stated.get("License-Expression") or ""
     if not text:
-        kinds = [one for one in told.get_all("Classifier") or [] if one.startswith("License ::")]
+        kinds = [one for one in stated.get_all("Classifier") or [] if one.startswith("License ::")]
         text = ", ".join(one.rpartition(" :: ")[2] for one in kinds)
     # Some packages give the whole text in this field.
-    return text or (told.get("License") or "not told").split("\n")[0][:60], told["Version"]
+    return text or (stated.get("License") or "not stated").split("\n")[0][:60], stated["Version"]
 
 
 def _date() -> str:
-    """The day of the newest release, as the changelog tells."""
+    """The day of the newest release in the changelog."""
     found = re.search(
         r"^## \[[0-9.]+\] - ([0-9-]+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
     )

@@ -50,7 +50,7 @@ def accuracy(
     curve: Annotated[
         Curve | None,
         typer.Option(
-            show_default=False, help="Which motion of a space is measured; default: geodesic."
+            show_default=False, help="The motion of a space that is measured; default: geodesic."
         ),
     ] = None,
     start: Start = None,
@@ -60,7 +60,7 @@ def accuracy(
     parameters: Parameters = None,
     moments: Moments = None,
     accuracies: Annotated[
-        str, typer.Option(metavar="X,...", help="What is asked for, one row each.")
+        str, typer.Option(metavar="X,...", help="Requested accuracies, one row each.")
     ] = "1e-3,1e-6,1e-9,1e-12",
     engines: Annotated[
         str | None,
@@ -75,10 +75,10 @@ def accuracy(
     form: Pictures = PictureFormat.png,
     proved: Proved = False,
 ) -> None:
-    """Measure what accuracy costs, and say what to take.
+    """Measure the cost of accuracy, and recommend an engine.
 
-    Errors are measured against a closed form where there is one, else against quadruple precision;
-    times are those of this machine.
+    Errors are measured against a closed form if one is known, otherwise against quadruple
+    precision. Times are measured on this machine.
 
     \b
     Examples:
@@ -127,11 +127,12 @@ def _of_scene(
 
 
 def _refuse(given: dict[str, str | None]) -> None:
-    """Options of spaces mean nothing for a scene."""
+    """Refuse options of spaces for a scene."""
     wrong = [name for name, value in given.items() if value is not None]
     if wrong:
         raise StartError(
-            f"{wrong[0]} is for spaces; a scene has its own start: --set start.omega[0]=0.1."
+            f"{wrong[0]}: expected a space, got a scene, which has its own start. Use --set "
+            "start.omega[0]=0.1."
         )
 
 

@@ -84,7 +84,8 @@ def burgers(
         Texts, option(metavar="POINT;POINT;...", text="A spline through points.")
     ] = [],
     any_kind: Annotated[
-        Texts, option("--loop", metavar="'KIND TEXT'", text="Any of these, as in 'circle 20,30:8'.")
+        Texts,
+        option("--loop", metavar="'KIND TEXT'", text="A loop of any kind above: 'circle 20,30:8'."),
     ] = [],
     interval: Annotated[
         str | None, option(metavar="START,END", text="Bounds of s in --curve; default: 0,2*pi.")
@@ -93,9 +94,11 @@ def burgers(
         list[Path],
         option(metavar="FILE", text="Loops from a JSON or CSV file; - for JSON on standard input."),
     ] = [],
-    values: Annotated[Texts, option("--set", metavar="NAME=VALUE", text="Parameter value.")] = [],
+    values: Annotated[
+        Texts, option("--set", metavar="NAME=VALUE", text="Value of a parameter; may be repeated.")
+    ] = [],
     accuracy: Annotated[
-        float | None, option(metavar="X", text="Wanted relative error; default: 1e-12.")
+        float | None, option(metavar="X", text="Requested relative error; default: 1e-12.")
     ] = None,
     sigma: MeasuredSigma = None,
     threshold: MeasuredThreshold = None,
@@ -105,21 +108,23 @@ def burgers(
     pixel: MeasuredPixel = None,
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
-    exact: Annotated[bool, typer.Option("--exact", help="A closed form, not numbers.")] = False,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="Compute a closed form instead of numbers.")
+    ] = False,
     proved: Proved = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
     output: Annotated[
         Path | None,
-        directory("Directory for burgers.json and pictures, made if it is missing."),
+        directory("Directory for burgers.json and pictures, created if missing."),
     ] = None,
 ) -> None:
-    """Compute the Burgers vectors of loops: by how much they fail to close.
+    """Compute the Burgers vectors of loops: the gaps by which they fail to close.
 
-    They are measured in the frame. Numbers may be 0.3 or pi/2; PLANE is two coordinates (the first
-    two if left out). A loop that fails among several is reported in its place, and the command
-    ends with 1.
+    Components are along the legs of the frame. Numbers may be 0.3 or pi/2; PLANE is two coordinates
+    (default: the first two). If one of several loops fails, its entry reports the error, and the
+    command ends with 1.
 
     \b
     Examples:
@@ -158,14 +163,19 @@ def burgers(
     accuracy, parameters = _shared(files, accuracy, exact_assignments(values))
     if exact and accuracy is not None:
         raise LoopError(
-            f"accuracy {accuracy}: a closed form has none to ask for. Drop it, or --exact."
+            f"accuracy {accuracy}: expected numbers, got --exact, a closed form without an error. "
+            "Omit one of the two."
         )
     if exact and proved:
-        raise LoopError("--proved: expected numbers, got --exact, a closed form. Drop one of both.")
+        raise LoopError(
+            "--proved: expected numbers, got --exact, a closed form. Omit one of the two."
+        )
     all_loops += _described(frame, shapes, interval)
     all_loops += (_named_kind(frame, text, interval) for text in any_kind)
     if not all_loops:
-        raise typer.BadParameter("no loop was given: use --circle, --polygon, ... or --loops FILE")
+        raise typer.BadParameter(
+            "expected a loop, got none. Use --circle, --polygon, ... or --loops FILE."
+        )
     if field is not None:
         show_burgers(field, all_loops, output, plain=form is Form.json)
         return
@@ -243,8 +253,8 @@ def _shared(
             if rival != value and switch not in asked:
                 name = switch.removeprefix("--accuracy").removeprefix("--set ") or "accuracy"
                 raise LoopError(
-                    f"--loops {path}: {name} is {value} there, but {rival} in {first}. Say which "
-                    f"by {switch}, or compute the files apart."
+                    f"--loops {path}: expected {name} = {rival} as in {first}, got {value}. Choose "
+                    f"one by {switch}, or compute the files separately."
                 )
     shared = {switch: value for switch, (_, value) in settings.items()} | asked
     accuracy = shared.pop("--accuracy", None)
@@ -274,17 +284,17 @@ def refuse_options(given: Mapping[str, object], measured: bool) -> None:
     """Refuse options that belong to the other kind of source."""
     for name, value in given.items():
         if value is not None and value is not False and value not in ([], {}):
-            owner = "spaces given by formulas" if measured else "measured fields"
-            this = "measured" if measured else "a space"
-            raise LoopError(f"{name}: it belongs to {owner}, but the source is {this}. Drop it.")
+            kinds = ["a measured field", "a space given by formulas"]
+            this, owner = kinds if not measured else kinds[::-1]
+            raise LoopError(f"{name}: expected {this}, got {owner}. Omit it.")
 
 
 def refuse_interval(interval: str | None, curves: Texts, others: Texts) -> None:
     """Refuse bounds of a curve if no curve is requested."""
     if interval is not None and not curves and not any(x.split()[:1] == ["curve"] for x in others):
         raise LoopError(
-            f"--interval {cut(interval)}: it bounds s in --curve, but no curve came. Drop it, or "
-            "give --curve 'EXPR;EXPR;...'. A file of loops has intervals of its own."
+            f"--interval {cut(interval)}: expected a --curve in s, got none. Omit it, or "
+            "give --curve 'EXPR;EXPR;...'. Loops in a file have their own intervals."
         )
 
 
@@ -300,7 +310,7 @@ def loop_data(kind: str, text: str, interval: str | None, option: str = "") -> d
             pattern = f"{keys[0].upper()}:{keys[1].upper()}[:PLANE]"
             typed = option or f"--{kind} {cut(text)}"
             came = "1 part" if len(fields) == 1 else f"{len(fields)} parts"
-            raise LoopError(f"{typed}: expected {pattern}, got {came}.")
+            raise LoopError(f"{typed}: expected {pattern}, got {came}. Separate parts with colons.")
         inner = {key: _split(field, ",") for key, field in zip(keys, fields, strict=False)}
         if kind == "circle":
             inner["radius"] = fields[1]
@@ -342,7 +352,7 @@ def _explain(result: dict[str, Any]) -> None:
     if not any(numbers) and any(result["reduced"]):
         unit = result["unit"]
         shown = ", ".join(f"{x:.15g}" for x in result["reduced"])
-        typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, below all doubles")
+        typer.echo(f"  b = ({shown}) * {unit['size']:g}^{unit['power']}, smaller than any double")
     else:
         error = result["error"]
         values = (x if isinstance(x, float) else complex(*x) for x in numbers)
@@ -373,6 +383,6 @@ def _save(document: dict[str, Any], vectors: Sequence[BurgersVector | None], fol
             save(draw_closure(vector), folder / names[-1])
     except MissingExtraError as error:
         names.clear()
-        typer.echo(f"no pictures: {error}", err=True)
+        typer.echo(f"No pictures: {error}", err=True)
     write_text(target, json.dumps(document, indent=2) + "\n")
     typer.echo(f"wrote {target}{' and ' + ', '.join(names) if names else ''}", err=True)

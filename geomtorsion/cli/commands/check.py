@@ -21,8 +21,8 @@ MARKS = {
 def check(source: SpaceOrFile) -> None:
     """Check the identities of a space exactly.
 
-    Checked are metricity, the decomposition of the connection, both Bianchi identities with
-    torsion, the scalar identity, and for shipped spaces every known answer. The command ends
+    The checks are metricity, the decomposition of the connection, both Bianchi identities with
+    torsion, the scalar identity, and the known answers of a shipped space. The command ends
     with 1 if a check fails.
 
     \b

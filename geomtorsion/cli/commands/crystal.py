@@ -39,30 +39,35 @@ def crystal(
         Path, argument("FILE", "Atoms: extended XYZ, LAMMPS dump or data, POSCAR, CIF ...")
     ],
     lattice: Annotated[
-        str | None, option(metavar="NAME", text=f"{', '.join(LATTICES)}; found if not given.")
+        str | None, option(metavar="NAME", text=f"{', '.join(LATTICES)}; default: recognised.")
     ] = None,
     orient: Annotated[
         str | None,
         option(
             metavar="X;Y;Z",
-            text="Crystal directions along x, y and z: '1,-1,0;1,1,1;-1,-1,2'; found if not given.",
+            text="Crystal directions along x, y and z: '1,-1,0;1,1,1;-1,-1,2'; default: fitted.",
         ),
     ] = None,
     constant: Annotated[
-        float | None, option(metavar="A", text="Lattice constant; found if not given.")
+        float | None, option(metavar="A", text="Lattice constant; default: fitted.")
     ] = None,
     read_as: Annotated[
-        str | None, option("--read-as", metavar="NAME", text="Format of FILE, as ase calls it.")
+        str | None, option("--read-as", metavar="NAME", text="Format of FILE, by its name in ase.")
     ] = None,
     species: Annotated[
         str | None,
-        option(metavar="NAME,...", text="Keep these atoms: symbols or numbers of types, as U,Pu."),
+        option(
+            metavar="NAME,...", text="Keep only these atoms: symbols or type numbers, such as U,Pu."
+        ),
     ] = None,
     partials: Annotated[
-        bool, typer.Option("--partials", help="Tell partial dislocations of a fault apart.")
+        bool, typer.Option("--partials", help="Resolve the partial dislocations of a fault.")
     ] = False,
     convention: Annotated[
-        str, typer.Option(metavar="NAME", help="Sign of b: SF/RH, FS/RH, OVITO, Hirth-Lothe.")
+        str,
+        typer.Option(
+            metavar="NAME", help="Sign convention of b: SF/RH, FS/RH, OVITO, Hirth-Lothe."
+        ),
     ] = "SF/RH",
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
@@ -80,18 +85,18 @@ def crystal(
         directory("Write crystal.json, lines for OVITO, ParaView and ParaDiS, and pictures there."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the trajectory that was stopped in DIR.")
+        bool, typer.Option("--resume", help="Resume the trajectory that was stopped in DIR.")
     ] = False,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Begin anew where one was stopped in DIR.")
+        bool, typer.Option("--overwrite", help="Discard a trajectory that was stopped in DIR.")
     ] = False,
 ) -> None:
     """Find the dislocation lines of a crystal, with their Burgers vectors.
 
-    b is given in lattice constants along the crystal's axes, exactly, and in the coordinates of the
-    file. A trajectory is done frame by frame in the axes of its first frame; lines keep their
-    numbers in time. With -o every frame stays in DIR when the command is stopped or killed; with
-    --resume it goes on, to the same bits.
+    b is given exactly, in lattice constants along the axes of the crystal, and in the coordinates
+    of the file. A trajectory is analysed frame by frame in the axes of its first frame; each line
+    keeps its number over time. With -o the finished frames stay in DIR if the command is stopped or
+    killed, and --resume continues to the same result, bit by bit.
 
     FILE may be an array of positions: .npy, or .npz with the arrays positions, cell and periodic.
 
@@ -110,7 +115,7 @@ def crystal(
         if value is not None and not is_atom_array(file):
             raise CrystalError(
                 f"{name}: expected a file .npy or .npz, got {file.name}, which has its own cell. "
-                "Leave the option out."
+                "Omit the option."
             )
     names = None if species is None else tuple(x.strip() for x in species.split(","))
     settings = Wanted(
@@ -190,14 +195,14 @@ def _axes(text: str | None) -> tuple[tuple[float, ...], ...] | None:
     try:
         rows = np.array([[float(x) for x in part.split(",")] for part in text.split(";")])
     except ValueError:
-        raise CrystalError(
-            f"{message}, got fewer numbers, or words that are not numbers."
-        ) from None
+        raise CrystalError(f"{message}, got other text. Write three numbers for each.") from None
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not rows.any(axis=1).all():
-        raise CrystalError(f"{message}, of three numbers each, got others or 0,0,0.")
+        raise CrystalError(f"{message}, got others. Write three numbers, not all 0, for each.")
     unit = rows / np.linalg.norm(rows, axis=1)[:, None]
     if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6 or np.linalg.det(unit) < 0:
-        raise CrystalError(f"{message}, at right angles and right-handed, got others.")
+        raise CrystalError(
+            f"{message}, got others. Give orthogonal directions in right-handed order."
+        )
     return tuple(map(tuple, unit.T.tolist()))
 
 
@@ -205,7 +210,9 @@ def _folder(output: Path | None, *, resume: bool, overwrite: bool) -> Path | Non
     """Directory of the frames; refuse to overwrite an unfinished run."""
     if output is None:
         if resume or overwrite:
-            raise CheckpointError("--resume and --overwrite are about a directory: name it by -o.")
+            raise CheckpointError(
+                "--resume, --overwrite: expected a directory, got none. Name it with -o."
+            )
         return None
     folder = output / FRAMES
     begun = is_begun(folder)
@@ -226,8 +233,8 @@ def _text(document: Json) -> str:
     rows = [
         typer.style(document["file"], bold=True),
         (
-            f"  {first['atoms']:,} atoms: {first['lattice']}, a = {first['constant']:.6g}; the "
-            f"neighbours of {first['share']:.1%} fit"
+            f"  {first['atoms']:,} atoms: {first['lattice']}, a = {first['constant']:.6g}; "
+            f"{first['share']:.1%} have the neighbours of the lattice"
         ),
         f"  {axes}",
     ]
@@ -255,9 +262,9 @@ def _text(document: Json) -> str:
     shown = [heads, *(table[k] for k in some_rows(len(table)))]
     rows += ["", *_table(shown)]
     if len(shown) <= len(table):
-        rows.append(f"  {len(shown) - 1} of {len(table):,} rows; -o DIR writes all")
+        rows.append(f"  {len(shown) - 1} of {len(table):,} rows; -o DIR writes all of them")
     if not several:
-        rows += ["", f"  length {first['length']:.6g} in all, {first['junctions']} junctions"]
+        rows += ["", f"  total length {first['length']:.6g}, {first['junctions']} junctions"]
         rows += [_loop(line) for line in first["lines"] if "inserted" in line]
     return "\n".join(rows)
 
@@ -346,8 +353,8 @@ def _loop(line: Json) -> str:
     error = line.get("inserted_error", 0.0)
     if error:
         what = (
-            f"+- {error:.2g} {what}: at a surface, next to other lines, or in much noise they are "
-            "not counted"
+            f"+- {error:.2g} {what}: at a surface, next to other lines, or in strong noise the "
+            "number is only an estimate"
         )
     return f"  line {line['track']} encloses b . A = {abs(count):.4g} {what}"
 

@@ -62,9 +62,10 @@ def curve(
 ) -> None:
     """Follow the straightest and the shortest path from one start.
 
-    The autoparallel of the space's connection (its own, or the Cartan connection of the frame) and
-    the geodesic of its metric. What is not given is chosen, and said. Ends with 1 where a motion
-    ran out of its chart before the last time; what was computed is shown and written all the same.
+    The straightest path is the autoparallel of the connection (of the space, or the Cartan
+    connection of its frame), the shortest is the geodesic of the metric. Values that are not given
+    are chosen, and marked so. The command ends with 1 if a motion leaves its chart before the last
+    time; the computed part is still shown and written.
 
     \b
     Examples:
@@ -112,17 +113,15 @@ def _summary(pair: Pair) -> list[str]:
         invariants = "" if drift is None else f", invariants drift by {size_text(drift)}"
         lines.append(
             f"{name}: {solution.problem.law.text}; {solution.engine}, error below "
-            f"{size_text(solution.error)} (asked {solution.accuracy:.1e}){invariants}"
+            f"{size_text(solution.error)} (requested {solution.accuracy:.1e}){invariants}"
         )
     largest = float(pair.distance.max())
     if pair.coincide:
-        lines.append(f"the two are one: never further apart than {size_text(largest)}")
+        lines.append(f"both curves agree: their distance is at most {size_text(largest)}")
     else:
-        lines.append(f"apart by {float(pair.distance[-1]):.6g} at the end, {largest:.6g} at most")
+        lines.append(f"distance {float(pair.distance[-1]):.6g} at the end, {largest:.6g} at most")
     if pair.chart != pair.problem.atlas.home:
-        lines.append(
-            f"coordinates are those of chart {pair.chart}: the motion leaves the first one"
-        )
+        lines.append(f"coordinates refer to chart {pair.chart}: the motion leaves the first chart")
     return lines
 
 

@@ -1,6 +1,6 @@
 """exercise_commands: show, hint, solution, check, sheet, export and grade.
 
-Apart from the list of exercises, which needs none of what these load.
+Separate from the list of exercises, which needs none of these imports.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from geomtorsion.teaching.exercises.verdict import TITLES, Verdict
 
 
 def show(number: Number, seed: Seed = 0) -> None:
-    """Show an exercise: what is given and what is asked.
+    """Show the text and the questions of an exercise.
 
     \b
     Examples:
@@ -101,16 +101,17 @@ def check(
     number: Number,
     answers: Annotated[
         list[str] | None,
-        argument("[QUESTION=]ANSWER", "An answer; with several questions one each, name=answer."),
+        argument("[QUESTION=]ANSWER", "An answer; name=answer for each of several questions."),
     ] = None,
     file: Annotated[
         Path | None, option("--file", metavar="FILE", text="Answers in a TOML file.")
     ] = None,
     seed: Annotated[
-        int | None, option(metavar="N", text="Which variant; default: that of the file, or 0.")
+        int | None,
+        option(metavar="N", text="Number of the variant; default: the seed in the file, or 0."),
     ] = None,
     seconds: Annotated[
-        float, typer.Option(metavar="S", min=0.1, help="How long checking may take.")
+        float, typer.Option(metavar="S", min=0.1, help="Longest time for the check.")
     ] = 20.0,
 ) -> None:
     """Check answers, and name the likely mistake; ends with 1 if one is wrong.
@@ -123,8 +124,8 @@ def check(
     """
     if (file is None) == (not answers):
         raise FileFormatError(
-            "expected either an answer or --file. Write the answer in quotes after the number, "
-            f'as in: geomtorsion exercises check {number} "..."'
+            f"expected an answer or --file, got {'both' if answers else 'neither'}. Write the "
+            f'answer in quotes after the number: geomtorsion exercises check {number} "..."'
         )
     if file is not None:
         submission: object
@@ -149,7 +150,8 @@ def _from_file(number: str, file: Path) -> tuple[object, int]:
         answers = {key: x for key, x in data.items() if key not in ABOUT}
     else:
         raise FileFormatError(
-            f'{file.name}: it answers nothing of exercise {number}. Write [answers."{number}"].'
+            f"{file.name}: expected answers to exercise {number}, got none. Write them below "
+            f'[answers."{number}"].'
         )
     return answers, read.seed or 0
 
@@ -165,7 +167,7 @@ def _from_words(names: list[str], words: list[str]) -> Answers:
             question, answer = names[min(place, len(names) - 1)], word
         if question in answers:
             raise FileFormatError(
-                f"{question} is answered twice, with {shown(answers[question])} and "
+                f"{question}: expected one answer, got {shown(answers[question])} and "
                 f"{shown(answer)}. Write one answer for each of {', '.join(names)}."
             )
         answers[question] = answer
@@ -193,13 +195,15 @@ def _say(verdict: Verdict) -> None:
     if len(verdict.questions) > 1:
         typer.echo(f"{verdict.earned:g} of {verdict.points} points")
     if verdict.unread:
-        typer.echo(f"No points are lost for {', '.join(verdict.unread)}: write it again.")
+        typer.echo(
+            f"Not understood, at no cost of points: {', '.join(verdict.unread)}. Write it again."
+        )
 
 
 def sheet(
     chapter: Annotated[str, argument("CHAPTER", "1 to 7, or all.")],
-    output: Annotated[Path, directory("Made if it is missing.")],
-    seed: Annotated[int, typer.Option(metavar="N", help="Which variant.")] = 0,
+    output: Annotated[Path, directory("Directory of the files, created if missing.")],
+    seed: Annotated[int, typer.Option(metavar="N", help="Number of the variant.")] = 0,
 ) -> None:
     """Write a chapter for students, and its solutions for the teacher.
 
@@ -227,7 +231,7 @@ class Format(StrEnum):
 
 def export(
     to: Annotated[Format, option("--to", metavar="FORMAT", text="The system, as listed above.")],
-    output: Annotated[Path, directory("Made if it is missing.")],
+    output: Annotated[Path, directory("Directory of the files, created if missing.")],
     only: Annotated[
         str | None, option(metavar="NUMBER,...", text="These exercises; default: all.")
     ] = None,
@@ -278,24 +282,25 @@ def grade(
     only: Annotated[
         str | None,
         option(
-            metavar="NUMBER,...", text="Exercises that count; default: all that anybody answered."
+            metavar="NUMBER,...",
+            text="Exercises that count; default: all that any student answered.",
         ),
     ] = None,
     seed: Annotated[
-        int | None, option(metavar="N", text="Variant that everybody must have worked on.")
+        int | None, option(metavar="N", text="Variant that every student must have worked on.")
     ] = None,
     seconds: Annotated[
         float,
-        typer.Option(metavar="S", min=0.1, help="How long the answers to one exercise may take."),
+        typer.Option(metavar="S", min=0.1, help="Longest time for the answers to one exercise."),
     ] = 10.0,
 ) -> None:
     """Grade a folder of answers.
 
-    Nothing in a file is ever run as code; a broken or hostile one is reported and costs no one else
-    their marks. The table is written after each student: a second run goes on where the first was
-    stopped. A row says how many questions were answered, which exercises count, and what to look
-    at: no seed, a name that no question has, two files of one student. Ends with 1 if somebody's
-    file needs a look.
+    No file is ever run as code. A broken or hostile file is reported, and the marks of all other
+    students are unaffected. The table is written after each student: a second run continues where
+    the first was stopped. A row lists how many questions were answered, which exercises count, and
+    what to check: a missing seed, an unknown question, two files of one student. The command ends
+    with 1 if a file needs such a check.
 
     \b
     Examples:
@@ -304,7 +309,8 @@ def grade(
     """
     numbers = None if only is None else list(parts(only))
     if not folder.is_dir():
-        raise NotADirectoryError(20, "expected a folder of TOML files", str(folder))
+        found = "a file" if folder.exists() else "no such folder"
+        raise FileFormatError(f"{folder}: expected a folder of TOML files, got {found}.")
     with bar("grading") as show:
 
         def progress(done: int, total: int, name: str) -> None:
@@ -321,11 +327,11 @@ def grade(
             typer.echo(f"{row['file']}: {row['status']}: {cut(reason, 100)}", err=True)
     if marks.chosen == grading.OCCURRING:
         typer.echo(
-            f"counted: {', '.join(marks.numbers) or 'nothing'}, whatever anybody answered; "
-            "--only says which exercises count"
+            f"counted: {', '.join(marks.numbers) or 'nothing'}, all that any student answered; "
+            "choose others with --only"
         )
     fine = len(marks.rows) - len(marks.troubled)
-    note = f", {marks.kept} of them before" if marks.kept else ""
+    note = f", {marks.kept} of them in an earlier run" if marks.kept else ""
     typer.echo(f"graded {fine} of {len(marks.rows)} students{note}: {output}")
     if marks.troubled:
         raise typer.Exit(ExitCode.failed)

@@ -15,7 +15,7 @@ class ExerciseCommands(LazyGroup):
 
     module = "geomtorsion.cli.commands.exercise_commands"
     summaries: ClassVar = {
-        "show": "Show an exercise: what is given and what is asked.",
+        "show": "Show the text and the questions of an exercise.",
         "hint": "Give hints, one step at a time.",
         "solution": "Solve an exercise step by step, for the teacher.",
         "sheet": "Write a chapter for students, and its solutions for the teacher.",
@@ -38,8 +38,8 @@ exercises = typer.Typer(
 def overview(context: typer.Context) -> None:
     """List, show, check and grade exercises.
 
-    Without a command: all exercises by chapter. Answers are checked exactly, and the likely mistake
-    is named; nothing that a student writes is ever run as code.
+    Without a command, all exercises are listed by chapter. Answers are checked exactly, and the
+    likely mistake is named; no answer of a student is ever run as code.
 
     \b
     Examples:

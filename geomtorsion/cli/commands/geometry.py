@@ -32,7 +32,7 @@ def geometry(
         str,
         typer.Option(
             metavar="QUANTITY,...",
-            help="Only these quantities, for instance torsion,ricci. `all` is everything.",
+            help="Only these quantities, for instance torsion,ricci; `all` shows all.",
         ),
     ] = "all",
     form: Annotated[
@@ -46,7 +46,9 @@ def geometry(
     basis: BasisOption = Basis.natural,
     every: Annotated[
         bool,
-        typer.Option("--every", help="In text and latex: also components that follow by symmetry."),
+        typer.Option(
+            "--every", help="text and latex: show also components that follow by symmetry."
+        ),
     ] = False,
 ) -> None:
     """Show metric, connections, torsion and curvature.
@@ -61,7 +63,7 @@ def geometry(
       geomtorsion geometry my-tetrad.toml --basis frame --format latex
 
     \b
-    A tetrad file is TOML; expressions stand in quotes:
+    A tetrad file is TOML; expressions are in quotes:
       coordinates = ["t", "r"]      names, in the order of the columns
       coframe = [["f(r)", 0],       rows are one-forms; or one of
                  [0, "1/f(r)"]]     frame, metric, structure_constants
@@ -69,8 +71,8 @@ def geometry(
       domain = ["r > 2*M"]          inequalities
       parameters = {M = "positive"}
       functions = {f = ["r"]}
-      names = {F = "f(r)**2"}       what is printed by a name
-    and, as needed, name, title, story, source, notes, complex = true, and one of
+      names = {F = "f(r)**2"}       expressions printed by their name
+    and, if needed, name, title, story, source, notes, complex = true, and one of
     spin_connection, contortion, connection.
     """
     with working(source) as progress:

@@ -30,26 +30,28 @@ def qr_code(text: str) -> str:
 def lab(
     host: Annotated[
         str,
-        typer.Option(metavar="HOST", help="Interface; 0.0.0.0 serves the network, with a code."),
+        typer.Option(
+            metavar="HOST", help="Network interface; 0.0.0.0 serves other machines, with a code."
+        ),
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option(metavar="N", help="Port; 0 takes a free one.")] = 2718,
+    port: Annotated[int, typer.Option(metavar="N", help="Port; 0 chooses a free one.")] = 2718,
     token: Annotated[
-        str, option(metavar="TEXT", text="Code; default: a new one where needed.")
+        str, option(metavar="TEXT", text="Access code; default: a random one if it is needed.")
     ] = "",
     sessions: Annotated[
-        int, typer.Option(metavar="N", min=1, help="How many pages may be open at once.")
+        int, typer.Option(metavar="N", min=1, help="Largest number of open pages.")
     ] = 64,
     show: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in a browser.")
     ] = False,
     export: Annotated[
-        Path | None, option(metavar="DIR", text="Write pages that need no server, and end.")
+        Path | None, option(metavar="DIR", text="Write pages that need no server, and exit.")
     ] = None,
 ) -> None:
     """Play with tetrads, loops, curves, tops and exercises in a browser.
 
-    By default only this machine can open the page. With --host 0.0.0.0 all machines of the network
-    can: their address, a short code and a QR code are printed. The page loads nothing from the
+    By default only this machine can open the page. With --host 0.0.0.0 every machine of the network
+    can: the command prints the address, a short code and a QR code. The page loads nothing from the
     network. It needs the extra `lab`; --export needs only the extra `plots`.
 
     \b
@@ -61,7 +63,7 @@ def lab(
     if export is not None:
         with working("lab") as progress:
             written = write_pages(export, progress)
-        typer.echo(f"wrote {len(written)} pages; begin with {written[0]}")
+        typer.echo(f"wrote {len(written)} pages; open {written[0]} first")
         return
 
     def ready(url: str) -> None:

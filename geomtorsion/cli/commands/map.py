@@ -56,7 +56,10 @@ def map(
         int, typer.Option(metavar="CELLS", help="Cells along the side of each square circuit.")
     ] = 8,
     plane: Annotated[
-        str | None, option(metavar="X,Y", text="Two axes of a grid with more; default: the first.")
+        str | None,
+        option(
+            metavar="X,Y", text="Two axes of a grid with more than two; default: the first two."
+        ),
     ] = None,
     sigma: MeasuredSigma = None,
     threshold: MeasuredThreshold = None,
@@ -67,43 +70,44 @@ def map(
     spots: MeasuredSpots = None,
     resolution: MeasuredResolution = None,
     circle: Annotated[
-        list[str] | None, option(metavar="X,Y:RADIUS", text="A circle in the map as well: 20,30:8")
+        list[str] | None,
+        option(metavar="X,Y:RADIUS", text="Compute also the b of a circle: 20,30:8"),
     ] = None,
     blocks: Annotated[
         int | None,
-        option(metavar="N", text="Grids: in blocks of N places a side, kept in DIR as map.zarr."),
+        option(
+            metavar="N", text="Grids: compute blocks of N x N positions, saved in DIR/map.zarr."
+        ),
     ] = None,
     steps: Annotated[
-        str | None, option(metavar="DX,DY", text="Fields in .npy and .zarr: steps of the axes.")
+        str | None, option(metavar="DX,DY", text="Fields in .npy and .zarr: steps along the axes.")
     ] = None,
     unit: Annotated[
-        str, typer.Option(metavar="UNIT", help="Fields in .npy and .zarr: of the axes.")
+        str, typer.Option(metavar="UNIT", help="Fields in .npy and .zarr: unit of the axes.")
     ] = "",
     workers: Workers = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the map in blocks that was stopped in DIR.")
+        bool, typer.Option("--resume", help="Resume the map in blocks that was stopped in DIR.")
     ] = False,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Begin anew where a map was stopped in DIR.")
+        bool, typer.Option("--overwrite", help="Discard a map that was stopped in DIR.")
     ] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Results as data on standard output.")
-    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
     output: Annotated[
         Path | None, directory("Write map.csv, map.npz, map.json and a picture there.")
     ] = None,
     form: Pictures = PictureFormat.png,
 ) -> None:
-    """Map |b| per area of a measured field, and whether it is more than noise.
+    """Map |b| per area of a measured field, and compare it with noise.
 
     FILE holds a grid (coframe or distortion: .npz, .nc, .csv, .h5, .vtk, .vtu), an orientation map
-    (.ctf, .ang, .h5) or a picture of a lattice (.png, .tif, .npy). Square circuits of one size are
-    taken at every place.
+    (.ctf, .ang, .h5) or an image of a lattice (.png, .tif, .npy). A square circuit of the given
+    size is computed at every position.
 
     A field in an array (.npy of shape (rows, columns, grid...), .zarr) may be larger than memory:
-    its map is computed in blocks, and written to map.zarr in DIR with map.json and a picture. When
-    the command is stopped or killed the finished blocks stay there, and --resume computes the
-    others, to the same result bit by bit.
+    its map is computed in blocks, and written to map.zarr in DIR with map.json and a picture. If
+    the command is stopped or killed, the finished blocks stay there, and --resume computes the
+    others to the same result, bit by bit.
 
     \b
     Examples:
@@ -124,7 +128,7 @@ def map(
     for name, value in refuse.items():
         if value is not None:
             raise GridError(
-                f"{name}: it belongs to maps in blocks. Leave it out, or give --blocks."
+                f"{name}: expected a map in blocks, got one without. Omit it, or give --blocks."
             )
     with bar(f"{path.name}: reading", 2) as show:
         field = opened(source, reading)
@@ -140,7 +144,7 @@ def map(
         loop_from_data(frame, loop_data("circle", text, ""), f"--circle {cut(text)}")
         for text in circle or []
     ]
-    results, vectors, _ = burgers_of(field, loops, alone=False)
+    results, vectors, _ = burgers_of(field, loops, raises=False)
     document = {"about": list(description), **survey.summary(), "circles": results}
     if as_json:
         typer.echo(json.dumps(document, indent=2))
@@ -186,9 +190,11 @@ def _in_blocks(
     """A map that is saved block by block."""
     others = {k: v for k, v in reading.given.items() if k not in ("--sigma", "--order")}
     for name in [*others, *(["--circle"] if circle else [])]:
-        raise GridError(f"{name}: it does not belong to maps in blocks. Leave it out.")
+        raise GridError(f"{name}: expected a map without blocks, got one in blocks. Omit it.")
     if output is None:
-        raise CheckpointError(f"{path.name}: blocks are kept in a directory: name it with -o.")
+        raise CheckpointError(
+            f"{path.name}: expected a directory for the blocks, got none. Name it with -o."
+        )
     place = output / "map.zarr"
     try:
         steps = None if wanted.steps is None else _numbers(wanted.steps)

@@ -39,30 +39,31 @@ def network(
     lattice: Annotated[
         str | None,
         option(
-            metavar="NAME", text="sc, fcc, bcc or hcp: b of circuits in whole lattice vectors, too."
+            metavar="NAME", text="sc, fcc, bcc or hcp: show b of circuits also in lattice vectors."
         ),
     ] = None,
     symmetry: Annotated[
-        str, typer.Option(metavar="NAME", help="Of families: cubic, hexagonal or none.")
+        str,
+        typer.Option(metavar="NAME", help="Symmetry of the families: cubic, hexagonal or none."),
     ] = "cubic",
     unit: Annotated[
         float | None,
-        option(metavar="METRES", text="Length of the unit of the file: densities per m^2."),
+        option(metavar="METRES", text="Unit of length of the file: shows densities per m^2."),
     ] = None,
-    bounded: Annotated[bool, typer.Option("--bounded", help="The box does not repeat.")] = False,
+    bounded: Annotated[bool, typer.Option("--bounded", help="The box is not periodic.")] = False,
     form: Annotated[
         Form, typer.Option("--format", help="text to read, json for programs.")
     ] = Form.text,
     output: Annotated[
         Path | None,
-        directory("Directory for network.json and network.png, made if it is missing."),
+        directory("Directory for network.json and network.png, created if missing."),
     ] = None,
 ) -> None:
     """Read a dislocation network: node rule, families, densities, circuits.
 
-    Burgers vectors and lengths are in the units of the file. A circuit that is right-handed about
-    the sense of a line has the b of the line. Where b is not conserved at an inner node, or a
-    circuit has no answer, the command ends with 1.
+    Burgers vectors and lengths are in the units of the file. A circuit around a line, right-handed
+    about its sense, has the b of the line. The command ends with 1 if b is not conserved at an
+    inner node, or a circuit fails.
 
     \b
     Examples:
@@ -75,7 +76,7 @@ def network(
     loops = _circuits({"circle": circle, "polygon": polygon})
     if lattice is not None and not loops:
         raise NetworkError(
-            "--lattice: it belongs to circuits. Give one with --circle or --polygon."
+            "--lattice: expected a circuit, got none. Give one with --circle or --polygon."
         )
     parts = 2 + len(loops) + (output is not None)
     with bar(f"{file.name}: reading", parts) as show:
@@ -178,13 +179,13 @@ def _explain(document: dict[str, Any]) -> None:
     say(f"  length {document['length']:.6g}, density {_density(document)}")
     broken = document["violations"]
     if not broken:
-        say(f"  b is conserved at every node: sums up to {document['largest_sum_at_a_node']:.2g}")
+        say(f"  b is conserved at every node: largest sum {document['largest_sum_at_a_node']:.2g}")
     else:
         typer.secho(f"  b is not conserved at {len(broken)} nodes", fg=typer.colors.RED)
         for row in broken[:ROWS]:
             say(f"    {row['text']}; missing: {_vector(row['missing'])}")
         if len(broken) > ROWS:
-            say(f"    and {len(broken) - ROWS} more; -o DIR writes all into network.json")
+            say(f"    and {len(broken) - ROWS} more; -o DIR writes all to network.json")
     say(f"\n  {'b':<22}{'lines':>9}{'length':>13}{'density':>25}{'screw':>8}{'edge':>7}")
     for row in document["families"]:
         say(
@@ -225,7 +226,7 @@ def _save(
         save(draw_lines(net, loops, symmetry), written[1])
     except (MissingExtraError, NetworkError) as error:
         # An empty network has no picture.
-        typer.echo(f"no picture: {error}", err=True)
+        typer.echo(f"No picture: {error}", err=True)
         written.pop()
     write_text(written[0], json.dumps(document, indent=2) + "\n")
     typer.echo(f"wrote {' and '.join(map(str, written))}", err=True)

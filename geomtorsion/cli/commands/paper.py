@@ -15,7 +15,7 @@ from geomtorsion.paper import statements
 TITLE = (
     "P. Fiziev, H. Kleinert, FUB-HEP/94-5 (1994), equations (1) to (27), each recomputed\n"
     "c1, s1, c2, s2: cosines and sines of phi1, phi2; indices count from 1, as in the paper;\n"
-    "Omega = (u1, u2, u3), V = (u4, u5, u6), u1dot: the change of u1"
+    "Omega = (u1, u2, u3), V = (u4, u5, u6), u1dot: the rate of change of u1"
 )
 
 
@@ -26,8 +26,8 @@ def paper(
 ) -> None:
     """Recompute the equations of Fiziev and Kleinert (1994).
 
-    Equations (1) to (27), each with what it says, whether that agrees with what is computed or is
-    a misprint, and the formula that is right.
+    Equations (1) to (27): each printed claim, the verdict (it agrees with the computed result, or
+    is a misprint), and the correct formula.
 
     \b
     Examples:
@@ -35,7 +35,7 @@ def paper(
       geomtorsion paper --format json
     """
     if format not in ("text", "json"):
-        raise UnknownNameError(f"paper has no format {shown(format)}; choose text or json.")
+        raise UnknownNameError(f"--format: expected text or json, got {shown(format)}.")
     claims = statements()
     if format == "json":
         typer.echo(json.dumps([asdict(statement) for statement in claims], indent=2))

@@ -21,7 +21,7 @@ LOOKS = {"effect": "shape=box", "watch": "style=bold", "state": "shape=ellipse"}
 def plan(
     source: SpaceOrScene,
     quantity: Annotated[
-        str | None, argument("[QUANTITY]", "Of a space: the quantity, for instance ricci.")
+        str | None, argument("[QUANTITY]", "A quantity of a space, for instance ricci.")
     ] = None,
     watch: Watch = None,
     dot: Annotated[
@@ -29,12 +29,10 @@ def plan(
     ] = False,
     output: Annotated[
         Path | None,
-        option(
-            "-o", "--output", metavar="FILE.svg", text="Of a scene: draw the plan as a picture."
-        ),
+        option("-o", "--output", metavar="FILE.svg", text="Draw the plan of a scene as a picture."),
     ] = None,
 ) -> None:
-    """Show what a quantity of a space, or a scene, needs, and what is left out.
+    """Show the steps that a quantity or a scene needs, and those it omits.
 
     \b
     Examples:
@@ -55,11 +53,14 @@ def plan(
         # A wrong name raises its own error, before the quantity is requested.
         space_or_hint(source)
         raise UnknownNameError(
-            f"plan {source}: name a quantity of the space, as in `geomtorsion plan {source} ricci`."
+            f"plan {source}: expected a quantity of the space, got none. Name one, as in "
+            f"`geomtorsion plan {source} ricci`."
         )
     for name, value in (("--watch", watch), ("--output", output)):
         if value is not None:
-            raise UnknownNameError(f"{name}: it is for scenes, but {source} is a space. Drop it.")
+            raise UnknownNameError(
+                f"{name}: expected a scene, got the space {source}. Omit the option."
+            )
     with working(source):
         quantity_plan = space_or_hint(source).frame.plan(quantity)
         written = quantity_plan.to_dot() if dot else str(quantity_plan)

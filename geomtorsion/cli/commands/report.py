@@ -20,19 +20,19 @@ def report(
     source: SpaceOrFile,
     output: Annotated[
         Path | None,
-        directory("Directory to write to, made if it is missing; default: NAME-report."),
+        directory("Directory of the page, created if missing; default: NAME-report."),
     ] = None,
     pictures: Annotated[
-        bool, typer.Option("--pictures/--no-pictures", help="Motions and a loop, drawn.")
+        bool, typer.Option("--pictures/--no-pictures", help="Draw motions and a loop.")
     ] = True,
     basis: BasisOption = Basis.natural,
     lagrangian: LagrangianOption = None,
     connection: ConnectionOption = None,
 ) -> None:
-    """Write geometry, motions and a loop of a space as a page.
+    """Write a page with the geometry, motions and a loop of a space.
 
-    The page, index.html, is one file that needs no network; geometry.json holds the geometry as
-    data. Pictures need the extra `plots`. With -L the page also shows the field equations of a
+    The page, index.html, is one file that needs no network; geometry.json contains the geometry
+    as data. Pictures need the extra `plots`. With -L the page also shows the field equations of a
     Lagrangian, as `geomtorsion gravity` does.
 
     \b

@@ -56,36 +56,36 @@ def run(
         directory("Write table.csv, result.npz, run.json, scene.toml and pictures there."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the run that was stopped in DIR.")
+        bool, typer.Option("--resume", help="Resume the run that was stopped in DIR.")
     ] = False,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Begin anew where a run was stopped in DIR.")
+        bool, typer.Option("--overwrite", help="Discard a run that was stopped in DIR.")
     ] = False,
     only_kept: Annotated[
         bool,
         typer.Option(
-            "--kept", help="Go on with nothing: write what a stopped run has to DIR/partial.csv."
+            "--kept", help="Write the computed part of a stopped run to DIR/partial.csv, and exit."
         ),
     ] = False,
     animate: Annotated[
         Path | None,
-        option(metavar="FILE", text="Write a film, .gif or (with ffmpeg) .mp4."),
+        option(metavar="FILE", text="Write an animation, .gif or (with ffmpeg) .mp4."),
     ] = None,
     form: Pictures = PictureFormat.png,
     proved: Proved = False,
 ) -> None:
-    """Run a scene: a body, what acts on it, what is watched.
+    """Run a scene: a body, the effects on it, and the watched quantities.
 
-    With -o the run is kept in DIR/checkpoint.npz as it goes: stopped by Ctrl-C or killed, it goes
-    on with --resume from there, to the same result bit by bit; --kept writes what there is. Ends
-    with 1 where the motion could not be followed to its end; what was computed is shown and
-    written all the same.
+    With -o the run is saved in DIR/checkpoint.npz while it is computed. If it is stopped by Ctrl-C
+    or killed, --resume continues it from there to the same result, bit by bit, and --kept writes
+    the computed part. The command ends with 1 if the motion stops before its last time; the
+    computed part is still shown and written.
 
     \b
     Examples:
       geomtorsion run dzhanibekov -o flip
       geomtorsion run lagrange_loop --watch nutation --accuracy 1e-12 --set gravity.g=1.62
-      geomtorsion run my-top.toml -o my-top --animate my-top/film.gif
+      geomtorsion run my-top.toml -o my-top --animate my-top/top.gif
       geomtorsion run dzhanibekov --t 10 --proved
     """
     scene = open_scene(source, watch, accuracy, t, settings)
@@ -101,7 +101,7 @@ def run(
             if output is not None:
                 written = write_run(result, output, form.value, progress)
             if animate is not None:
-                progress("drawing the film")
+                progress("drawing the animation")
                 written.append(write_scene_film(result, animate))
         if checkpoint is not None:
             checkpoint.unlink(missing_ok=True)
@@ -123,8 +123,8 @@ def _checkpoint(output: Path | None, *, resume: bool, overwrite: bool) -> Path |
     if output is None:
         if resume or overwrite:
             raise CheckpointError(
-                "--resume, --kept and --overwrite are about the run in a directory: name it with "
-                "-o."
+                "--resume, --kept, --overwrite: expected a directory with a run, got none. Name it "
+                "with -o."
             )
         return None
     path = output / CHECKPOINT
@@ -178,7 +178,7 @@ def _partial(scene: Scene, checkpoint: Path, engine: Engine | None) -> str:
     path = checkpoint.with_name(PARTIAL)
     write_csv(path, part.columns())
     reached = float(part.times[-1]) if len(part.times) else 0.0
-    return f"what was computed, to t = {reached:.6g} s, is in {path}"
+    return f"the computed part, to t = {reached:.6g} s, is in {path}"
 
 
 def _summary(result: SceneResult) -> list[str]:

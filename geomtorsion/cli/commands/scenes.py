@@ -11,7 +11,7 @@ from geomtorsion.scenes.shipped import described, names, path_of
 
 
 def scenes(
-    name: Annotated[str | None, argument("[NAME]", "Print this scene's file.")] = None,
+    name: Annotated[str | None, argument("[NAME]", "Print the file of this scene.")] = None,
 ) -> None:
     """List the shipped scenes; with a name, print that scene as a file.
 

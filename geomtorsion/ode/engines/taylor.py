@@ -463,7 +463,7 @@ class Taylor:
         """States on the grid, outcome, steps, the longest of them, and reason.
 
         A run without progress is ended.
-        room: the guard, if it may have no series within a step, so that its zero is not detected.
+        `room`: the guard, if it may have no series within a step, so that its zero is not detected.
         refuse: (mean step, time reached) -> an error where too many steps would follow.
         step: heyoka's option for the longest step.
         """

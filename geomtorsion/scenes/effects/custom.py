@@ -91,8 +91,8 @@ class Custom(Effect):
         lost = set(self.states) ^ set(self.start)
         if lost:
             raise SceneError(
-                f"custom: {', '.join(sorted(lost))} is in only one of states and start. "
-                "Every state needs a rate and a value at the start."
+                f"custom: expected {', '.join(sorted(lost))} in both states and start, got it in "
+                "one. Every state needs a rate and a start value."
             )
         object.__setattr__(self, "switches", _checked_switches(self.switches, self.parameters))
 
@@ -156,7 +156,8 @@ def _checked_switches(
             if name not in parameters:
                 names = ", ".join(parameters) or "none"
                 raise SceneError(
-                    f"custom.switches: {name!r} is not a parameter of it. Known are {names}."
+                    f"custom.switches: expected a parameter of the effect, got {name!r}. Known are "
+                    f"{names}."
                 )
         pairs.append((pair[0], dict(pair[1])))
     return tuple(pairs)

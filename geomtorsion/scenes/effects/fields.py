@@ -85,7 +85,7 @@ def check_axis(effect: Effect, name: str) -> None:
     numbers = [exact(value, f"{effect.key}.{name}[{k}]") for k, value in enumerate(values)]
     if not any(numbers):
         raise SceneError(
-            f"{effect.key}.{name} = {values!r} is not a direction. Give one that is not 0."
+            f"{effect.key}.{name}: expected a direction, got {values!r}. Give one that is not 0."
         )
 
 
@@ -148,7 +148,7 @@ def read(
     own = sorted(symbols_in(value), key=str)
     if own:
         _check_names(" ".join(symbol.name for symbol in own), symbols, where)
-        # Symbols with other assumptions (real, positive) are replaced by those of the same name.
+        # Symbols with other assumptions (real, positive) are replaced by known ones of their name.
         return sp.Expr.subs(value, {symbol: symbols[symbol.name] for symbol in own})
     return context.parameter(name, value)
 
@@ -160,8 +160,8 @@ def _check_names(text: str, known: Mapping[str, sp.Expr], where: str) -> None:
             hint = did_you_mean(name, known)
             own = [k for k in known if k not in _STATE]
             raise ExpressionError(
-                f"{where} contains {name!r}, which nothing gives. {hint}"
-                f"There are {_SHORT}, and {', '.join(own)}.\n    {text}"
+                f"{where}: expected a known name, got {name!r}. {hint}There are {_SHORT}, and "
+                f"{', '.join(own)}.\n    {text}"
             )
 
 
@@ -206,7 +206,8 @@ def between(
         return sp.S.One, ()
     if end is not None and exact(end, "end") <= exact(start or 0, "start"):
         raise SceneError(
-            f"{context.key or name} is on from {start or 0} to {end} s: it ends before it begins."
+            f"{context.key or name}: expected an end after the start at {start or 0} s, got {end} "
+            "s. Exchange them."
         )
     factor = context.switchable(name, 0 if start is not None else 1)
     switches = () if start is None else ((start, {factor.name: 1}),)

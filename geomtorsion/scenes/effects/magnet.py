@@ -64,8 +64,8 @@ class Magnet(Effect):
         state = {symbol.name for symbol in outside.free_symbols} - {"t", *context.values}
         if state:
             raise SceneError(
-                f"{self.called(context)}.field contains {', '.join(sorted(state))}: a uniform "
-                "field may depend only on the time t. Use Custom for other fields."
+                f"{self.called(context)}.field: expected a uniform field, which may depend only on "
+                f"the time t, got {', '.join(sorted(state))} in it. Use Custom for other fields."
             )
         seen = context.in_body(outside)
         change = context.in_body(sp.diff(outside, context.t))

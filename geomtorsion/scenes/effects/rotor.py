@@ -72,8 +72,8 @@ class Rotor(Effect):
             check_numbers(self, "inertia", sign="positive")
         elif self.torque != 0:
             raise SceneError(
-                f"rotor.torque = {self.torque!r} needs rotor.inertia (kg m^2): "
-                "a wheel driven at a constant speed takes what torque it needs."
+                f"rotor.torque = {self.torque!r}: expected also rotor.inertia (kg m^2), got none. "
+                "Give it, or omit the torque: a wheel at constant speed needs no given torque."
             )
 
     def adds(self, context: Context) -> Contribution:
@@ -119,7 +119,7 @@ class Rotor(Effect):
         whole = (column.T * tensor * column)[0] / column.dot(column)
         if not exact(self.inertia, "inertia") < whole:
             raise SceneError(
-                f"{self.called(context)}.inertia = {self.inertia} is not less than "
-                f"{float(whole):.6g} kg m^2, what the body has about that axis with its wheel. "
-                "Give it more, or the wheel less."
+                f"{self.called(context)}.inertia: expected less than {float(whole):.6g} kg m^2, "
+                f"the moment of the body about that axis including its wheel, got {self.inertia}. "
+                "Increase the moment of the body, or decrease the inertia of the wheel."
             )

@@ -124,6 +124,6 @@ def _check_times(effect: Thrust | BodyMoment) -> None:
             check_numbers(effect, name)
     if effect.end is not None and effect.end <= (effect.start or 0):
         raise SceneError(
-            f"{effect.key} is on from {effect.start or 0} to {effect.end} s: "
-            "it ends before it begins."
+            f"{effect.key}: expected an end after the start at {effect.start or 0} s, got "
+            f"{effect.end} s. Exchange them."
         )

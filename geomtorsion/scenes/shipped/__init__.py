@@ -38,7 +38,8 @@ def path_of(name: str) -> Path:
     if name not in names():
         hint = did_you_mean(name, names())
         raise UnknownNameError(
-            f"no shipped scene is called {name!r}. {hint}There are {', '.join(names())}."
+            f"expected the name of a shipped scene, got {name!r}. {hint}There are "
+            f"{', '.join(names())}."
         )
     return _FOLDER / f"{name}.toml"
 

@@ -54,7 +54,7 @@ def test_without_matplotlib(tmp_path, no_pictures):
         (("so3", "--engines", "magic"), "engine: expected one of"),
         (("so3", "--moments", "1,2"), "got 2"),
         (("goedel", "--start", "1"), "expected 4 numbers"),
-        (("lagrange_cusp", "--curve", "autoparallel"), "--curve is for spaces"),
+        (("lagrange_cusp", "--curve", "autoparallel"), "--curve: expected a space, got a scene"),
     ],
 )
 def test_bad_input_is_refused(arguments, says):
@@ -75,4 +75,7 @@ def test_what_accuracy_costs_for_a_scene(tmp_path):
     assert (tmp_path / "accuracy.png").stat().st_size > 5000
     text = run("accuracy", "euler_top", "--accuracies", "1e-6", "--engines", "rungekutta").stdout
     assert "the closed form" in text
-    assert "for spaces" in run("accuracy", "euler_top", "--start", "1", code=2).stderr
+    assert (
+        "expected a space, got a scene"
+        in run("accuracy", "euler_top", "--start", "1", code=2).stderr
+    )

@@ -51,7 +51,7 @@ def test_text_says_route_check_and_cost() -> None:
     shown = run("so3", "--circle", "0.3,1,0.2:1e-12").stdout
     for words in ("b = (3.0012", "flux: the loop is so small", "checked: line", "evaluations"):
         assert words in shown
-    assert "below all doubles" in run("so3", "--circle", "0.3,1,0.2:1e-300").stdout
+    assert "smaller than any double" in run("so3", "--circle", "0.3,1,0.2:1e-300").stdout
     assert (
         "defect is enclosed"
         in run("screw_dislocation", "--set", "b=1/2", "--circle", "0,0,0:1").stdout
@@ -107,12 +107,12 @@ def test_files_of_loops_have_to_agree(tmp_path: Path) -> None:
     third.write_text(json.dumps({"loops": [loop], "parameters": {"b": 3}}))
     name, files = "screw_dislocation", ("--loops", str(one), "--loops", str(other))
     said = run(name, *files, code=2).stderr
-    assert "other.json: accuracy is 0.001 there, but 1e-09 in" in said
-    assert "Say which by --accuracy" in said
+    assert "other.json: expected accuracy = 1e-09 as in" in said
+    assert "got 0.001. Choose one by --accuracy" in said
     found = data(name, *files, "--accuracy", "1e-6")["results"]
     assert [result["accuracy"] for result in found] == [1e-6, 1e-6]
     files = ("--loops", str(one), "--loops", str(third))
-    assert "third.json: b is 3 there, but 2 in" in run(name, *files, code=2).stderr
+    assert "third.json: expected b = 2 as in" in run(name, *files, code=2).stderr
     found = data(name, *files, "--set", "b=5")["results"]
     assert [round(result["vector"][2], 9) for result in found] == [5, 5]
 
@@ -160,7 +160,7 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((), "no loop was given"),
+        ((), "expected a loop, got none"),
         (("--circle", "0,1,0"), "expected CENTRE:RADIUS[:PLANE], got 1 part"),
         (("--circle", "0,1:1"), "the loop has 2 coordinates, the frame 3"),
         (("--circle", "0,1,0:-1"), "expected a positive length"),
@@ -173,8 +173,14 @@ def test_an_interruption_keeps_what_is_done(monkeypatch: pytest.MonkeyPatch) -> 
         (("--set", "R", "--circle", "0,1,0:1"), "expected NAME=VALUE"),
         (("--set", "R=1", "--circle", "0,1,0:1"), "R is not a parameter"),
         (("--accuracy", "0", "--circle", "0,1,0:1"), "accuracy"),
-        (("--interval", "0,pi", "--circle", "0,1,0:1"), "no curve came. Drop it"),
-        (("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:1"), "Drop it, or --exact"),
+        (
+            ("--interval", "0,pi", "--circle", "0,1,0:1"),
+            "expected a --curve in s, got none. Omit it",
+        ),
+        (
+            ("--exact", "--accuracy", "1e-3", "--circle", "0,1,0:1"),
+            "accuracy 0.001: expected numbers, got --exact",
+        ),
         (("--loops", "none.json"), "cannot be read"),
         (("--spline", "0,0,0;1,0,0;0,1,0", "--exact"), "known by numbers only"),
     ],
@@ -258,7 +264,7 @@ def test_a_file_of_loops_of_the_other_kind(tmp_path) -> None:
     for extra in ({"accuracy": 1e-3}, {"parameters": {"b": 2}}):
         given = json.dumps({"loops": [circle], **extra})
         said = run(str(grid(tmp_path)), "--loops", "-", code=2, given=given).stderr
-        assert f"--loops -: {next(iter(extra))}: it belongs to spaces given by formulas" in said
+        assert f"--loops -: {next(iter(extra))}: expected a space given by formulas" in said
 
 
 def test_closed_forms_have_no_accuracy_in_files() -> None:
@@ -266,16 +272,24 @@ def test_closed_forms_have_no_accuracy_in_files() -> None:
     circle = {"circle": {"centre": [2, 3, 0], "radius": 1.5}}
     given = json.dumps({"loops": [circle], "accuracy": 0.1})
     said = run("heisenberg", "--exact", "--loops", "-", code=2, given=given).stderr
-    assert "Drop it, or --exact" in said
+    assert "expected numbers, got --exact" in said
 
 
 @pytest.mark.parametrize(
     ("source", "options", "words"),
     [
-        ("measured", ("--exact",), "--exact: it belongs to spaces given by formulas"),
-        ("measured", ("--set", "a=1"), "--set: it belongs to spaces"),
-        ("heisenberg", ("--sigma", "1"), "--sigma: it belongs to measured fields"),
-        ("heisenberg", ("--threshold", "1"), "--threshold: it belongs to measured fields"),
+        (
+            "measured",
+            ("--exact",),
+            "--exact: expected a space given by formulas, got a measured field",
+        ),
+        ("measured", ("--set", "a=1"), "--set: expected a space given by formulas"),
+        (
+            "heisenberg",
+            ("--sigma", "1"),
+            "--sigma: expected a measured field, got a space given by formulas",
+        ),
+        ("heisenberg", ("--threshold", "1"), "--threshold: expected a measured field"),
     ],
 )
 def test_options_of_the_other_kind(tmp_path, source, options, words) -> None:
@@ -288,7 +302,10 @@ def test_a_value_against_what_was_declared() -> None:
     """Said in one line, by numbers and exactly."""
     for more in ((), ("--exact",)):
         result = run("s2", "--set", "R=-1", "--circle", "1,1:1/2", *more, code=2)
-        assert "R was declared positive, nonnegative, but -1" in result.stderr
+        assert (
+            "R: expected a value that is positive, nonnegative, as declared, got -1"
+            in result.stderr
+        )
 
 
 def test_proved_prints_certain_digits() -> None:

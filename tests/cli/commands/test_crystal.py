@@ -163,7 +163,7 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
     assert sorted(path.name for path in parts.iterdir()) == names
     for name in names:
         assert (parts / name).read_bytes() == (whole / name).read_bytes(), name
-    assert "no stopped trajectory" in run(
+    assert "expected a stopped trajectory, got none" in run(
         str(file), "-o", str(parts), "--resume", code=2
     ).stderr  # fmt: skip
 
@@ -171,14 +171,14 @@ def test_a_trajectory_that_is_stopped_goes_on_to_the_same_bits(
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--orient", "1,0,0;0,1,0"), "three numbers each"),
-        (("--orient", "1,0,0;1,1,0;0,0,1"), "right angles"),
+        (("--orient", "1,0,0;0,1,0"), "Write three numbers"),
+        (("--orient", "1,0,0;1,1,0;0,0,1"), "Give orthogonal directions"),
         (("--orient", "1,0,0;0,1,0;0,0,-1"), "right-handed"),
-        (("--orient", "__import__('os')"), "got fewer numbers, or words that are not numbers"),
+        (("--orient", "__import__('os')"), "got other text"),
         (("--lattice", "quasi"), "fcc"),
         (("--constant", "-1"), "positive"),
         (("--read-as", "traj"), "form: expected one of"),
-        (("--resume",), "name it by -o"),
+        (("--resume",), "expected a directory, got none"),
         (("--cell", "80,80,14.4"), "its own cell"),
         (("--periodic", "z"), "its own cell"),
     ],
@@ -246,7 +246,7 @@ def test_arrays_give_what_the_file_gives(tmp_path: Path) -> None:
         (("--cell", "a;b;c"), "three lengths"),
         (("--cell", "0,80,80"), "span a volume"),
         ((*ARRAY[:3], "w"), "letters of xyz"),
-        ((*ARRAY, "--resume"), "name it by -o"),
+        ((*ARRAY, "--resume"), "expected a directory, got none"),
     ],
 )
 def test_wrong_options_of_arrays_are_told(

@@ -250,7 +250,7 @@ def test_names_that_the_written_function_needs_itself(tmp_path):
     ("arguments", "message"),
     [
         (["so3", "--only", "rici"], "Did you mean ricci"),
-        (["so3", "--only", "connection_torsion"], "has none beside those of its frame"),
+        (["so3", "--only", "connection_torsion"], "which only has the connections of its frame"),
         (["so4"], "the name of a shipped space, got 'so4'"),
         (["nowhere.toml"], "No such file"),
         (["so3", "--format", "html"], "html"),

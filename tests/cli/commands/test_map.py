@@ -62,7 +62,7 @@ def test_grains_are_not_crossed(wall):
     """With a threshold below the wall, circuits that cross it are counted as missing."""
     said = run(str(wall), "--size", "4", "--threshold", "1.5")
     assert "more cross a boundary" in said.stdout
-    assert "no circuit of this size is left" in run(
+    assert "no circuit of this size fits" in run(
         str(wall), "--size", "20", "--threshold", "1.5"
     ).stdout  # fmt: skip
 
@@ -157,10 +157,10 @@ def test_circles(scan, tmp_path):
     ("arguments", "message"),
     [
         (("--circle", "4,4"), "--circle 4,4: expected CENTRE:RADIUS"),
-        (("--workers", "2"), "--workers: it belongs to maps in blocks"),
+        (("--workers", "2"), "--workers: expected a map in blocks"),
         (("--circle", "a,b:c"), "--circle a,b:c"),
         (("--threshold", "0"), "threshold: expected a positive number"),
-        (("--laue", "cubic"), "--laue cubic: expected PHASE=GROUP"),
+        (("--laue", "cubic"), "--laue: expected PHASE=GROUP, got 'cubic'"),
         (("--laue", "1=cubic"), "'cubic' is not known"),
     ],
 )
@@ -182,7 +182,7 @@ def test_an_image(lattice, tmp_path):
     """Whole numbers round the core, in words, table and pictures."""
     options = ("--pixel", "0.05nm", "--size", "40", "--circle", "6.4,6.4:3")
     said = run(lattice, *options, "-o", str(tmp_path / "o")).stdout
-    assert "b = (-1, 0) lattice vectors; the chance that noise has changed it" in said
+    assert "b = (-1, 0) lattice vectors; the probability that noise changed it" in said
     assert "lattice vectors (0.40" in said
     found = json.loads((tmp_path / "o/map.json").read_text())
     assert found["largest"] == pytest.approx(0.4 / 4, rel=0.01)
@@ -193,9 +193,9 @@ def test_an_image(lattice, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--pixel", "nm"), "--pixel nm: expected a size with its unit"),
-        (("--pixel", "0nm"), "--pixel 0nm: expected a size with its unit"),
-        (("--spots", "1,a"), "--spots 1,a: expected two spots"),
+        (("--pixel", "nm"), "--pixel: expected a positive size with its unit, got 'nm'"),
+        (("--pixel", "0nm"), "--pixel: expected a positive size with its unit, got '0nm'"),
+        (("--spots", "1,a"), "--spots: expected two spots in cycles per unit, got '1,a'"),
         (("--spots", "0.1,0"), "--spots: "),
         (("--resolution", "-1"), "--resolution: expected a positive number"),
         (("--sigma", "1"), "--sigma: expected a file of sampled frames"),

@@ -81,6 +81,6 @@ def test_wrong_input_ends_with_two(tmp_path: Path) -> None:
 
 def test_a_lattice_is_for_circuits() -> None:
     """Without one it said nothing, whatever its name."""
-    assert "--lattice: it belongs to circuits" in run(
+    assert "--lattice: expected a circuit, got none" in run(
         str(TRIANGLE), "--lattice", "quasi", code=2
     ).stderr  # fmt: skip

@@ -18,7 +18,7 @@ def test_plans_of_scenes(tmp_path):
     """Text, graph and picture; a space still needs its quantity."""
     text = run("plan", "lagrange_cusp", "--watch", "nutation").stdout
     assert "6 equations for nutation" in text
-    assert "left out" in text
+    assert "omitted" in text
     dot = run("plan", "lagrange_cusp", "--dot").stdout
     assert dot.startswith("digraph plan {")
     assert '"attitude" -> "watch axis"' in dot
@@ -26,7 +26,7 @@ def test_plans_of_scenes(tmp_path):
     run("plan", "dzhanibekov", "-o", str(drawn))
     assert drawn.read_text().count("<svg") == 1
     assert "products at most" in run("plan", "so3", "ricci").stdout
-    assert "name a quantity of the space" in run("plan", "so3", code=2).stderr
+    assert "expected a quantity of the space, got none" in run("plan", "so3", code=2).stderr
     assert "'nowhere'" in run("plan", "nowhere", code=2).stderr
     assert "Did you mean the scene helix?" in run("plan", "helx", code=2).stderr
     assert "Did you mean the scene helix?" in run("accuracy", "helx", code=2).stderr
@@ -54,9 +54,9 @@ euler = [0, 0.5, "90 deg"]
 def test_options_of_scenes_are_refused_for_spaces(tmp_path):
     """A picture that was asked for, and never drawn, is worse than an error."""
     drawn = tmp_path / "plan.svg"
-    assert "--output: it is for scenes" in run(
+    assert "--output: expected a scene, got the space" in run(
         "plan", "so3", "ricci", "-o", str(drawn), code=2
     ).stderr  # fmt: skip
-    assert "--watch: it is for scenes" in run(
+    assert "--watch: expected a scene, got the space" in run(
         "plan", "so3", "ricci", "--watch", "omega", code=2
     ).stderr  # fmt: skip

@@ -79,18 +79,21 @@ def test_pictures_and_film(tmp_path, monkeypatch):
         (("run", "dzanibekov"), "Did you mean dzhanibekov"),
         (("run", "none.toml"), "cannot be read"),
         (("run", "helix", "--watch", "positoin"), "positoin"),
-        (("run", "helix", "--accuracy", "0"), "positive number is needed"),
+        (("run", "helix", "--accuracy", "0"), "expected a positive number"),
         (("run", "helix", "--engine", "magic"), "got 'magic'"),
-        (("run", "helix", "--t", "3 m"), "measured in s"),
+        (("run", "helix", "--t", "3 m"), "expected a value in s"),
         (("run", "helix", "--t", "inf"), "expected a finite number, got inf"),
         (("run", "helix", "--t", "nan s"), "expected a finite number, got nan s"),
         (("run", "helix", "--set", "body.mas=2"), "Did you mean mass"),
-        (("run", "helix", "--set", "body.mass"), "expected path=number"),
+        (("run", "helix", "--set", "body.mass"), "expected PATH=NUMBER"),
         (("run", "helix", "--set", "body.mass=-1"), "positive number"),
-        (("run", "helix", "--resume"), "name it with -o"),
-        (("run", "helix", "--overwrite"), "name it with -o"),
-        (("run", "helix", "--set", "t=1", "--set", "t=2"), "t is given twice"),
-        (("run", "helix", "--t", "0.1", "--animate", "film.avi"), r".gif or an .mp4"),
+        (("run", "helix", "--resume"), "expected a directory with a run, got none"),
+        (("run", "helix", "--overwrite"), "expected a directory with a run, got none"),
+        (("run", "helix", "--set", "t=1", "--set", "t=2"), "expected t once, got it twice"),
+        (
+            ("run", "helix", "--t", "0.1", "--animate", "film.avi"),
+            "expected the name of a .gif or .mp4",
+        ),
     ],
 )
 def test_bad_input_is_refused(arguments, says):
@@ -115,7 +118,7 @@ def test_a_stopped_run_may_be_begun_anew(tmp_path, no_pictures):
     checkpoint.write_bytes(b"what another run had computed")
     arguments = ("lagrange_cusp", "--t", "0.1", "-o", str(tmp_path))
     assert "--overwrite to start again" in run("run", *arguments, code=2).stderr
-    assert "give one" in run("run", *arguments, "--overwrite", "--resume", code=2).stderr
+    assert "Give one" in run("run", *arguments, "--overwrite", "--resume", code=2).stderr
     assert checkpoint.exists()
     run("run", *arguments, "--overwrite")
     assert not checkpoint.exists()
@@ -127,7 +130,7 @@ def test_nothing_to_go_on_with_is_no_new_run(option, tmp_path):
     """A directory that holds no stopped run is refused, and not made."""
     folder = tmp_path / "misspelt"
     refused = run("run", "lagrange_cusp", "--t", "0.1", option, "-o", str(folder), code=2)
-    assert "holds no stopped run. Leave out --resume" in refused.stderr
+    assert "expected a stopped run, got none. Omit --resume" in refused.stderr
     assert not folder.exists()
 
 
@@ -218,12 +221,12 @@ def test_stopped_runs_go_on_to_the_same_result(tmp_path, no_pictures):
     assert "Give --resume" in refused
     assert "--overwrite to start again" in refused
     other = run(*given, "--resume", "--accuracy", "1e-9", code=2).stderr
-    assert "another run" in other
+    assert "got one with other equations" in other
     assert "give --overwrite." in other
     assert "overwrite=True" not in other
 
     shown = run(*given, "--kept").stdout
-    assert "what was computed, to t = " in shown
+    assert "the computed part, to t = " in shown
     with (parts / "out" / "partial.csv").open(newline="") as file:
         partial = list(csv.reader(file))
 

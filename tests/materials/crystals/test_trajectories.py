@@ -50,7 +50,7 @@ def test_other_settings_or_files_are_refused(tmp_path: Path):
         list(reports(file, WANTED, folder))
     file.write_bytes(content)
     (folder / "000000.json").write_text("{")
-    with pytest.raises(GeomtorsionError, match=r"000000\.json.*no JSON"):
+    with pytest.raises(GeomtorsionError, match=r"000000\.json.*expected JSON"):
         list(reports(file, WANTED, folder))
 
 

@@ -182,7 +182,7 @@ def test_stopped_by_hand(tmp_path):
 def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
     """A map that was stopped is refused without a word what to do; so are another file and size."""
     path, out = grid(tmp_path, sigma=0.1), tmp_path / "o"
-    with pytest.raises(CheckpointError, match="no stopped map"):
+    with pytest.raises(CheckpointError, match="expected a stopped map, got none"):
         run(path, out, 5, resume=True)
     compute = BlockMap.compute
 
@@ -200,7 +200,7 @@ def test_a_run_is_resumed_as_it_was(tmp_path, monkeypatch):
     times = [file.stat().st_mtime_ns for file in kept]
     for options, message in (
         ({}, "--resume to continue it"),
-        ({"resume": True, "overwrite": True}, "give one of them"),
+        ({"resume": True, "overwrite": True}, "Give one of them"),
         ({"resume": True, "size": 2}, "another run, which differs in size"),
         ({"resume": True, "block": 4}, "another run, which differs in block"),
     ):

@@ -139,7 +139,7 @@ def test_what_a_file_cannot_hold_is_refused(tmp_path: Path) -> None:
         ('"constraint": 0', '"constraint": "x"', "whole number"),
         ('"image"', '"other"', "expected image as in other lines, got none"),
         ('"position": [', '"position": [1.0, ', "lists of equal lengths"),
-        ("}", "", "no JSON"),
+        ("}", "", "expected JSON"),
     ],
 )
 def test_damage_is_named(tmp_path: Path, old: str, new: str, message: str) -> None:

@@ -33,7 +33,7 @@ def test_both_readers_agree(tmp_path):
     assert np.nanmax(squares[0].per_area) > 1e-3
     (tmp_path / "b.h5").write_bytes(b"nothing")
     with pytest.raises(
-        FileFormatError, match=r"b\.h5: it cannot be read, it is truncated or no HDF5"
+        FileFormatError, match=r"b\.h5: the file cannot be read: it is truncated or not an HDF5"
     ):
         OrientationMap.read(tmp_path / "b.h5")
 
