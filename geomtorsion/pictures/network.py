@@ -63,8 +63,8 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
             f"expected at most {STYLE.edges} edges for a picture, got {len(net.edges.pairs)}. Draw "
             "a part of the network."
         )
-    vectors = net.basis_burgers(basis)
-    sizes = [float(np.linalg.norm(vector.vector)) for vector in vectors]
+    gaps = net.basis_burgers(basis)
+    sizes = [float(np.linalg.norm(gap.vector)) for gap in gaps]
     largest = max(sizes, default=0.0)
     figure = new_figure(7.6, 6.2)
     axes = figure.subplots()
@@ -73,9 +73,9 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
     axes.plot(edges[..., 0].T, edges[..., 1].T, color=SOFT, lw=1, zorder=1)
     axes.plot(*places.T, "o", color=START, ms=4, zorder=3)
     shades = _shades(figure, axes, largest)
-    for vector, length in zip(vectors, sizes, strict=True):
-        if length > max(FLAT * largest, vector.error):
-            corners = np.array([places[net.edges.numbers[node]] for node in vector.cycle])
+    for gap, length in zip(gaps, sizes, strict=True):
+        if length > max(FLAT * largest, gap.error):
+            corners = np.array([places[net.edges.numbers[node]] for node in gap.cycle])
             axes.fill(*corners.T, color=shades(length), alpha=0.85, zorder=2, lw=0)
             axes.annotate(
                 f"{length:.3g}",
@@ -86,15 +86,14 @@ def draw_network(net: Network, basis: str = "minimum", plane: tuple[int, int] = 
                 zorder=4,
             )
     missed = sum(
-        length > max(FLAT * largest, vector.error)
-        for vector, length in zip(vectors, sizes, strict=True)
+        length > max(FLAT * largest, gap.error) for gap, length in zip(gaps, sizes, strict=True)
     )
     frame = net.frame
     exact = isinstance(frame, Frame)
     names = [symbol.name for symbol in frame.coordinates] if exact else list(frame.names)
     axes.set_xlabel(names[plane[0]])
     axes.set_ylabel(names[plane[1]])
-    axes.set_title(f"{len(vectors)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
+    axes.set_title(f"{len(gaps)} cycles of a {basis} basis, {missed} do not close", fontsize=11)
     axes.set_aspect("equal")
     quiet(axes)
     return figure
@@ -328,14 +327,14 @@ def _draw_space(axes: Axes3D, lines: LineArrays, family: np.ndarray, loops: Sequ
 def _draw_shares(axes: Axes, families: Sequence[LineFamily]) -> None:
     """Length of the longest families, screw and edge."""
     shown = families[: len(SERIES)]
-    whole = sum(family.length for family in families) or 1.0
-    for k, family in enumerate(shown):
-        share, color = 100 * family.length / whole, SERIES[k].color
-        axes.barh(k, share * family.screw, color=color, height=0.62)
+    whole = sum(kind.length for kind in families) or 1.0
+    for k, kind in enumerate(shown):
+        share, color = 100 * kind.length / whole, SERIES[k].color
+        axes.barh(k, share * kind.screw, color=color, height=0.62)
         axes.barh(
-            k, share * family.edge, left=share * family.screw, color=color, alpha=0.35, height=0.62
+            k, share * kind.edge, left=share * kind.screw, color=color, alpha=0.35, height=0.62
         )
-        text = f"b = {family.name}: {number(round(share, 2))} %, screw {100 * family.screw:.0f} %"
+        text = f"b = {kind.name}: {number(round(share, 2))} %, screw {100 * kind.screw:.0f} %"
         axes.annotate(text, (0, k - 0.44), fontsize=9, va="bottom", color="#222222")
     left = len(families) - len(shown)
     axes.set_title("length by family" + (f", {left} more not shown" if left else ""), fontsize=10)

@@ -161,12 +161,8 @@ class CurveCourse:
         for (i, mu), element in chart.coframe.entries.items():
             rows[i].append((element, (rates[mu],)))
         parameters, values = self._frame_parameters()
-        rate_graph = graph(
-            [*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False
-        )
-        return BallCode(rate_graph).real(
-            [*coordinates, *(exact_ball(x) for x in velocity), *values]
-        )
+        form = graph([*chart.names, *rates, *parameters], [tuple(x) for x in rows], factor=False)
+        return BallCode(form).real([*coordinates, *(exact_ball(x) for x in velocity), *values])
 
     def _frame_parameters(self) -> tuple[list[str], list[arb]]:
         """Names and values of the quantities in charts other than coordinates."""

@@ -63,10 +63,8 @@ def disagreements(space: Space, answer: KnownAnswer) -> tuple[Disagreement, ...]
     [(), ()]
     """
     tensor = computed(space, answer)
-    components = answer.components
-    values: dict[Index, Closed] = (
-        dict(components) if isinstance(components, Mapping) else {(): components}
-    )
+    entries = answer.components
+    values: dict[Index, Closed] = dict(entries) if isinstance(entries, Mapping) else {(): entries}
     if answer.complete:
         for index in tensor.components.nonzero:
             values.setdefault(index, 0)
