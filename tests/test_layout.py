@@ -115,7 +115,7 @@ BUDGET = {
     "proofs": 2050,
     "rigid": 650,
     "scenes": 3900,
-    "spaces": 4000,
+    "spaces": 4050,
     "support files": 2200,
     "teaching": 10950,
 }

@@ -120,10 +120,10 @@ REFUSED: list[tuple[Callable[[], Any], type[GeomtorsionError], str]] = [
     (lambda: SOLVED.event_times("theta", 2), ArgumentError, r"direction: expected 1 .upwards"),
     (lambda: SOLVED.event_times("theta", (1, 2)), ArgumentError, r"got \(1, 2\)"),  # type: ignore[arg-type]  # on purpose
     (
-        lambda: SOLVED[["theta"]],
+        lambda: SOLVED[["theta"]],  # type: ignore[index]  # on purpose
         UnknownNameError,
         r"expected a quantity of this motion, got \['theta'\]",
-    ),  # type: ignore[index]  # on purpose
+    ),
     (lambda: SOLVED.in_chart({}), UnknownNameError, r"expected a chart of this space, got \{\}"),  # type: ignore[arg-type]  # on purpose
     (
         lambda: turning(
