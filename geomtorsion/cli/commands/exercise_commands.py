@@ -309,8 +309,8 @@ def grade(
     """
     numbers = None if only is None else list(parts(only))
     if not folder.is_dir():
-        found = "a file" if folder.exists() else "no such folder"
-        raise FileFormatError(f"{folder}: expected a folder of TOML files, got {found}.")
+        kind = "a file" if folder.exists() else "no such folder"
+        raise FileFormatError(f"{folder}: expected a folder of TOML files, got {kind}.")
     with bar("grading") as show:
 
         def progress(done: int, total: int, name: str) -> None:

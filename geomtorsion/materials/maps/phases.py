@@ -180,18 +180,18 @@ def cell_vector(
     >>> cell_vector((1, 1, -2, 0), "direction", zinc).tolist()
     [3.0, 3.0, 0.0]
     """
-    found = checks.array(given, subject, OrientationError)
-    if found.shape not in ((3,), (4,)):
+    indices = checks.array(given, subject, OrientationError)
+    if indices.shape not in ((3,), (4,)):
         raise OrientationError(
             f"{subject}: expected three indices, or four for a hexagonal cell, got "
             f"{checks.shown(given)}."
         )
-    if len(found) == 3:
-        return found
-    h, k, i, last = found
+    if len(indices) == 3:
+        return indices
+    h, k, i, last = indices
     if (
         phase.laue not in ("-3", "-3m", "6/m", "6/mmm")
-        or abs(h + k + i) > 1e-6 * np.abs(found).max()
+        or abs(h + k + i) > 1e-6 * np.abs(indices).max()
     ):
         raise OrientationError(
             f"{subject}: expected four indices only in a hexagonal or trigonal cell, with a sum "
